@@ -1,0 +1,57 @@
+# Needs Python >= 3.11 and make; everything else is installed into .venv by the first target that needs it.
+# Another interpreter: make PYTHON=python3.13 test
+
+PYTHON ?= python3
+BIN := .venv/bin
+INSTALLED := .venv/installed
+PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check -c constraints.txt
+REPORT := build/four-wheel.md
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint format bench clean
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: $(INSTALLED) ## check the four-wheel array and write its derivation report
+	$(BIN)/nonsmooth check four-wheel
+	$(BIN)/nonsmooth check four-wheel-side
+	@mkdir -p $(dir $(REPORT))
+	$(BIN)/nonsmooth derive four-wheel -o $(REPORT)
+	@echo "The derivation report is in $(REPORT)"
+
+
+test: $(INSTALLED) ## run the tests
+	$(BIN)/python -m pytest -n 2 --ignore=tests/benchmarks -q
+
+lint: $(INSTALLED) ## ruff and mypy, changing nothing
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/mypy tests
+
+format: $(INSTALLED) ## format the code and mend what ruff can mend
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(INSTALLED) ## run the measured comparisons in tests/benchmarks
+	$(BIN)/python -m pytest tests/benchmarks
+
+clean: ## remove all that make has built, .venv included
+	rm -rf .venv build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find symbolic analysis proofs reports tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@command -v $(PYTHON) > /dev/null || { \
+	    echo "error: $(PYTHON) was not found; install Python >= 3.11, or name one: make PYTHON=python3.11" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	    echo "error: required Python >= 3.11, received $$($(PYTHON) --version 2>&1)" \
+	         "from $(PYTHON); name a newer one: make PYTHON=python3.11" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || { \
+	    echo "error: this Python cannot make virtual environments (venv or ensurepip is missing);" \
+	         "on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
+	@echo "Installing into .venv (only now, and when pyproject.toml or constraints.txt change) ..."
+	@$(PYTHON) -m venv .venv
+	@$(PIP_INSTALL) setuptools wheel
+	@$(PIP_INSTALL) --no-build-isolation -e '.[test]'
+	@touch $@

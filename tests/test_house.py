@@ -1,0 +1,162 @@
+"""The rules of the house: what is packaged, who may import whom, and what the exact rooms may not contain."""
+
+import ast
+import re
+import tokenize
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOMS = ("symbolic", "analysis", "proofs", "reports")  # each may import the rooms to its left
+NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
+LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
+EVALUATES_TEXT = {"eval", "exec", "sympify", "parse_expr"}
+TOLERANCE_NAMES = {"isclose", "allclose", "tol", "atol", "rtol", "tolerance"}
+TOLERANCE_NUMBER = re.compile(r"\b\d*\.?\d*e-\d+", re.IGNORECASE)
+
+Import = ast.Import | ast.ImportFrom
+
+
+def sources(room: str) -> list[Path]:
+    return sorted((ROOT / room).rglob("*.py"))
+
+
+def parse(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+def place(path: Path, line: int) -> str:
+    return f"{path.relative_to(ROOT)}:{line}"
+
+
+def imported_modules(node: Import) -> list[str]:
+    """`from a import b` counts as a.b, which may be a module."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [f"{node.module}.{alias.name}" for alias in node.names]
+
+
+def imports(room: str) -> Iterator[tuple[str, Import]]:
+    """Every import of a room, also those inside functions."""
+    for path in sources(room):
+        for node in ast.walk(parse(path)):
+            if isinstance(node, Import):
+                yield place(path, node.lineno), node
+
+
+def is_type_checking_block(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
+
+
+def imports_at_load(node: ast.AST) -> Iterator[Import]:
+    """Imports that run when the module is loaded: outside functions, and not for the type checker only."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, Import):
+            yield child
+        elif not isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            if is_type_checking_block(child):
+                continue
+            yield from imports_at_load(child)
+
+
+def listed_packages() -> list[str]:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed: list[str] = project["tool"]["setuptools"]["packages"]
+    return listed
+
+
+def test_listed_packages_are_those_on_disk() -> None:
+    folders = {path.parent for room in ROOMS for path in sources(room)}
+    on_disk = sorted(".".join(("nonsmooth", *folder.relative_to(ROOT).parts)) for folder in folders)
+    assert sorted(listed_packages()) == on_disk
+
+
+@pytest.mark.parametrize("package", listed_packages())
+@pytest.mark.parametrize("file", ["__init__.py", "py.typed"])
+def test_package_has(package: str, file: str) -> None:
+    assert ROOT.joinpath(*package.split(".")[1:], file).is_file()
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_imports_flow_one_way(room: str) -> None:
+    downstream = set(ROOMS[ROOMS.index(room) + 1 :])
+    found = [
+        f"{where} imports {module}"
+        for where, node in imports(room)
+        for module in imported_modules(node)
+        if module.startswith("nonsmooth.") and module.split(".")[1] in downstream
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_imports_are_absolute_and_through_nonsmooth(room: str) -> None:
+    found = [
+        where
+        for where, node in imports(room)
+        if (isinstance(node, ast.ImportFrom) and node.level > 0)
+        or any(module.split(".")[0] in ROOMS for module in imported_modules(node))
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", NEVER_IMPORTED)
+def test_room_does_not_import(room: str) -> None:
+    found = [
+        f"{where} imports {module}"
+        for where, node in imports(room)
+        for module in imported_modules(node)
+        if module.split(".")[0] in NEVER_IMPORTED[room]
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_heavy_libraries_are_imported_by_the_call_that_needs_them(room: str) -> None:
+    found = [
+        f"{place(path, node.lineno)} imports {module}"
+        for path in sources(room)
+        for node in imports_at_load(parse(path))
+        for module in imported_modules(node)
+        if module.split(".")[0] in LAZILY_IMPORTED
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_text_is_never_evaluated(room: str) -> None:
+    found = []
+    for path in sources(room):
+        for node in ast.walk(parse(path)):
+            if isinstance(node, ast.Call):
+                name = ast.unparse(node.func).rsplit(".", maxsplit=1)[-1]
+            elif isinstance(node, ast.alias):
+                name = node.name
+            else:
+                continue
+            if name in EVALUATES_TEXT:
+                found.append(f"{place(path, node.lineno)} {name}")
+    assert found == []
+
+
+@pytest.mark.parametrize("room", ["symbolic", "proofs"])
+def test_exact_rooms_have_no_tolerance(room: str) -> None:
+    found = []
+    for path in sources(room):
+        with tokenize.open(path) as file:
+            for token in tokenize.generate_tokens(file.readline):
+                small_number = token.type == tokenize.NUMBER and TOLERANCE_NUMBER.search(token.string)
+                if small_number or (token.type == tokenize.NAME and token.string in TOLERANCE_NAMES):
+                    found.append(f"{place(path, token.start[0])} {token.string}")
+    assert found == []
+
+
+def test_constraints_are_names_and_versions_only() -> None:
+    text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
+    pins = [line for line in text.splitlines() if not line.startswith("#")]
+    assert pins
+    assert [line for line in pins if not re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+]+", line)] == []
+    assert "://" not in text
