@@ -1,0 +1,261 @@
+"""User text to exact numbers, through a small whitelist over Python's own grammar.
+
+Text is parsed by :func:`ast.parse` and walked; it is never evaluated.  Allowed: numbers (decimals are
+exact, ``0.1 = 1/10``), ``+ - * /``, ``**`` with a small literal integer, ``sqrt``, ``sin``, ``cos``, ``pi``
+and the variable names the caller names.  Length, exponents and the size of results are bounded, so no
+text can keep the machine busy.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+
+from nonsmooth.symbolic.number_field import Number, NumberField, base_order
+from nonsmooth.symbolic.square_roots import NestingError
+
+MAX_LENGTH = 400  # characters; longer formulas belong in a CSV file
+MAX_EXPONENT = 64
+MAX_BITS = 20_000  # size of an intermediate rational
+MAX_ROOTS = 6  # independent square roots in one number: quotients hold up to 2^6 terms
+MAX_DECIMAL_EXPONENT = 400
+MAX_ANGLE_DENOMINATOR = 360
+MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the degree of the field
+
+_FUNCTIONS = ("sqrt", "sin", "cos")
+_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
+
+
+class ExpressionError(ValueError):
+    """Text that is no number or formula of the accepted kind; the message says what was expected."""
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A checked formula; ``names`` are the variables it mentions."""
+
+    text: str
+    tree: ast.expr
+    names: frozenset[str]
+
+    def value(self, field: NumberField, values: Mapping[str, Number] | None = None) -> Number:
+        """Exact value for the given variables.
+
+        Raises:
+            ExpressionError: on division by zero, a negative square root, or a number out of bounds.
+        """
+        try:
+            return _value(self.tree, self.text, field, values or {})
+        except ZeroDivisionError:
+            raise ExpressionError(f"required a finite number, received a division by zero in {_short(self.text)}") from None
+
+    def turns(self) -> Iterator[Fraction]:
+        """Every angle ``pi * turn`` under a sine or cosine: these fix the base of the number field."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Call) and _name(node.func) in ("sin", "cos"):
+                yield turn_of(node.args[0], self.text)
+
+    def turn(self) -> Fraction:
+        """The formula read as an angle: the rational ``t`` of ``t * pi``."""
+        return turn_of(self.tree, self.text)
+
+
+def parse(value: object, variables: Collection[str] = ()) -> Expression:
+    """Check a TOML number or string and return it as an :class:`Expression`.
+
+    Raises:
+        ExpressionError: for anything outside the whitelist.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
+        raise ExpressionError(f"required a number or a formula in quotes, received {_short(value)}")
+    if isinstance(value, int) and value.bit_length() > MAX_BITS:
+        raise ExpressionError(f"required an integer of at most {MAX_BITS} bits")
+    text = str(value).strip()
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"required at most {MAX_LENGTH} characters, received {len(text)}")
+    if isinstance(value, float | Decimal):
+        decimal_value(text)
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        raise ExpressionError(f'required a number or a formula such as "sqrt(2)/2", received {_short(value)}') from None
+    _check(tree, text, frozenset(variables))
+    names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(variables)
+    expression = Expression(text, tree, frozenset(names))
+    if base_order(expression.turns()) > MAX_FIELD_ORDER:
+        raise ExpressionError(f"required angles of few different denominators, received {_short(text)}")
+    return expression
+
+
+def decimal_value(text: str) -> Fraction:
+    """Exact value of a decimal literal.
+
+    Raises:
+        ExpressionError: for NaN, infinities and exponents beyond the bound.
+    """
+    try:
+        number = Decimal(text.replace("_", ""))
+    except InvalidOperation:
+        raise ExpressionError(f"required a decimal number, received {_short(text)}") from None
+    if not number.is_finite():
+        raise ExpressionError(f"required a finite number, received {_short(text)}")
+    if abs(number.adjusted()) > MAX_DECIMAL_EXPONENT and number:
+        raise ExpressionError(
+            f"required a decimal exponent between -{MAX_DECIMAL_EXPONENT} and {MAX_DECIMAL_EXPONENT}, received {_short(text)}"
+        )
+    return Fraction(number) if number else Fraction(0)
+
+
+def turn_of(node: ast.expr, text: str) -> Fraction:
+    """Rational t with ``node = t * pi``.
+
+    Raises:
+        ExpressionError: if the angle is no rational multiple of pi of moderate denominator.
+    """
+    constant, multiple = _linear_in_pi(node, text)
+    if constant:
+        raise ExpressionError(f'required a rational multiple of pi such as "pi/3", received {_short(text)}')
+    if multiple.denominator > MAX_ANGLE_DENOMINATOR:
+        raise ExpressionError(f"required a multiple of pi with denominator up to {MAX_ANGLE_DENOMINATOR}, received {_short(text)}")
+    return multiple
+
+
+def _check(node: ast.expr, text: str, variables: frozenset[str]) -> None:
+    """Refuse every construct outside the whitelist."""
+    match node:
+        case ast.Constant(value=int() | float()) if not isinstance(node.value, bool):
+            _literal(node, text)
+        case ast.Name(id="pi"):
+            pass
+        case ast.Name(id=name) if name in variables:
+            pass
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+            _check(node.operand, text, variables)
+        case ast.BinOp(op=ast.Pow()):
+            _check(node.left, text, variables)
+            _exponent(node.right, text)
+        case ast.BinOp() if isinstance(node.op, _OPERATORS):
+            _check(node.left, text, variables)
+            _check(node.right, text, variables)
+        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in _FUNCTIONS:
+            if name == "sqrt":
+                _check(argument, text, variables)
+            else:
+                turn_of(argument, text)
+        case _:
+            allowed = ", ".join([*sorted(variables), "numbers", "+ - * / **", *_FUNCTIONS, "pi"])
+            raise ExpressionError(f"required a formula of {allowed}, received {_short(text)}")
+
+
+def _literal(node: ast.Constant, text: str) -> Fraction:
+    if isinstance(node.value, int):
+        return Fraction(node.value)
+    return decimal_value(ast.get_source_segment(text, node) or "nan")
+
+
+def _exponent(node: ast.expr, text: str) -> int:
+    negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
+    inner = node.operand if isinstance(node, ast.UnaryOp) else node
+    value = inner.value if isinstance(inner, ast.Constant) else None
+    if not isinstance(value, int) or isinstance(value, bool) or value > MAX_EXPONENT:
+        raise ExpressionError(f"required an integer exponent up to {MAX_EXPONENT}, received {_short(text)}")
+    return -value if negative else value
+
+
+def _linear_in_pi(node: ast.expr, text: str) -> tuple[Fraction, Fraction]:
+    """``node = constant + multiple * pi`` with rational parts."""
+    match node:
+        case ast.Constant():
+            return _literal(node, text), Fraction(0)
+        case ast.Name(id="pi"):
+            return Fraction(0), Fraction(1)
+        case ast.UnaryOp(op=ast.USub()):
+            constant, multiple = _linear_in_pi(node.operand, text)
+            return -constant, -multiple
+        case ast.UnaryOp(op=ast.UAdd()):
+            return _linear_in_pi(node.operand, text)
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
+            s = 1 if isinstance(node.op, ast.Add) else -1
+            return a + s * c, b + s * d
+        case ast.BinOp(op=ast.Mult()):
+            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
+            if not (b and d):
+                return a * c, a * d + b * c
+        case ast.BinOp(op=ast.Div()):
+            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
+            if not d and c:
+                return a / c, b / c
+    raise ExpressionError(f'required a rational multiple of pi such as "2*pi/3", received {_short(text)}')
+
+
+def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, Number]) -> Number:
+    match node:
+        case ast.Constant():
+            return field.rational(_literal(node, text))
+        case ast.Name(id=name) if name in values:
+            return values[name]
+        case ast.Name(id="pi"):
+            raise ExpressionError(f"required pi only inside sin and cos or in an angle, received {_short(text)}")
+        case ast.UnaryOp():
+            operand = _value(node.operand, text, field, values)
+            return -operand if isinstance(node.op, ast.USub) else operand
+        case ast.BinOp(op=ast.Pow()):
+            base, exponent = _value(node.left, text, field, values), _exponent(node.right, text)
+            _bounded(base, text, factor=max(1, abs(exponent)))
+            return base**exponent
+        case ast.BinOp():
+            left, right = _value(node.left, text, field, values), _value(node.right, text, field, values)
+            return _bounded(_apply(node.op, left, right), text)
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            if name == "sqrt":
+                return _square_root(_value(argument, text, field, values), text)
+            turn = turn_of(argument, text)
+            return field.cos_pi(turn) if name == "cos" else field.sin_pi(turn)
+    raise ExpressionError(f"required a formula, received {_short(text)}")
+
+
+def _apply(operator: ast.operator, left: Number, right: Number) -> Number:
+    match operator:
+        case ast.Add():
+            return left + right
+        case ast.Sub():
+            return left - right
+        case ast.Mult():
+            return left * right
+        case _:
+            return left / right
+
+
+def _square_root(value: Number, text: str) -> Number:
+    if value.sign() < 0:
+        raise ExpressionError(f"required a non-negative number under sqrt, received {_short(text)}")
+    try:
+        return value.sqrt()
+    except NestingError as error:
+        raise ExpressionError(f"{error}, received {_short(text)}") from None
+
+
+def _bounded(value: Number, text: str, factor: int = 1) -> Number:
+    """Refuse numbers whose coefficients or square roots grow beyond the bounds."""
+    roots = 0
+    for mask in value.terms:
+        roots |= mask
+    if roots.bit_count() > MAX_ROOTS:
+        raise ExpressionError(f"required at most {MAX_ROOTS} independent square roots, received {_short(text)}")
+    size = sum(c.height_bits() if hasattr(c, "height_bits") else int(c.denom()).bit_length() for c in value.terms.values())
+    if size * factor > MAX_BITS:
+        raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {_short(text)}")
+    return value
+
+
+def _name(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _short(value: object) -> str:
+    text = repr(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 60 else text[:57] + "..."
