@@ -1,0 +1,135 @@
+"""Pfaffian constraints of the wheels: the rows of Omega_i and the solution of three of them.
+
+Wheel i acts on the spatial twist ``xi = (v, omega)`` through two rows (Murphey & Burdick, eq. 2, written for
+inward headings and drive ``+u``)::
+
+    roll   d_i . v + (d_i . J p_i) omega = u_i
+    side   n_i . v + (n_i . J p_i) omega = 0        n_i = J d_i
+
+A :class:`Row` is kept multiplied by ``|D_i|``: then its left side holds no square root, and only the right
+side does.  Scaling changes neither rank nor solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple, TypeAlias
+
+from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import Scene, Vector, Wheel, dot, turned
+
+Triple: TypeAlias = tuple[Number, Number, Number]
+
+
+class RowKind(StrEnum):
+    """Roll row (along the rim, R) or side row (across it, S)."""
+
+    ROLL = "R"
+    SIDE = "S"
+
+
+class Twist(NamedTuple):
+    """Spatial twist: velocity ``(vx, vy)`` of the body point at the world origin, rotation rate ``omega``."""
+
+    vx: Number
+    vy: Number
+    omega: Number
+
+    @property
+    def velocity(self) -> Vector:
+        """``v``."""
+        return self.vx, self.vy
+
+    def pose_rate(self, point: Vector) -> Vector:
+        """Exact kinematics ``c' = v + omega J c`` at centre of mass ``point``."""
+        return self.vx - self.omega * point[1], self.vy + self.omega * point[0]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scaled constraint ``normal . (vx, vy, omega) = rhs`` of a wheel."""
+
+    wheel: Wheel
+    kind: RowKind
+    normal: Triple
+    rhs: Number
+
+    @property
+    def name(self) -> str:
+        """``R3`` is the roll row of wheel 3, ``S3`` its side row."""
+        return f"{self.kind}{self.wheel.index}"
+
+    def residual(self, twist: Twist) -> Number:
+        """``|D_i|`` times the slip ``d_i . v(p_i) - u_i`` or ``n_i . v(p_i)``."""
+        a, b, m = self.normal
+        return a * twist.vx + b * twist.vy + m * twist.omega - self.rhs
+
+
+def roll_row(wheel: Wheel) -> Row:
+    """``(D, D . J p | |D| u)``."""
+    d = wheel.direction
+    return Row(wheel, RowKind.ROLL, (*d, dot(d, turned(wheel.position))), wheel.scaled_speed)
+
+
+def side_row(wheel: Wheel) -> Row:
+    """``(N, N . J p | 0)`` with ``N = J D``."""
+    n = turned(wheel.direction)
+    return Row(wheel, RowKind.SIDE, (*n, dot(n, turned(wheel.position))), wheel.direction[0] * 0)
+
+
+def wheel_rows(wheel: Wheel) -> tuple[Row, Row]:
+    """Roll row and side row."""
+    return roll_row(wheel), side_row(wheel)
+
+
+def scene_rows(scene: Scene) -> tuple[Row, ...]:
+    """All 2n rows, wheel by wheel: R1, S1, R2, S2, ..."""
+    return tuple(row for wheel in scene.wheels for row in wheel_rows(wheel))
+
+
+def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
+    """``Omega_i``: the two unit-length rows acting on ``(xi, 1)``, eq. (2)."""
+    first, second = (
+        (*(entry / wheel.length for entry in row.normal), -row.rhs / wheel.length) for row in wheel_rows(wheel)
+    )
+    return first, second
+
+
+def outer(a: Triple, b: Triple) -> Triple:
+    """Cross product in three dimensions."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def inner(a: Triple, b: Triple) -> Number:
+    """Inner product in three dimensions."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def determinant(rows: Sequence[Row]) -> Number:
+    """Determinant of three rows' left sides; zero iff they are dependent."""
+    first, second, third = (row.normal for row in rows)
+    return inner(first, outer(second, third))
+
+
+def cofactors(rows: Sequence[Row]) -> tuple[Triple, Triple, Triple]:
+    """Columns of ``det * M^-1``: ``a2 x a3, a3 x a1, a1 x a2``."""
+    a, b, c = (row.normal for row in rows)
+    return outer(b, c), outer(c, a), outer(a, b)
+
+
+def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
+    """``sum_k weights[k] columns[k]``, skipping zero weights."""
+    total: list[Number] | None = None
+    zero: Triple | None = None
+    for weight, column in zip(weights, columns, strict=True):
+        zero = column if zero is None else zero
+        if weight:
+            part = [weight * entry for entry in column]
+            total = part if total is None else [s + t for s, t in zip(total, part, strict=True)]
+    if total is None:
+        if zero is None:
+            raise ValueError("required at least one column, received none")
+        return zero[0] * 0, zero[0] * 0, zero[0] * 0
+    return total[0], total[1], total[2]

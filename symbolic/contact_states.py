@@ -1,0 +1,133 @@
+"""Contact states: three independent rows held without slip, their twist and control vector fields.
+
+The annihilator of the stacked rows (null vector of the 3 x 4 matrix, last entry 1) is the twist; with
+symbolic speeds it is ``xi = sum_w g_w u_w`` (Murphey & Burdick, Definition 2 and eq. 6).  Both come from the
+cofactors of one 3 x 3 matrix over the scene's field: no elimination, no simplification.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from math import comb
+
+from nonsmooth.symbolic.constraints import (
+    Row,
+    RowKind,
+    Triple,
+    Twist,
+    cofactors,
+    combine,
+    inner,
+    outer,
+    scene_rows,
+)
+from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import Scene
+
+
+class DependentRowsError(ValueError):
+    """Three rows that do not determine a twist."""
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Three independent rows and what follows from them.
+
+    Attributes:
+        rows: the rows held without slip, in the order the rule chose them.
+        twist: the annihilator ``xi`` for the scene's speeds.
+    """
+
+    rows: tuple[Row, Row, Row]
+    twist: Twist
+
+    @property
+    def name(self) -> str:
+        """For example ``R1 S1 R4``."""
+        return " ".join(row.name for row in self.rows)
+
+    @cached_property
+    def control_fields(self) -> dict[int, Triple]:
+        """``g_w`` by wheel index: ``xi = sum_w g_w u_w``; side rows carry no input."""
+        columns = cofactors(self.rows)
+        inverse = inner(self.rows[0].normal, columns[0]).inverse()
+        fields: dict[int, Triple] = {}
+        for row, column in zip(self.rows, columns, strict=True):
+            if row.kind is RowKind.ROLL:
+                scale = row.wheel.length * inverse
+                fields[row.wheel.index] = (column[0] * scale, column[1] * scale, column[2] * scale)
+        return fields
+
+
+def solve_rows(rows: tuple[Row, Row, Row]) -> ContactState | None:
+    """The contact state of three rows, or None where they are dependent."""
+    columns = cofactors(rows)
+    determinant = inner(rows[0].normal, columns[0])
+    if not determinant:
+        return None
+    inverse = determinant.inverse()
+    x, y, z = combine([row.rhs for row in rows], columns)
+    return ContactState(rows, Twist(x * inverse, y * inverse, z * inverse))
+
+
+@dataclass(frozen=True)
+class ContactCensus:
+    """Count of all row triples of an array.
+
+    Attributes:
+        possible: C(2n, 3).
+        singular: triples of dependent rows; None where they were not counted.
+        distinct_twists: different twists among the regular triples; None where not counted.
+    """
+
+    possible: int
+    singular: int | None = None
+    distinct_twists: int | None = None
+
+    @property
+    def regular(self) -> int | None:
+        """Triples that determine a twist."""
+        return None if self.singular is None else self.possible - self.singular
+
+
+def possible_triples(wheel_count: int) -> int:
+    """C(2n, 3) row triples of n wheels."""
+    return comb(2 * wheel_count, 3)
+
+
+def regular_states(scene: Scene) -> list[ContactState]:
+    """Every regular triple of the array, in lexicographic order of its rows."""
+    rows = scene_rows(scene)
+    crosses = {(i, j): outer(rows[i].normal, rows[j].normal) for i, j in combinations(range(len(rows)), 2)}
+    states: list[ContactState] = []
+    for i, j, k in combinations(range(len(rows)), 3):
+        determinant = inner(rows[i].normal, crosses[j, k])
+        if not determinant:
+            continue
+        inverse = determinant.inverse()
+        opposite = crosses[i, k]
+        columns = (crosses[j, k], (-opposite[0], -opposite[1], -opposite[2]), crosses[i, j])
+        x, y, z = combine([rows[m].rhs for m in (i, j, k)], columns)
+        twist = Twist(x * inverse, y * inverse, z * inverse)
+        states.append(ContactState((rows[i], rows[j], rows[k]), twist))
+    return states
+
+
+def take_census(scene: Scene) -> ContactCensus:
+    """Count possible and singular triples and distinct twists."""
+    states = regular_states(scene)
+    possible = possible_triples(len(scene.wheels))
+    return ContactCensus(possible, possible - len(states), len({state.twist for state in states}))
+
+
+def input_rank(state: ContactState) -> int:
+    """Number of independent inputs of a contact state (rank of its control vector fields)."""
+    fields: list[tuple[Number, Number, Number]] = list(state.control_fields.values())
+    independent = [f for f in fields if any(f)]
+    if len(independent) < 2:
+        return len(independent)
+    if len(independent) == 2:
+        return 2 if any(outer(*independent)) else 1
+    return 3 if inner(independent[0], outer(independent[1], independent[2])) else 2

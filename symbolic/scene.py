@@ -1,0 +1,148 @@
+"""Scenes: a planar array of driven wheels, its friction, its contact rule and what is to be checked.
+
+World frame; the reference point of the body is its centre of mass ``c``.  Wheel ``i`` sits at ``p_i``, its
+rim points along ``d_i = D_i/|D_i|`` (``D_i`` is kept as the user wrote it: its length is the only square
+root of the wheel, so it is taken late), and its surface runs along ``d_i`` with speed ``u_i``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+from typing import TypeAlias
+
+from nonsmooth.symbolic.number_field import Number, NumberField
+
+Vector: TypeAlias = tuple[Number, Number]
+
+
+def turned(vector: Vector) -> Vector:
+    """``J vector``: a quarter turn counterclockwise, ``J = [[0, -1], [1, 0]]``."""
+    return -vector[1], vector[0]
+
+
+def dot(a: Vector, b: Vector) -> Number:
+    """Inner product of two plane vectors."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def cross(a: Vector, b: Vector) -> Number:
+    """``a_x b_y - a_y b_x``."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+class Rule(StrEnum):
+    """Which motion follows from the contacts (see the how-to-choose page)."""
+
+    NEAREST = "nearest"
+    BOX = "box"
+    ELLIPSE = "ellipse"
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb coefficients along the rim (``roll``, mu_R) and across it (``side``, mu_S); both >= 0."""
+
+    roll: Number
+    side: Number
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """One driven wheel.
+
+    Attributes:
+        index: 1-based number, as in the paper.
+        position: ``p_i`` (length).
+        direction: ``D_i``, the rim direction, of any nonzero length.
+        given_speed: ``u_i`` along the rim (length/time); None means the magnitude ``|D_i|`` of a velocity field.
+        friction: coefficients of this wheel.
+    """
+
+    index: int
+    position: Vector
+    direction: Vector
+    given_speed: Number | None
+    friction: Friction
+
+    @cached_property
+    def length(self) -> Number:
+        """``|D_i|``."""
+        return dot(self.direction, self.direction).sqrt()
+
+    @cached_property
+    def speed(self) -> Number:
+        """Surface speed ``u_i``."""
+        return self.length if self.given_speed is None else self.given_speed
+
+    @cached_property
+    def scaled_speed(self) -> Number:
+        """``|D_i| u_i``: the right-hand side of the roll row ``D_i . v(p_i) = |D_i| u_i``."""
+        if self.given_speed is None:
+            return dot(self.direction, self.direction)
+        return self.length * self.given_speed if self.given_speed else self.given_speed
+
+    @cached_property
+    def unit_direction(self) -> Vector:
+        """``d_i = D_i/|D_i|``."""
+        return self.direction[0] / self.length, self.direction[1] / self.length
+
+
+@dataclass(frozen=True)
+class LoadTable:
+    """Normal forces that are affine in the centre of mass: ``N_i = rows[i] . (1, c_x, c_y)``."""
+
+    rows: tuple[tuple[Number, Number, Number], ...]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Contact rule and load model; ``loads`` None means elastic (identical springs, no tension)."""
+
+    rule: Rule
+    loads: LoadTable | None = None
+
+
+@dataclass(frozen=True)
+class Check:
+    """What is checked: the equilibrium ``c*`` and the square ``|x - x*|, |y - y*| <= radius``."""
+
+    equilibrium: Vector
+    radius: Number
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A wheel array with everything a check needs; numbers live in one field.
+
+    ``source`` names where it came from (a file or a built-in name) for messages and reports.
+    """
+
+    name: str
+    field: NumberField
+    wheels: tuple[Wheel, ...]
+    contact: Contact
+    check: Check
+    source: str = ""
+
+    def recentred(self) -> Scene:
+        """The same array in coordinates whose origin is the checked equilibrium.
+
+        ``V = |c - c*|^2`` and the leading-order kinematics are then those of the origin.
+        """
+        x, y = self.check.equilibrium
+        if not x and not y:
+            return self
+        wheels = tuple(replace(w, position=(w.position[0] - x, w.position[1] - y)) for w in self.wheels)
+        loads = self.contact.loads
+        if loads is not None:
+            rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
+            loads = LoadTable(rows)
+        zero = self.field.zero
+        return replace(
+            self,
+            wheels=wheels,
+            contact=replace(self.contact, loads=loads),
+            check=replace(self.check, equilibrium=(zero, zero)),
+        )
