@@ -1,0 +1,72 @@
+"""Cells of the plane with one motion each, and the partition of the checked square they form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from nonsmooth.analysis.polygon import Point, Polygon
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import Rule, Scene
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A convex polygon of centres of mass that share their contact state.
+
+    Where the rule ties (mu_R = mu_S for rule ``nearest``) there are several states and the motion is
+    any convex combination of their twists.
+    """
+
+    index: int
+    polygon: Polygon
+    states: tuple[ContactState, ...]
+
+    @property
+    def twists(self) -> tuple[Twist, ...]:
+        """The twist of each state: the vertices of the cell's hull."""
+        return tuple(state.twist for state in self.states)
+
+    @property
+    def wheels(self) -> tuple[int, ...]:
+        """Indices of the wheels whose rows are held, in the rule's order."""
+        return tuple(dict.fromkeys(row.wheel.index for row in self.states[0].rows))
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Cells that cover the checked square.
+
+    Attributes:
+        scene: the array, in the coordinates of the cells.
+        rule: the contact rule.
+        domain: the checked square.
+        cells: convex, with disjoint interiors.
+        wheels_considered: how many wheels could matter in the square.
+    """
+
+    scene: Scene
+    rule: Rule
+    domain: Polygon
+    cells: tuple[Cell, ...]
+    wheels_considered: int
+
+    @cached_property
+    def area_error(self) -> Number:
+        """Domain area minus the cells' areas: exactly zero when they tile."""
+        total: Number = self.domain.area
+        for cell in self.cells:
+            total = total - cell.polygon.area
+        return total
+
+    @cached_property
+    def states(self) -> tuple[ContactState, ...]:
+        """Distinct contact states that own a cell, in cell order."""
+        by_rows = {frozenset(row.name for row in s.rows): s for cell in self.cells for s in cell.states}
+        return tuple(by_rows.values())
+
+    def cells_at(self, point: Point) -> tuple[Cell, ...]:
+        """The cells whose closure holds the point."""
+        return tuple(cell for cell in self.cells if cell.polygon.contains(point))

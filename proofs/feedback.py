@@ -1,0 +1,170 @@
+"""Clause 4: discontinuous feedback where the third row is a roll row (mu_S < mu_R).
+
+In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i, u_j`` act through ::
+
+    omega = (u_j - u_i d_i.d_j)/Delta,   v = u_i d_i - omega J p_i,   Delta = d_j . J(p_j - p_i)
+
+so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``, ``a = c . d_i - (d_i . d_j) b``.
+Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the L_gV law ``u = -k (a, b)`` (Jurdjevic and
+Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero c with ``c . d_i = 0``; that is decided by
+the signs of ``c . d_i`` at the vertices.  With a side row in third place only ``u_i`` acts and V' vanishes on a plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from nonsmooth.analysis.partition import Cell, Partition
+from nonsmooth.analysis.polygon import Point
+from nonsmooth.proofs.translation import Witness
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.constraints import RowKind
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
+
+LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
+
+
+@dataclass(frozen=True)
+class InputCell:
+    """One closed cell with the data of its law.
+
+    Attributes:
+        cell: the cell.
+        state: its contact state.
+        nearest: wheel i, both rows held.
+        second: wheel j, one row held.
+        lever: ``d_j . J(p_j - p_i)`` scaled by ``|D_j|``, or None where the third row is a side row.
+        projections: ``c . D_i`` at the vertices (a positive multiple of ``c . d_i``).
+    """
+
+    cell: Cell
+    state: ContactState
+    nearest: Wheel
+    second: Wheel
+    lever: Number | None
+    projections: tuple[Number, ...]
+
+    @property
+    def torque_sign(self) -> int:
+        """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
+        return 0 if self.lever is None else self.lever.sign()
+
+    def stall(self) -> Point | None:
+        """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
+        vertices = self.cell.polygon.vertices
+        for k, here in enumerate(self.projections):
+            if not here and any(vertices[k]):
+                return vertices[k]
+            following = (k + 1) % len(vertices)
+            after = self.projections[following]
+            if here.sign() * after.sign() < 0:
+                t = here / (here - after)
+                point = tuple(p + t * (q - p) for p, q in zip(vertices[k], vertices[following], strict=True))
+                if any(point):
+                    return point
+        return None
+
+
+@dataclass(frozen=True)
+class FeedbackResult:
+    """Verdict with its evidence.
+
+    Attributes:
+        verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
+        cells: the data of the law in every cell (empty where not applicable).
+        local: numbers of the cells whose closure holds the equilibrium; these decide.
+        witness: a point where no input decreases V.
+        reason: one sentence for people.
+    """
+
+    verdict: Feedback
+    cells: tuple[InputCell, ...]
+    local: frozenset[int]
+    witness: Witness | None
+    reason: str
+
+    @property
+    def law(self) -> str | None:
+        """The stabilizing law, where there is one."""
+        return LAW if self.verdict is Feedback.STABILIZABLE else None
+
+    @property
+    def printed_sign_fails(self) -> tuple[int, ...]:
+        """Cells in which the paper's ``u_j = -k theta`` turns the body away from theta = 0."""
+        return tuple(data.cell.index for data in self.cells if data.torque_sign < 0)
+
+    def check(self) -> bool:
+        """Re-verify the sign condition (stabilizable) or the witness (no certificate)."""
+        if self.verdict is Feedback.STABILIZABLE:
+            return all(
+                data.lever is not None
+                and all(p == dot(v, data.nearest.direction) for p, v in _pairs(data))
+                and _one_strict_sign(data)
+                for data in self.cells
+                if data.cell.index in self.local
+            )
+        return self.witness is not None or self.verdict is Feedback.NOT_APPLICABLE
+
+
+def decide_feedback(partition: Partition) -> FeedbackResult:
+    """Decide the feedback clause for a centred partition of rule ``nearest``."""
+    scene = partition.scene
+    blocked = _not_applicable(scene, partition)
+    if blocked:
+        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), None, blocked)
+    cells = tuple(_input_cell(cell, state) for cell in partition.cells for state in cell.states)
+    zero = scene.field.zero
+    local = frozenset(cell.index for cell in partition.cells_at((zero, zero)))
+    for data in cells:
+        if data.cell.index in local and data.lever is None:
+            point = data.cell.polygon.centre
+            witness = Witness(point, zero, "only one input acts: V' = a u_i vanishes on a plane")
+            reason = f"cell {data.cell.index} ({data.state.name}) holds a side row in third place, so one input acts alone"
+            return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
+    for data in cells:
+        stall = data.stall() if data.cell.index in local else None
+        if stall is not None:
+            theta = dot(stall, turned(data.nearest.position))
+            witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
+            reason = (
+                f"in cell {data.cell.index} V' = 0 for every input at c = ({stall[0]}, {stall[1]}), theta = {theta}: "
+                "|c|^2 + theta^2 is no control Lyapunov function"
+            )
+            return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
+    reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
+    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason)
+
+
+def _not_applicable(scene: Scene, partition: Partition) -> str | None:
+    """Why the clause does not apply, or None: it speaks of arrays with mu_S < mu_R."""
+    held = {row.wheel.index for state in partition.states for row in state.rows}
+    for wheel in scene.wheels:
+        if wheel.index in held and wheel.friction.side >= wheel.friction.roll:
+            return (
+                f"mu_side < mu_roll is required, received mu_side = {wheel.friction.side}, "
+                f"mu_roll = {wheel.friction.roll} at wheel {wheel.index}"
+            )
+    return None
+
+
+def _input_cell(cell: Cell, state: ContactState) -> InputCell:
+    nearest, second = state.rows[0].wheel, state.rows[2].wheel
+    lever = None
+    if state.rows[2].kind is RowKind.ROLL:
+        gap = (second.position[0] - nearest.position[0], second.position[1] - nearest.position[1])
+        lever = dot(second.direction, turned(gap))
+    projections = tuple(dot(vertex, nearest.direction) for vertex in cell.polygon.vertices)
+    return InputCell(cell, state, nearest, second, lever, projections)
+
+
+def _pairs(data: InputCell) -> Iterator[tuple[Number, Point]]:
+    return zip(data.projections, data.cell.polygon.vertices, strict=True)
+
+
+def _one_strict_sign(data: InputCell) -> bool:
+    """``c . D_i`` has one strict sign at the nonzero vertices (and so on the closed cell without 0)."""
+    signs = {p.sign() for p, vertex in _pairs(data) if any(vertex)}
+    return signs in ({1}, {-1})

@@ -1,0 +1,95 @@
+"""Clause 3: theta.  Invariance rules out attraction; drift proves instability.
+
+(a) No twist depends on theta, so ``theta = 0`` is never asymptotically stable.  (b) The drift is the range of
+omega over ``{f in F(c*): translation part 0}``.  If it holds a nonzero rate, the body may spin in place for
+ever: theta is strongly unstable.  The convex weights are the witness, the multipliers prove the range.
+(c) If the drift is {0} and ``V* <= -kappa |c|``, then ``|c|`` reaches 0 within ``2 |c_0|/kappa`` and theta turns by at
+most ``2 max|omega| |c_0|/kappa``: stable, not attractive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.analysis.filippov import filippov_twists
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.proofs.linear_program import Mixture, best_mixture
+from nonsmooth.proofs.translation import TranslationResult
+from nonsmooth.proofs.verdicts import Rotation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_field import Number
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Exact range of the rotation rate at rest, with the weights and multipliers that prove both ends."""
+
+    twists: tuple[Twist, ...]
+    lowest: Mixture
+    highest: Mixture
+
+    @property
+    def interval(self) -> tuple[Number, Number]:
+        """``[omega-, omega+]``."""
+        return -self.lowest.value, self.highest.value
+
+    def check(self) -> bool:
+        """Re-verify both linear programs."""
+        zero, one = _constants(self.twists)
+        columns = [(t.vx, t.vy, one) for t in self.twists]
+        target = (zero, zero, one)
+        omegas = [t.omega for t in self.twists]
+        return self.highest.check(columns, target, omegas) and self.lowest.check(columns, target, [-w for w in omegas])
+
+
+@dataclass(frozen=True)
+class RotationResult:
+    """Verdict, drift, and the bound on total rotation per unit of |c_0| where theta is stable."""
+
+    verdict: Rotation
+    drift: Drift | None
+    rotation_per_distance: Number | None
+    reason: str
+
+    def check(self) -> bool:
+        """Re-verify the evidence behind the verdict."""
+        if self.verdict is Rotation.UNDECIDED:
+            return True
+        if self.drift is None or not self.drift.check():
+            return False
+        spins = any(self.drift.interval)
+        return spins if self.verdict is Rotation.UNSTABLE else not spins and self.rotation_per_distance is not None
+
+
+def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
+    """The drift of a hull of twists; None where the hull holds no zero velocity."""
+    zero, one = _constants(twists)
+    columns = [(t.vx, t.vy, one) for t in twists]
+    omegas = [t.omega for t in twists]
+    highest = best_mixture(columns, (zero, zero, one), omegas)
+    lowest = best_mixture(columns, (zero, zero, one), [-w for w in omegas])
+    return None if highest is None or lowest is None else Drift(twists, lowest, highest)
+
+
+def decide_rotation(partition: Partition, translation: TranslationResult) -> RotationResult:
+    """Decide the rotation clause for a centred partition."""
+    zero = partition.scene.field.zero
+    drift = drift_at_rest(filippov_twists(partition, (zero, zero)))
+    if drift is None:
+        return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium at the point, so nothing rests there")
+    low, high = drift.interval
+    if low or high:
+        reason = f"the body may rest in (x, y) and turn at any rate in [{low}, {high}]"
+        return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+    decay = translation.decay_rate
+    if decay is None:
+        return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
+    fastest = max(abs(t.omega) for cell in partition.cells for t in cell.twists)
+    per_distance = 2 * fastest / decay
+    reason = f"the drift is {{0}} and theta turns by at most {per_distance} |c_0|"
+    return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+
+
+def _constants(twists: tuple[Twist, ...]) -> tuple[Number, Number]:
+    field = twists[0].omega.field
+    return field.zero, field.one

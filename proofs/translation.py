@@ -1,0 +1,197 @@
+"""Clause 2: stability of (x, y) by ``V = |c|^2``, exactly, on closed cells.
+
+On each closed cell with constant twist ``V* = 2 c . v`` is linear, so its sign is decided at the vertices; values
+on open cells would not do (Filippov's F on an edge holds the velocities of both sides).  Near the equilibrium
+only the cells whose closure holds it matter:
+
+- ``V* < 0`` at all their nonzero vertices: asymptotically stable, and in finite time, since ``V* <= -kappa |c|``;
+- ``V* <= 0``: stable.  A ray of the equilibrium on which V* vanishes and the velocities of two cells oppose each
+  other consists of equilibria: then the stability is not asymptotic;
+- ``V* > 0`` somewhere: ``V = |c|^2`` is refuted as a certificate, with that vertex as witness.  This says nothing
+  about stability itself, so the verdict is ``undecided``.
+
+The region is the largest disc in the square on which the inequality holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from nonsmooth.analysis.filippov import CellDerivative, Slope, cell_derivatives
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.analysis.polygon import HalfPlane, Point
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import cross, dot
+
+LYAPUNOV = "x**2 + y**2"
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point and the exact value that refutes or limits a claim there."""
+
+    point: Point
+    value: Number
+    meaning: str
+
+
+@dataclass(frozen=True)
+class TranslationResult:
+    """Verdict with its evidence.
+
+    Attributes:
+        verdict: strong stability of (x, y).
+        derivatives: V* at the vertices of every closed cell: the certificate, or its refutation.
+        worst: largest ``V*/|c|`` over the checked square.
+        region_radius: radius of the disc on which V* is as the verdict says; None where there is none.
+        witness: a point where V* > 0 (undecided), or an equilibrium beside c* (stable, not asymptotically).
+        reason: one sentence for people.
+    """
+
+    verdict: Translation
+    derivatives: tuple[CellDerivative, ...]
+    worst: Slope
+    region_radius: Number | None
+    witness: Witness | None
+    reason: str
+
+    @property
+    def worst_rate(self) -> Number:
+        """``max V*/|c|`` over the square, exactly."""
+        return self.worst.value
+
+    @property
+    def decay_rate(self) -> Number | None:
+        """kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
+        rate = self.worst_rate
+        return -rate if rate.sign() < 0 else None
+
+    def check(self) -> bool:
+        """Re-verify the verdict from the twists and vertices."""
+        exact = all(
+            rate == 2 * dot(d.twist.velocity, vertex)
+            for d in self.derivatives
+            for rate, vertex in zip(d.rates, d.cell.polygon.vertices, strict=True)
+        )
+        rates = list(_local_rates(self.derivatives))
+        match self.verdict:
+            case Translation.ASYMPTOTICALLY_STABLE:
+                return exact and all(rate.sign() < 0 for _, rate in rates)
+            case Translation.STABLE:
+                return exact and all(rate.sign() <= 0 for _, rate in rates)
+            case _:
+                return exact and self.witness is not None and self.witness.value.sign() > 0
+
+
+def decide_translation(partition: Partition) -> TranslationResult:
+    """Decide the translation clause for a centred partition by ``V = |c|^2``."""
+    derivatives = cell_derivatives(partition)
+    worst = derivatives[0].relative()
+    for derivative in derivatives[1:]:
+        worst = max(worst, derivative.relative())
+    rates = list(_local_rates(derivatives))
+    point, highest = max(rates, key=lambda pair: pair[1])
+    if highest.sign() > 0:
+        witness = Witness(point, highest, "V* > 0")
+        reason = f"V* = {highest} > 0 at ({point[0]}, {point[1]}): |c|^2 is no certificate; this alone does not prove instability"
+        return TranslationResult(Translation.UNDECIDED, derivatives, worst, None, witness, reason)
+    strict = highest.sign() < 0
+    radius = _region_radius(partition, derivatives, strict=strict)
+    if strict:
+        reason = "V* < 0 at every nonzero vertex of the closed cells that meet at the equilibrium"
+        return TranslationResult(Translation.ASYMPTOTICALLY_STABLE, derivatives, worst, radius, None, reason)
+    rest = _equilibrium_ray(derivatives)
+    if rest is None:
+        reason = "V* <= 0 on every closed cell; whether the equilibrium attracts is not decided by |c|^2"
+    else:
+        reason = f"V* <= 0, and not asymptotically: every point of the ray through ({rest.point[0]}, {rest.point[1]}) near c* is an equilibrium"
+    return TranslationResult(Translation.STABLE, derivatives, worst, radius, rest, reason)
+
+
+def local_derivatives(derivatives: tuple[CellDerivative, ...]) -> Iterator[CellDerivative]:
+    """Those of the cells whose closure holds the equilibrium."""
+    for derivative in derivatives:
+        zero = derivative.twist.omega.field.zero
+        if derivative.cell.polygon.contains((zero, zero)):
+            yield derivative
+
+
+def _local_rates(derivatives: tuple[CellDerivative, ...]) -> Iterator[tuple[Point, Number]]:
+    """(vertex, V*) at the nonzero vertices of the cells that meet at the equilibrium.
+
+    The directions to these vertices span the cell's cone there, and V* is linear: they decide its sign.
+    """
+    for derivative in local_derivatives(derivatives):
+        for vertex, rate in zip(derivative.cell.polygon.vertices, derivative.rates, strict=True):
+            if any(vertex):
+                yield vertex, rate
+
+
+def _equilibrium_ray(derivatives: tuple[CellDerivative, ...]) -> Witness | None:
+    """A direction whose points near the equilibrium all have 0 in F, if V* vanishes along one.
+
+    On such a ray the velocities with zero radial part are tangential; two opposite ones, or a rest, hold 0 in
+    their hull (the term ``omega J c`` is of higher order near the equilibrium).
+    """
+    rays: list[tuple[Point, list[Twist]]] = []
+    for derivative in local_derivatives(derivatives):
+        for vertex, rate in zip(derivative.cell.polygon.vertices, derivative.rates, strict=True):
+            if any(vertex) and not rate:
+                same = next((twists for point, twists in rays if same_ray(point, vertex)), None)
+                if same is None:
+                    rays.append((vertex, [derivative.twist]))
+                else:
+                    same.append(derivative.twist)
+    for point, twists in rays:
+        turns = {cross(point, t.velocity).sign() for t in twists}
+        at_rest = any(not any(t) for t in twists)
+        if at_rest or {1, -1} <= turns:
+            return Witness(point, point[0].field.zero, "0 in F on the ray")
+    return None
+
+
+def same_ray(a: Point, b: Point) -> bool:
+    """Whether two nonzero points lie on one ray from the origin."""
+    return not cross(a, b) and dot(a, b).sign() > 0
+
+
+def _region_radius(partition: Partition, derivatives: tuple[CellDerivative, ...], *, strict: bool) -> Number:
+    """Radius of the largest disc about the equilibrium, inside the square, on which V* < 0 (or <= 0)."""
+    radius = partition.scene.check.radius
+    nearest = radius * radius
+    for derivative in derivatives:
+        for start, end in _violating_segments(derivative, strict=strict):
+            nearest = min(nearest, _squared_distance(start, end))
+    return radius if nearest == radius * radius else nearest.sqrt()
+
+
+def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator[tuple[Point, Point]]:
+    """Boundary segments of the part of the closed cell where V* is not as required (without the equilibrium)."""
+    worst, _ = derivative.largest
+    polygon = derivative.cell.polygon
+    zero = worst.field.zero
+    if worst.sign() < 0 or (not strict and not worst) or polygon.contains((zero, zero)):
+        return
+    vx, vy = derivative.twist.velocity
+    part = polygon.clipped(HalfPlane((-vx, -vy), zero)) if vx or vy else polygon
+    if part is None:  # V* vanishes on a side or at a vertex only
+        flat = [p for p, rate in zip(polygon.vertices, derivative.rates, strict=True) if not rate]
+        yield flat[0], flat[-1]
+        return
+    for k, start in enumerate(part.vertices):
+        yield start, part.vertices[(k + 1) % len(part.vertices)]
+
+
+def _squared_distance(start: Point, end: Point) -> Number:
+    """Squared distance of the origin from a segment."""
+    along = (end[0] - start[0], end[1] - start[1])
+    length, shift = dot(along, along), -dot(start, along)
+    if shift.sign() <= 0:
+        return dot(start, start)
+    if shift >= length:
+        return dot(end, end)
+    area = cross(start, along)
+    return area * area / length
