@@ -2,7 +2,7 @@
 
 A polygon is kept in both forms, vertices (counterclockwise) and the half-plane behind each side, because
 inequalities are proved on vertices and crossings are found on sides.  Clipping evaluates one sign per vertex
-and divides once per cut side; with exact numbers every result is exact, and a polygon of zero area is None.
+and intersects two lines per cut; with exact numbers every result is exact, and a polygon of zero area is None.
 """
 
 from __future__ import annotations
@@ -79,16 +79,22 @@ class Polygon:
                 vertices.append(self.vertices[k])
                 sides.append(half_plane if here == 0 and after < 0 else self.sides[k])
             if here * after < 0:
-                vertices.append(self._cut(k, slacks))
+                vertices.append(intersection(self.sides[k], half_plane))
                 sides.append(half_plane if here > 0 else self.sides[k])
         return Polygon(tuple(vertices), tuple(sides))
 
-    def _cut(self, k: int, slacks: list[Any]) -> Point:
-        """Point of side k where the slack vanishes."""
-        following = (k + 1) % len(slacks)
-        (x1, y1), (x2, y2) = self.vertices[k], self.vertices[following]
-        t = slacks[k] / (slacks[k] - slacks[following])
-        return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
+
+def intersection(first: HalfPlane, second: HalfPlane) -> Point:
+    """Common point of two boundary lines that are not parallel (Cramer's rule).
+
+    Vertices are always computed from the lines themselves, never from other vertices, so exact numbers do not
+    grow from clip to clip.
+    """
+    (a, b), (c, d) = first.normal, second.normal
+    determinant = a * d - b * c
+    x = first.offset * d - b * second.offset
+    y = a * second.offset - first.offset * c
+    return x / determinant, y / determinant
 
 
 def square(centre: Point, radius: Any) -> Polygon:

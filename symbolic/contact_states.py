@@ -33,14 +33,15 @@ class DependentRowsError(ValueError):
 
 @dataclass(frozen=True)
 class ContactState:
-    """Three independent rows and what follows from them.
+    """Rows of rank three and what follows from them.
 
     Attributes:
-        rows: the rows held without slip, in the order the rule chose them.
+        rows: the rows held without slip, in the order the rule chose them: three for rule ``nearest``, all that
+            the twist satisfies for rule ``box``.
         twist: the annihilator ``xi`` for the scene's speeds.
     """
 
-    rows: tuple[Row, Row, Row]
+    rows: tuple[Row, ...]
     twist: Twist
 
     @property
@@ -50,7 +51,13 @@ class ContactState:
 
     @cached_property
     def control_fields(self) -> dict[int, Triple]:
-        """``g_w`` by wheel index: ``xi = sum_w g_w u_w``; side rows carry no input."""
+        """``g_w`` by wheel index: ``xi = sum_w g_w u_w``; side rows carry no input.
+
+        Raises:
+            ValueError: for more than three rows, which hold together for these speeds only.
+        """
+        if len(self.rows) != 3:
+            raise ValueError(f"required three rows, received {self.name}")
         columns = cofactors(self.rows)
         inverse = inner(self.rows[0].normal, columns[0]).inverse()
         fields: dict[int, Triple] = {}

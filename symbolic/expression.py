@@ -9,12 +9,16 @@ text can keep the machine busy.
 from __future__ import annotations
 
 import ast
+import warnings
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 
-from nonsmooth.symbolic.number_field import Number, NumberField, base_order
+from flint import fmpq
+
+from nonsmooth.symbolic.number_field import Coefficient, Number, NumberField, base_order
+from nonsmooth.symbolic.scene_error import shown
 from nonsmooth.symbolic.square_roots import NestingError
 
 MAX_LENGTH = 400  # characters; longer formulas belong in a CSV file
@@ -50,7 +54,9 @@ class Expression:
         try:
             return _value(self.tree, self.text, field, values or {})
         except ZeroDivisionError:
-            raise ExpressionError(f"required a finite number, received a division by zero in {_short(self.text)}") from None
+            raise ExpressionError(
+                f"required a finite number, received a division by zero in {shown(self.text)}"
+            ) from None
 
     def turns(self) -> Iterator[Fraction]:
         """Every angle ``pi * turn`` under a sine or cosine: these fix the base of the number field."""
@@ -70,23 +76,27 @@ def parse(value: object, variables: Collection[str] = ()) -> Expression:
         ExpressionError: for anything outside the whitelist.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
-        raise ExpressionError(f"required a number or a formula in quotes, received {_short(value)}")
-    if isinstance(value, int) and value.bit_length() > MAX_BITS:
-        raise ExpressionError(f"required an integer of at most {MAX_BITS} bits")
+        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
+    if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:  # str() refuses very long integers
+        raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
     text = str(value).strip()
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"required at most {MAX_LENGTH} characters, received {len(text)}")
     if isinstance(value, float | Decimal):
         decimal_value(text)
     try:
-        tree = ast.parse(text, mode="eval").body
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
+            tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(f'required a number or a formula such as "sqrt(2)/2", received {_short(value)}') from None
+        raise ExpressionError(
+            f'required a number or a formula such as "sqrt(2)/2", received {shown(value)}'
+        ) from None
     _check(tree, text, frozenset(variables))
     names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(variables)
     expression = Expression(text, tree, frozenset(names))
     if base_order(expression.turns()) > MAX_FIELD_ORDER:
-        raise ExpressionError(f"required angles of few different denominators, received {_short(text)}")
+        raise ExpressionError(f"required angles of few different denominators, received {shown(text)}")
     return expression
 
 
@@ -99,12 +109,13 @@ def decimal_value(text: str) -> Fraction:
     try:
         number = Decimal(text.replace("_", ""))
     except InvalidOperation:
-        raise ExpressionError(f"required a decimal number, received {_short(text)}") from None
+        raise ExpressionError(f"required a decimal number, received {shown(text)}") from None
     if not number.is_finite():
-        raise ExpressionError(f"required a finite number, received {_short(text)}")
+        raise ExpressionError(f"required a finite number, received {shown(text)}")
     if abs(number.adjusted()) > MAX_DECIMAL_EXPONENT and number:
+        bound = MAX_DECIMAL_EXPONENT
         raise ExpressionError(
-            f"required a decimal exponent between -{MAX_DECIMAL_EXPONENT} and {MAX_DECIMAL_EXPONENT}, received {_short(text)}"
+            f"required a decimal exponent between -{bound} and {bound}, received {shown(text)}"
         )
     return Fraction(number) if number else Fraction(0)
 
@@ -117,9 +128,11 @@ def turn_of(node: ast.expr, text: str) -> Fraction:
     """
     constant, multiple = _linear_in_pi(node, text)
     if constant:
-        raise ExpressionError(f'required a rational multiple of pi such as "pi/3", received {_short(text)}')
+        raise ExpressionError(f'required a rational multiple of pi such as "pi/3", received {shown(text)}')
     if multiple.denominator > MAX_ANGLE_DENOMINATOR:
-        raise ExpressionError(f"required a multiple of pi with denominator up to {MAX_ANGLE_DENOMINATOR}, received {_short(text)}")
+        raise ExpressionError(
+            f"required a multiple of pi of denominator up to {MAX_ANGLE_DENOMINATOR}, received {shown(text)}"
+        )
     return multiple
 
 
@@ -147,7 +160,7 @@ def _check(node: ast.expr, text: str, variables: frozenset[str]) -> None:
                 turn_of(argument, text)
         case _:
             allowed = ", ".join([*sorted(variables), "numbers", "+ - * / **", *_FUNCTIONS, "pi"])
-            raise ExpressionError(f"required a formula of {allowed}, received {_short(text)}")
+            raise ExpressionError(f"required a formula of {allowed}, received {shown(text)}")
 
 
 def _literal(node: ast.Constant, text: str) -> Fraction:
@@ -157,11 +170,12 @@ def _literal(node: ast.Constant, text: str) -> Fraction:
 
 
 def _exponent(node: ast.expr, text: str) -> int:
+    signed = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd)
     negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
-    inner = node.operand if isinstance(node, ast.UnaryOp) else node
+    inner = node.operand if isinstance(node, ast.UnaryOp) and signed else node
     value = inner.value if isinstance(inner, ast.Constant) else None
     if not isinstance(value, int) or isinstance(value, bool) or value > MAX_EXPONENT:
-        raise ExpressionError(f"required an integer exponent up to {MAX_EXPONENT}, received {_short(text)}")
+        raise ExpressionError(f"required an integer exponent up to {MAX_EXPONENT}, received {shown(text)}")
     return -value if negative else value
 
 
@@ -189,7 +203,7 @@ def _linear_in_pi(node: ast.expr, text: str) -> tuple[Fraction, Fraction]:
             (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
             if not d and c:
                 return a / c, b / c
-    raise ExpressionError(f'required a rational multiple of pi such as "2*pi/3", received {_short(text)}')
+    raise ExpressionError(f'required a rational multiple of pi such as "2*pi/3", received {shown(text)}')
 
 
 def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, Number]) -> Number:
@@ -199,7 +213,9 @@ def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, N
         case ast.Name(id=name) if name in values:
             return values[name]
         case ast.Name(id="pi"):
-            raise ExpressionError(f"required pi only inside sin and cos or in an angle, received {_short(text)}")
+            raise ExpressionError(
+                f"required pi only inside sin and cos or in an angle, received {shown(text)}"
+            )
         case ast.UnaryOp():
             operand = _value(node.operand, text, field, values)
             return -operand if isinstance(node.op, ast.USub) else operand
@@ -215,7 +231,7 @@ def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, N
                 return _square_root(_value(argument, text, field, values), text)
             turn = turn_of(argument, text)
             return field.cos_pi(turn) if name == "cos" else field.sin_pi(turn)
-    raise ExpressionError(f"required a formula, received {_short(text)}")
+    raise ExpressionError(f"required a formula, received {shown(text)}")
 
 
 def _apply(operator: ast.operator, left: Number, right: Number) -> Number:
@@ -232,11 +248,11 @@ def _apply(operator: ast.operator, left: Number, right: Number) -> Number:
 
 def _square_root(value: Number, text: str) -> Number:
     if value.sign() < 0:
-        raise ExpressionError(f"required a non-negative number under sqrt, received {_short(text)}")
+        raise ExpressionError(f"required a non-negative number under sqrt, received {shown(text)}")
     try:
         return value.sqrt()
     except NestingError as error:
-        raise ExpressionError(f"{error}, received {_short(text)}") from None
+        raise ExpressionError(f"{error}, received {shown(text)}") from None
 
 
 def _bounded(value: Number, text: str, factor: int = 1) -> Number:
@@ -245,10 +261,12 @@ def _bounded(value: Number, text: str, factor: int = 1) -> Number:
     for mask in value.terms:
         roots |= mask
     if roots.bit_count() > MAX_ROOTS:
-        raise ExpressionError(f"required at most {MAX_ROOTS} independent square roots, received {_short(text)}")
-    size = sum(c.height_bits() if hasattr(c, "height_bits") else int(c.denom()).bit_length() for c in value.terms.values())
+        raise ExpressionError(
+            f"required at most {MAX_ROOTS} independent square roots, received {shown(text)}"
+        )
+    size = sum(_height(c) for c in value.terms.values())
     if size * factor > MAX_BITS:
-        raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {_short(text)}")
+        raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {shown(text)}")
     return value
 
 
@@ -256,6 +274,8 @@ def _name(node: ast.expr) -> str:
     return node.id if isinstance(node, ast.Name) else ""
 
 
-def _short(value: object) -> str:
-    text = repr(value) if isinstance(value, str) else str(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+def _height(coefficient: Coefficient) -> int:
+    """Bits of the longest integer of a rational, or of a rational polynomial."""
+    if isinstance(coefficient, fmpq):
+        return coefficient.height_bits()
+    return max(coefficient.numer().height_bits(), int(coefficient.denom()).bit_length())

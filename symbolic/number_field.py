@@ -47,9 +47,7 @@ class Ordered(Protocol):
 
 def sign(value: Any) -> int:
     """Sign -1, 0 or 1 of a field element (exact), fraction or float."""
-    if isinstance(value, Number):
-        return value.sign()
-    return (value > 0) - (value < 0)
+    return value.sign() if hasattr(value, "sign") else (value > 0) - (value < 0)
 
 
 def as_fmpq(value: Rational) -> fmpq:
@@ -64,7 +62,7 @@ def fmpq_to_float(value: fmpq) -> float:
     try:
         return int(value.p) / int(value.q)
     except OverflowError:
-        return math.copysign(math.inf, int(value.p))
+        return math.inf if value > 0 else -math.inf
 
 
 class NumberField:

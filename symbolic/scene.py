@@ -12,6 +12,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import TypeAlias
 
+from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.number_field import Number, NumberField
 
 Vector: TypeAlias = tuple[Number, Number]
@@ -106,10 +107,14 @@ class Contact:
 
 @dataclass(frozen=True)
 class Check:
-    """What is checked: the equilibrium ``c*`` and the square ``|x - x*|, |y - y*| <= radius``."""
+    """What is checked: the equilibrium ``c*`` and the square ``|x - x*|, |y - y*| <= radius``.
+
+    ``lyapunov`` is V as a formula in the displacement ``(x, y)`` from ``c*``; None means ``x**2 + y**2``.
+    """
 
     equilibrium: Vector
     radius: Number
+    lyapunov: Expression | None = None
 
 
 @dataclass(frozen=True)

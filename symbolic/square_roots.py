@@ -44,6 +44,10 @@ def square_root(field: NumberField, value: Number) -> Number:
     if rational is not None:
         return _rational_root(field, rational)
     content = _rational_content(value)
+    if not (content.p.is_square() and content.q.is_square()):
+        root = _find(field, value)  # (1 + sqrt 3)^2 = 2 (2 + sqrt 3) needs no sqrt 2
+        if root is not None:
+            return root
     return _rational_root(field, content) * _root(field, value / content)
 
 

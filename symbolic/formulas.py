@@ -1,0 +1,150 @@
+"""Formulas that are linear in exact numbers, as plain text, LaTeX and SymPy.
+
+A :class:`Formula` is ``sum_k number_k * monomial_k``, e.g. ``-sqrt(2)*u_1 - sqrt(2)/2*u_2*y``.  Numbers are written
+in the form a reader recognizes (square roots, cosines of rational multiples of pi), straight from the field:
+SymPy would turn ``cos(pi/10)`` into nested square roots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from nonsmooth.symbolic.number_field import Number, bits
+from nonsmooth.symbolic.printing import cosine_form, number_text
+
+if TYPE_CHECKING:
+    import sympy
+
+LINE_LENGTH = 76  # characters of plain text after which a formula continues on the next line
+LINE_BREAK = " \\\\\n&\\quad "  # inside an aligned block
+
+Monomial: TypeAlias = tuple[str, ...]
+
+
+class Summand(NamedTuple):
+    """One signed summand in both notations, its sign kept apart."""
+
+    negative: bool
+    plain: str
+    latex: str
+
+
+@dataclass(frozen=True)
+class Formula:
+    """``sum_k number_k * monomial_k``; a monomial is a tuple of symbol names, () for a constant."""
+
+    terms: tuple[tuple[Number, Monomial], ...]
+
+    def plain(self) -> str:
+        """On one line, ``0`` where nothing is left."""
+        text = ""
+        for summand in self.summands():
+            first, later = ("-", " - ") if summand.negative else ("", " + ")
+            text += (later if text else first) + summand.plain
+        return text or "0"
+
+    def latex(self, line_break: str = "") -> str:
+        """LaTeX; with a ``line_break`` (see LINE_BREAK) long formulas continue on further lines."""
+        text, length = "", 0
+        for summand in self.summands():
+            if line_break and length and length + len(summand.plain) > LINE_LENGTH:
+                text, length = text + line_break, 0
+            first, later = ("-", " - ") if summand.negative else ("", " + ")
+            text += (later if text else first) + summand.latex
+            length += len(summand.plain) + 3
+        return text or "0"
+
+    def to_sympy(self) -> sympy.Expr:
+        """The same formula in SymPy; symbols are real."""
+        import sympy
+
+        total = sympy.Integer(0)
+        for number, monomial in self.terms:
+            total += number.to_sympy() * sympy.Mul(*(sympy.Symbol(name, real=True) for name in monomial))
+        return total
+
+    def summands(self) -> list[Summand]:
+        """The nonzero summands; a coefficient that is a sum itself stays in parentheses while it is short."""
+        parts: list[Summand] = []
+        for number, monomial in self.terms:
+            coefficients = number_summands(number)
+            if len(coefficients) > 1 and monomial and len(number_text(number)) <= LINE_LENGTH:
+                inner = Formula(((number, ()),))
+                coefficients = [Summand(False, f"({inner.plain()})", rf"\left({inner.latex()}\right)")]
+            parts += [_times(summand, monomial) for summand in coefficients]
+        return parts
+
+
+def constant(number: Number) -> Formula:
+    """A formula without symbols."""
+    return Formula(((number, ()),))
+
+
+def number_latex(number: Number) -> str:
+    """LaTeX of an exact number."""
+    return constant(number).latex()
+
+
+def column_latex(entries: Iterable[Number]) -> str:
+    r"""A column vector, ``\begin{pmatrix} ... \end{pmatrix}``."""
+    rows = r" \\ ".join(number_latex(entry) for entry in entries)
+    return rf"\begin{{pmatrix}} {rows} \end{{pmatrix}}"
+
+
+def symbol_latex(name: str) -> str:
+    """``u_12`` becomes ``u_{12}``."""
+    stem, _, index = name.partition("_")
+    return f"{stem}_{{{index}}}" if index else stem
+
+
+def number_summands(number: Number) -> list[Summand]:
+    """The number as signed products of a rational, at most one cosine, and square roots."""
+    parts: list[Summand] = []
+    for mask in sorted(number.terms):
+        plain_roots, latex_roots = _roots(number, mask)
+        for turn, weight in cosine_form(number.field, number.terms[mask]).items():
+            plain = [f"cos({_angle(turn, 'pi', '*')})"] * bool(turn) + plain_roots
+            latex = [rf"\cos({_angle(turn, chr(92) + 'pi ', '')})"] * bool(turn) + latex_roots
+            parts.append(_product(weight, plain, latex))
+    return parts
+
+
+def _times(summand: Summand, monomial: Monomial) -> Summand:
+    if not monomial:
+        return summand
+    plain = [summand.plain] * (summand.plain != "1") + list(monomial)
+    latex = [summand.latex] * (summand.plain != "1") + [symbol_latex(name) for name in monomial]
+    return Summand(summand.negative, "*".join(plain), " ".join(latex))
+
+
+def _product(weight: Fraction, plain: Sequence[str], latex: Sequence[str]) -> Summand:
+    """``weight * factors`` with the denominator under the whole product."""
+    top, bottom = abs(weight.numerator), weight.denominator
+    number = [str(top)] * (top != 1 or not plain)
+    plain_top, latex_top = "*".join([*number, *plain]), " ".join([*number, *latex])
+    if bottom == 1:
+        return Summand(weight < 0, plain_top, latex_top)
+    return Summand(weight < 0, f"{plain_top}/{bottom}", rf"\frac{{{latex_top}}}{{{bottom}}}")
+
+
+def _angle(turn: Fraction, pi: str, times: str) -> str:
+    top = pi if turn.numerator == 1 else f"{turn.numerator}{times}{pi}"
+    return top.strip() if turn.denominator == 1 else f"{top.strip()}/{turn.denominator}"
+
+
+def _roots(number: Number, mask: int) -> tuple[list[str], list[str]]:
+    """The square roots of one term: rational radicands share one root, nested ones stay factors."""
+    rational, nested = 1, list[Number]()
+    for i in bits(mask):
+        radicand = number.field.radicands[i]
+        value = radicand.as_rational()
+        if value is None:
+            nested.append(radicand)
+        else:
+            rational *= int(value.p)
+    plain = [f"sqrt({rational})"] * (rational > 1) + [f"sqrt({g})" for g in nested]
+    latex = [rf"\sqrt{{{rational}}}"] * (rational > 1) + [rf"\sqrt{{{number_latex(g)}}}" for g in nested]
+    return plain, latex

@@ -1,0 +1,66 @@
+"""One error for whatever can be wrong with a scene, on one printable line."""
+
+from __future__ import annotations
+
+MAX_SHOWN = 60  # characters of a user's text inside a message
+MAX_FILE_SHOWN = 160
+_MAX_INTEGER_BITS = 160
+_MAX_ITEMS = 4
+
+
+class Fact(str):
+    """What was received, in our own words: shown without quotes."""
+
+    __slots__ = ()
+
+
+class SceneError(ValueError):
+    """A scene that cannot be used; ``str(error)`` is one line such as
+    ``my.toml: wheel[2].speed: required a finite number, received 'nan'``.
+
+    Attributes:
+        file: the scene file or built-in name.
+        key: the offending key, list items counted from 1; empty for the file as a whole.
+        expected: what the key requires.
+        value: what it received; a :class:`Fact` where that is no TOML value.
+    """
+
+    def __init__(self, file: str, key: str, expected: str, value: object) -> None:
+        super().__init__(file, key, expected, value)
+        self.file, self.key, self.expected, self.value = file, key, expected, value
+
+    def __str__(self) -> str:
+        file = one_line(self.file)
+        file = file if len(file) <= MAX_FILE_SHOWN else "..." + file[3 - MAX_FILE_SHOWN :]
+        place = f"{file}: {_cut(one_line(self.key))}" if self.key else file
+        return f"{place}: required {one_line(self.expected)}, received {shown(self.value)}"
+
+
+def shown(value: object) -> str:
+    """A TOML value on one printable line of at most :data:`MAX_SHOWN` characters."""
+    match value:
+        case Fact():
+            return one_line(value)
+        case str():
+            text = repr(value)
+        case bool():
+            text = str(value).lower()
+        case int() if value.bit_length() > _MAX_INTEGER_BITS:
+            text = f"an integer of {value.bit_length()} bits"
+        case dict():
+            text = "a table"
+        case list():
+            items = [shown(item) for item in value[:_MAX_ITEMS]] + ["..."] * (len(value) > _MAX_ITEMS)
+            text = f"[{', '.join(items)}]"
+        case _:
+            text = one_line(str(value))
+    return _cut(text)
+
+
+def one_line(text: str) -> str:
+    """The text with every unprintable character (newline, control, surrogate) escaped."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."
