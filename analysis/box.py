@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any, TypeAlias
 
@@ -53,6 +54,18 @@ class Slope:
 
     direction: Triple
     form: Affine
+
+    @cached_property
+    def floats(self) -> NDArray[np.float64]:
+        """The form's coefficients, correctly rounded."""
+        return np.array([float(x) for x in self.form])
+
+    def clear_signs(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+        """Signs at points ``(1, x, y)`` given as floats; 0 where floats leave a doubt."""
+        terms = points * self.floats
+        values = terms.sum(axis=-1)
+        doubt = np.abs(terms).sum(axis=-1) * FLOAT_DOUBT
+        return np.where(np.abs(values) > doubt, np.sign(values), 0).astype(int)
 
 
 @dataclass(frozen=True)
@@ -106,9 +119,8 @@ class _Walk:
         self.normals = np.array([[float(x) for x in row.normal] for row in self.rows])
         self.rhs = np.array([float(row.rhs) for row in self.rows])
         self.float_weights = np.array([[float(x) for x in weight] for weight in self.weights])
-        corners = np.array([[1.0, float(x), float(y)] for x, y in region.polygon.vertices])
-        self.corner_weights = self.float_weights @ corners.T
-        self.corners = corners
+        self.corners = _float_corners(region.polygon)
+        self.corner_weights = self.float_weights @ self.corners.T
         self.vertices: dict[Twist, Vertex] = {}
 
     # ---- the walk ------------------------------------------------------------------------
@@ -150,7 +162,9 @@ class _Walk:
     def _descend(self, vertex: Vertex, point: Point, outward: Point) -> Vertex:
         """Exact descent at ``point + epsilon outward``: every step lowers D, so it ends at the minimizer."""
         while True:
-            falling = next((s for s in vertex.slopes if _order(s.form, point, outward) < (0, 0)), None)
+            place = np.array([1.0, float(point[0]), float(point[1])])
+            doubtful = (s for s in vertex.slopes if s.clear_signs(place) <= 0)
+            falling = next((s for s in doubtful if _order(s.form, point, outward) < (0, 0)), None)
             if falling is None:
                 return vertex
             vertex = self._vertex(self._line_search(vertex, falling, point, outward))
@@ -264,12 +278,17 @@ class _Walk:
 
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, Slope]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""
-        polygon: Polygon | None = self.region.polygon
+        polygon = self.region.polygon
         origins = {f"slope {k}": slope for k, slope in enumerate(vertex.slopes) if any(slope.form)}
+        corners = self.corners
         for label, slope in origins.items():
-            polygon = polygon.clipped(self._half_plane(slope.form, label))
-            if polygon is None:
-                break
+            if slope.clear_signs(corners).min() > 0:
+                continue
+            clipped = polygon.clipped(self._half_plane(slope.form, label))
+            if clipped is None:
+                return None, origins
+            if clipped is not polygon:
+                polygon, corners = clipped, _float_corners(clipped)
         return polygon, origins
 
     def _half_plane(self, form: Affine, label: str) -> HalfPlane:
@@ -304,6 +323,11 @@ def _order(form: Affine, point: Point, outward: Point) -> Lexicographic:
     """Signs of an affine form at a point and of its derivative along a direction."""
     here = sign(value_at(form, point))
     return here, 0 if here else sign(form[1] * outward[0] + form[2] * outward[1])
+
+
+def _float_corners(polygon: Polygon) -> NDArray[np.float64]:
+    """Vertices as rows ``(1, x, y)``."""
+    return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
 
 
 def _midpoint(polygon: Polygon, k: int) -> Point:

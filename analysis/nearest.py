@@ -23,9 +23,10 @@ from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.number_field import sign
 from nonsmooth.symbolic.scene import Rule, Scene, Wheel, dot
 
-# Relative: a distance in double precision errs by less than 1e-14, so a wheel beyond this margin is certainly
-# not among the two nearest, and a wheel within it is kept for the exact test.
+# Relative to the coordinates and distances at hand: in double precision they err by less than 1e-14, so a wheel
+# beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.
 CANDIDATE_MARGIN = 1e-9
+SMALLEST_NORMAL = np.finfo(np.float64).tiny  # below it floats lose their relative accuracy
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
@@ -67,15 +68,17 @@ def _contenders(
     """Wheels that can be among the ``rank`` nearest somewhere in the region, nearest to its centre first.
 
     With reach r of the region about its centre, a wheel farther from the centre than the rank-th nearest
-    wheel plus 2 r cannot.
+    wheel plus 2 r cannot.  Where coordinates overflow the distance is nan, and the wheel is kept.
     """
     centre = np.array([float(x) for x in region.centre])
     vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
-    reach = np.max(np.hypot(*(vertices - centre).T))
-    distances = np.hypot(*(positions[among] - centre).T)
     rank = min(rank, len(among))
-    bound = (np.partition(distances, rank - 1)[rank - 1] + 2 * reach) * (1 + CANDIDATE_MARGIN)
-    near = np.flatnonzero(distances <= bound)
+    with np.errstate(over="ignore", invalid="ignore"):
+        reach = np.max(np.hypot(*(vertices - centre).T))
+        distances = np.hypot(*(positions[among] - centre).T)
+        bound = np.partition(distances, rank - 1)[rank - 1] + 2 * reach
+        slack = CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
+        near = np.flatnonzero(~(distances > bound + slack))
     order = near[np.argsort(distances[near], kind="stable")]
     return np.asarray(among[order])
 

@@ -58,7 +58,21 @@ class Lazy:
             else:
                 numerator, denominator = self.quotient()
                 self._sign = numerator.sign() * denominator.sign()
+                self.ball = self._tight_ball()
         return self._sign
+
+    def _tight_ball(self) -> arb:
+        """A ball from the exact value that shows its sign."""
+        if not self._sign:
+            return arb(0)
+        numerator, denominator = self.quotient()
+        precision = _PRECISION
+        while True:
+            with ctx.workprec(precision):
+                ball = numerator.ball() / denominator.ball()
+            if ball > 0 or ball < 0:
+                return ball
+            precision *= 2
 
     def _operand(self, value: Any) -> Lazy | None:
         if isinstance(value, Lazy):
@@ -78,7 +92,9 @@ class Lazy:
     __radd__ = __add__
 
     def __neg__(self) -> Lazy:
-        return Lazy(self.field, -self.ball, lambda: (-self.quotient()[0], self.quotient()[1]))
+        with ctx.workprec(_PRECISION):  # arb rounds even a negation to the working precision
+            ball = -self.ball
+        return Lazy(self.field, ball, lambda: (-self.quotient()[0], self.quotient()[1]))
 
     def __sub__(self, value: Any) -> Lazy:
         other = self._operand(value)
