@@ -2,8 +2,8 @@
 
 Elastic loads (identical springs under a rigid plate, no tension) solve ``min |N|^2`` subject to
 ``sum N_i = 1, sum N_i p_i = c, N >= 0`` (total weight 1).  With ``m_i = (1, p_i)`` the optimality conditions are
-``N_i = max(0, m_i . y)``, so for a set A of loaded wheels ``N_i = m_i^T G_A^-1 (1, c)``, ``G_A = sum_A m_i m_i^T``: affine
-in c.  The plane inside the support polygon splits into convex regions by A; crossing a side of a region
+``N_i = max(0, m_i . y)``, so for a set A of loaded wheels ``N_i = m_i^T G_A^-1 (1, c)``, ``G_A = sum_A m_i m_i^T``:
+affine in c.  The plane inside the support polygon splits into convex regions by A; crossing a side of a region
 changes A by one wheel, which is how the regions are found.  Outside the support polygon the body tips, and for
 collinear wheels the loads are undetermined: both are refused.
 """
@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, inner, outer
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number_field import sign
 from nonsmooth.symbolic.scene import Scene, Vector, cross
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
@@ -71,7 +71,10 @@ def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> 
     for wheel, form in zip(scene.wheels, rows, strict=True):
         for x, y in domain.vertices:
             if value_at(form, (x, y)).sign() < 0:
-                raise LoadError(f"contact.loads: required loads >= 0 in the square, received a negative load of wheel {wheel.index} at ({x}, {y})")
+                raise LoadError(
+                    "contact.loads: required loads >= 0 in the square, received a negative load "
+                    f"of wheel {wheel.index} at ({x}, {y})"
+                )
 
 
 def support_polygon(positions: Sequence[Vector]) -> list[Vector]:
@@ -102,8 +105,8 @@ def _require_support(scene: Scene, domain: Polygon) -> None:
     hull = support_polygon([wheel.position for wheel in scene.wheels])
     if len(hull) < 3:
         raise LoadError(
-            f"contact.loads: required three wheels that are not collinear, received {len(scene.wheels)} wheels on one line: "
-            "elastic loads are undetermined"
+            "contact.loads: required three wheels that are not collinear, "
+            f"received {len(scene.wheels)} wheels on one line: elastic loads are undetermined"
         )
     for k, corner in enumerate(hull):
         along = _minus(hull[(k + 1) % len(hull)], corner)
@@ -122,8 +125,8 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
     advice = f"at most {largest} ~ {float(largest):.6g}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
-        f"check.radius: required {advice}, received {scene.check.radius}: at ({float(vertex[0]):g}, {float(vertex[1]):g}) "
-        f"the body tips over its support polygon {corners}"
+        f"check.radius: required {advice}, received {scene.check.radius}: "
+        f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"
     )
 
 
@@ -160,18 +163,17 @@ def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) 
         active = active | {max(contact, key=lambda i: values[i])}
 
 
-def _region(
-    moments: Sequence[Triple], active: frozenset[int], domain: Polygon
-) -> tuple[LoadRegion | None, list[int]]:
+def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> tuple[LoadRegion | None, list[int]]:
     """The polygon on which exactly ``active`` carries load, and the wheels whose state changes at its sides."""
     forms = _forms(moments, active)
     zero = moments[0][0] - moments[0][0]
-    polygon: Polygon | None = domain
+    polygon = domain
     for i, form in enumerate(forms):
         bound = form if i in active else (-form[0], -form[1], -form[2])
-        polygon = polygon.clipped(at_least_zero(bound, f"load {i}"))
-        if polygon is None:
+        clipped = polygon.clipped(at_least_zero(bound, f"load {i}"))
+        if clipped is None:
             return None, []
+        polygon = clipped
     crossings = [int(side.label.split()[1]) for side in polygon.sides if side.label.startswith("load")]
     forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
     return LoadRegion(polygon, forces, frozenset(i + 1 for i in active)), crossings

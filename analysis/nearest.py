@@ -47,7 +47,12 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
 
 
 def _ordered_pairs(
-    wheels: Sequence[Wheel], positions: NDArray[np.float64], active: NDArray[np.int_], domain: Polygon, *, prune: bool
+    wheels: Sequence[Wheel],
+    positions: NDArray[np.float64],
+    active: NDArray[np.int_],
+    domain: Polygon,
+    *,
+    prune: bool,
 ) -> Iterator[tuple[int, int, Polygon]]:
     """(nearest, second-nearest, cell) for every pair that owns area in the domain."""
     for i in active:
@@ -85,12 +90,13 @@ def _contenders(
 
 def _region(wheels: Sequence[Wheel], i: int, rivals: Iterable[int], within: Polygon) -> Polygon | None:
     """Points of ``within`` at least as near to wheel i as to every rival."""
-    region: Polygon | None = within
+    region = within
     for k in rivals:
         if k != i:
-            region = region.clipped(bisector(wheels[i], wheels[k]))
-            if region is None:
+            closer = region.clipped(bisector(wheels[i], wheels[k]))
+            if closer is None:
                 return None
+            region = closer
     return region
 
 

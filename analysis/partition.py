@@ -5,11 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from flint import arb
+
 from nonsmooth.analysis.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Rule, Scene
+
+# An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
+AREA_ROOTS = 4
 
 
 @dataclass(frozen=True)
@@ -54,12 +60,21 @@ class Partition:
     wheels_considered: int
 
     @cached_property
-    def area_error(self) -> Number:
-        """Domain area minus the cells' areas: exactly zero when they tile."""
-        total: Number = self.domain.area
+    def area_error(self) -> Number | arb:
+        """Domain area minus the cells' areas: exactly zero when they tile.
+
+        Over a field of too many square roots for exact quotients the difference is a ball around zero.
+        """
+        total: Number | Lazy = self.domain.area
         for cell in self.cells:
-            total = total - cell.polygon.area
-        return total
+            total = total - (cell.polygon.area if len(self.scene.field.radicands) > AREA_ROOTS else _exact_area(cell))
+        return total.ball if isinstance(total, Lazy) else total
+
+    @cached_property
+    def tied_area(self) -> Number | Lazy:
+        """Area on which the minimizer is not unique: the exception to Theorem 1 of Murphey & Burdick."""
+        zero: Number | Lazy = self.scene.field.zero
+        return sum((cell.polygon.area for cell in self.cells if len(cell.states) > 1), zero)
 
     @cached_property
     def states(self) -> tuple[ContactState, ...]:
@@ -70,3 +85,14 @@ class Partition:
     def cells_at(self, point: Point) -> tuple[Cell, ...]:
         """The cells whose closure holds the point."""
         return tuple(cell for cell in self.cells if cell.polygon.contains(point))
+
+
+def _exact_area(cell: Cell) -> Number:
+    """Area with every vertex as a field element."""
+    exact = tuple((_evaluated(x), _evaluated(y)) for x, y in cell.polygon.vertices)
+    area: Number = Polygon(exact, cell.polygon.sides).area
+    return area
+
+
+def _evaluated(value: Number | Lazy) -> Number:
+    return value.exact() if isinstance(value, Lazy) else value
