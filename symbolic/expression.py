@@ -89,9 +89,7 @@ def parse(value: object, variables: Collection[str] = ()) -> Expression:
             warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
             tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(
-            f'required a number or a formula such as "sqrt(2)/2", received {shown(value)}'
-        ) from None
+        raise ExpressionError(f'required a number or a formula such as "sqrt(2)/2", received {shown(value)}') from None
     _check(tree, text, frozenset(variables))
     names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(variables)
     expression = Expression(text, tree, frozenset(names))
@@ -114,9 +112,7 @@ def decimal_value(text: str) -> Fraction:
         raise ExpressionError(f"required a finite number, received {shown(text)}")
     if abs(number.adjusted()) > MAX_DECIMAL_EXPONENT and number:
         bound = MAX_DECIMAL_EXPONENT
-        raise ExpressionError(
-            f"required a decimal exponent between -{bound} and {bound}, received {shown(text)}"
-        )
+        raise ExpressionError(f"required a decimal exponent between -{bound} and {bound}, received {shown(text)}")
     return Fraction(number) if number else Fraction(0)
 
 
@@ -213,9 +209,7 @@ def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, N
         case ast.Name(id=name) if name in values:
             return values[name]
         case ast.Name(id="pi"):
-            raise ExpressionError(
-                f"required pi only inside sin and cos or in an angle, received {shown(text)}"
-            )
+            raise ExpressionError(f"required pi only inside sin and cos or in an angle, received {shown(text)}")
         case ast.UnaryOp():
             operand = _value(node.operand, text, field, values)
             return -operand if isinstance(node.op, ast.USub) else operand
@@ -261,9 +255,7 @@ def _bounded(value: Number, text: str, factor: int = 1) -> Number:
     for mask in value.terms:
         roots |= mask
     if roots.bit_count() > MAX_ROOTS:
-        raise ExpressionError(
-            f"required at most {MAX_ROOTS} independent square roots, received {shown(text)}"
-        )
+        raise ExpressionError(f"required at most {MAX_ROOTS} independent square roots, received {shown(text)}")
     size = sum(_height(c) for c in value.terms.values())
     if size * factor > MAX_BITS:
         raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {shown(text)}")

@@ -121,9 +121,9 @@ class Grid(Table):
 
     def places(self, numbers: Numbers) -> Iterator[Place]:
         """See :class:`Layout`."""
-        if self.rows * self.columns > MAX_WHEELS:
+        if not 2 <= self.rows * self.columns <= MAX_WHEELS:
             count = Fact(f"{self.rows} x {self.columns}")
-            raise SceneError(numbers.file, "grid", f"at most {MAX_WHEELS} wheels", count)
+            raise SceneError(numbers.file, "grid", f"two to {MAX_WHEELS} wheels", count)
         pitch = numbers.positive(self.pitch, "grid.pitch")
         half_columns, half_rows = Fraction(self.columns - 1, 2), Fraction(self.rows - 1, 2)
         xs = [pitch * (k - half_columns) for k in range(self.columns)]

@@ -107,7 +107,13 @@ class Lazy:
         other = self._operand(value)
         if other is None:
             return NotImplemented
-        return _make(self.field, self.ball, other.ball, arb.__mul__, lambda: _multiply(self.quotient(), other.quotient()))
+        return _make(
+            self.field,
+            self.ball,
+            other.ball,
+            arb.__mul__,
+            lambda: _multiply(self.quotient(), other.quotient()),
+        )
 
     __rmul__ = __mul__
 

@@ -140,7 +140,7 @@ class NumberField:
             case 5:
                 return (root(6) - root(2)) / 4
             case _:
-                return self.rational({0: 1, 4: Fraction(1, 2), 6: 0}[k])
+                return self.rational({0: Fraction(1), 4: Fraction(1, 2), 6: Fraction(0)}[k])
 
     def sin_pi(self, turn: Fraction) -> Number:
         """``sin(pi * turn) = cos(pi * (1/2 - turn))``."""

@@ -70,7 +70,7 @@ def load_scene(
     Raises:
         SceneError: for whatever cannot be used.
     """
-    file = str(source)
+    file = str(source) or "''"
     path = _path(source)
     try:
         data = _overridden(_read_toml(path, file), rule, radius, at)
@@ -90,8 +90,10 @@ def _read_toml(path: Path, file: str) -> dict[str, Any]:
     text = _read_text(path, MAX_TOML_BYTES, file, "")
     try:
         return tomllib.loads(text, parse_float=Decimal)
-    except (ValueError, ArithmeticError) as error:  # numbers too long for int or Decimal are not TOML errors
+    except tomllib.TOMLDecodeError as error:
         raise SceneError(file, "", "a TOML document", Fact(f"an error: {str(error)[:120]}")) from None
+    except (ValueError, ArithmeticError):  # of int and Decimal
+        raise SceneError(file, "", "numbers of moderate length", Fact("one that is too long")) from None
 
 
 def _read_text(path: Path, limit: int, file: str, key: str) -> str:
@@ -169,7 +171,7 @@ def _layout(document: Document, file: str, path: Path) -> Layout:
     names = ("wheel", "ring", "grid", "wheels")
     named = [name for name in names if getattr(document, name) is not None]
     if len(named) != 1:
-        key, found = " and ".join(named) or "wheel", Fact(f"{len(named)} of them")
+        key, found = " and ".join(named) or "wheel", Fact(f"{len(named)}" if named else "none")
         raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", found)
     if document.wheels is not None:
         name = document.wheels.file

@@ -24,11 +24,28 @@ def validate(model: type[Model], data: object, file: str) -> Model:
     except ValidationError as error:
         details = error.errors(include_url=False)
         first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-        location = first["loc"]
-        key = key_text(location[:1] + location[2:] if location[0] == "field" else location)
-        value = {"missing": Fact("nothing"), "extra_forbidden": Fact("an unknown key")}
-        received = value.get(first["type"], first["input"])
-        raise SceneError(file, key, _expected(model, first), received) from None
+        raise SceneError(file, _key(first), _expected(model, first), _received(first)) from None
+
+
+def _key(detail: Any) -> str:
+    """The offending key; pydantic's location in a field holds the kind as well."""
+    location = detail["loc"]
+    if detail["type"] in _NO_KIND:
+        location = (*location, "kind")
+    elif location[0] == "field":
+        location = location[:1] + location[2:]
+    return key_text(location)
+
+
+def _received(detail: Any) -> object:
+    match detail["type"]:
+        case "missing":
+            return Fact("nothing")
+        case "extra_forbidden":
+            return Fact("an unknown key")
+        case kind if kind in _NO_KIND:
+            return detail["input"].get("kind", Fact("nothing"))
+    return detail["input"]
 
 
 def key_text(location: tuple[int | str, ...]) -> str:
@@ -49,9 +66,8 @@ _EXPECTED = {
     "less_than_equal": "an integer of at most {le}",
     "enum": "{expected}",
     "literal_error": "{expected}",
-    "union_tag_not_found": "a table with a kind",
-    "union_tag_invalid": "a kind out of {expected_tags}",
 }
+_NO_KIND = ("union_tag_not_found", "union_tag_invalid")
 
 
 def _expected(model: type[Table], detail: Any) -> str:
@@ -61,7 +77,11 @@ def _expected(model: type[Table], detail: Any) -> str:
         return requirement(context["error"])
     if detail["type"] == "extra_forbidden":
         return f"one of the keys {', '.join(_keys(model, detail['loc']))}"
-    return _EXPECTED.get(detail["type"], detail["msg"]).format(**context)
+    if detail["type"] in _NO_KIND:
+        kinds = (t.model_fields["kind"].default for t in _tables(model.model_fields["field"].annotation))
+        return f"one of {', '.join(kinds)}"
+    known = _EXPECTED.get(detail["type"])
+    return detail["msg"] if known is None else known.format(**context)
 
 
 def _keys(model: type[Table], location: tuple[int | str, ...]) -> list[str]:

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.scene_error import Fact, SceneError
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
 MAX_ROOT_WORK = 2_048  # in a time that grows with their number times the degree of the base field
-_PLAIN_DECIMAL = re.compile(r"[+-]?[0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?")
+_PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?|nan|inf(inity)?)", re.I)
 
 Exact: TypeAlias = Expression | Fraction
 
