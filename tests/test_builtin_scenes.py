@@ -50,7 +50,7 @@ def test_every_scene_loads(name: str) -> None:
     scene = load_scene(name)
     assert (scene.name, scene.source) == (name, name)
     assert scene.contact.rule is Rule.NEAREST
-    assert scene.check.radius == HALF
+    assert scene.check.radius in (HALF, HALF / 2)
     assert not any(scene.check.equilibrium)
     assert all(wheel.speed == 1 for wheel in scene.wheels)
     assert frictions(scene) == {(HALF, 1) if name == "four-wheel-side" else (1, HALF)}

@@ -1,0 +1,67 @@
+"""Torque authority: which twists the drives can ask for.
+
+Twist tracking sets every rim speed to ``u_i = d_i . v(p_i)`` of the wanted motion.  A wanted twist that all roll rows
+``[d_i, d_i . J p_i]`` map to zero asks nothing of any wheel: the array cannot drive it, it can only brake.  So the
+rank of the roll rows at the equilibrium decides: 3 is full authority; rims that all point at the equilibrium have
+rank 2, and the missing twist is the rotation about it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.symbolic.constraints import Triple, inner, outer, roll_row
+from nonsmooth.symbolic.scene import Scene
+
+
+@dataclass(frozen=True)
+class Authority:
+    """Rank of the roll rows with a basis of the row space and of the missing twists.
+
+    Attributes:
+        rank: 1, 2 or 3.
+        basis: numbers of wheels with independent roll rows.
+        rows: their rows, scaled by ``|D_i|``.
+        missing: independent twists ``(vx, vy, omega)`` that no roll row sees; ``3 - rank`` of them.
+    """
+
+    rank: int
+    basis: tuple[int, ...]
+    rows: tuple[Triple, ...]
+    missing: tuple[Triple, ...]
+
+    def check(self, scene: Scene) -> bool:
+        """Re-verify that no roll row sees a missing twist and that the numbers add up to three."""
+        every = [roll_row(wheel).normal for wheel in scene.recentred().wheels]
+        unseen = all(not inner(row, twist) for row in every for twist in self.missing)
+        return unseen and self.rank + len(self.missing) == 3 and self.rank == len(self.basis)
+
+
+def roll_authority(scene: Scene) -> Authority:
+    """Exact rank of the roll rows about the checked equilibrium."""
+    rows = [(wheel.index, roll_row(wheel).normal) for wheel in scene.recentred().wheels]
+    first_index, first = rows[0]
+    second = next(((i, r) for i, r in rows if any(outer(first, r))), None)
+    if second is None:
+        return Authority(1, (first_index,), (first,), _orthogonal(first))
+    normal = outer(first, second[1])
+    third = next(((i, r) for i, r in rows if inner(normal, r)), None)
+    if third is None:
+        return Authority(2, (first_index, second[0]), (first, second[1]), (_leading_one(normal),))
+    return Authority(3, (first_index, second[0], third[0]), (first, second[1], third[1]), ())
+
+
+def _orthogonal(row: Triple) -> tuple[Triple, Triple]:
+    """Two independent vectors orthogonal to a nonzero row."""
+    one = row[0].field.one
+    zero = one - one
+    axes = [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
+    crossed = [outer(row, axis) for axis in axes]
+    nonzero = [v for v in crossed if any(v)]
+    return _leading_one(nonzero[0]), _leading_one(nonzero[1])
+
+
+def _leading_one(vector: Triple) -> Triple:
+    """The multiple whose last nonzero entry is one: a pure rotation about the equilibrium reads (0, 0, 1)."""
+    scale = next(x for x in reversed(vector) if x).inverse()
+    return vector[0] * scale, vector[1] * scale, vector[2] * scale
