@@ -1,0 +1,207 @@
+"""All equilibria of the checked square: points with zero velocity in F, exactly.
+
+With exact kinematics ``c' = v + omega J c`` a point is an equilibrium of the translation
+
+- inside a cell, where the cell rests (an area) or turns about the point (its instant centre ``c = J v/omega``);
+- on a common side of two cells, where their velocities oppose each other: parallel (linear in the position along
+  the side, because both turning terms point the same way) with a product that is not positive;
+- at a vertex, where the convex hull of the velocities that meet there holds zero.
+
+Areas and segments of equilibria are reported as such, points once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations, pairwise, product
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.analysis.partition import Cell, Partition
+from nonsmooth.analysis.polygon import Point, Polygon
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.scene import cross, dot
+
+# Relative to the size of the square: cells whose float bounding boxes are farther apart share no side.
+BOX_MARGIN = 1e-9
+
+
+class Place(StrEnum):
+    """Where an equilibrium lies."""
+
+    AREA = "rest area"
+    CENTRE = "instant centre"
+    SIDE = "side"
+    SEGMENT = "segment"
+    VERTEX = "vertex"
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A point, segment or polygon of equilibria: its points, and the cells that meet there."""
+
+    place: Place
+    points: tuple[Point, ...]
+    cells: tuple[int, ...]
+
+
+def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
+    """Every equilibrium of the square, areas first."""
+    areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if _rests(c)]
+    found = [*areas, *_centres(partition)]
+    for side in shared_sides(partition):
+        found += _on_side(side)
+    resting = {cell for area in areas for cell in area.cells}
+    for point, cells in _vertices(partition):
+        if resting & {cell.index for cell in cells}:
+            continue
+        rates = [twist.pose_rate(point) for cell in cells for twist in cell.twists]
+        if _hull_holds_zero(rates) and not any(_covers(known, point) for known in found):
+            found.append(Equilibrium(Place.VERTEX, (point,), tuple(cell.index for cell in cells)))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class SharedSide:
+    """A segment of positive length that two cells have in common."""
+
+    start: Point
+    end: Point
+    first: Cell
+    second: Cell
+
+
+def shared_sides(partition: Partition) -> Iterator[SharedSide]:
+    """Common segments of all pairs of cells; also where a side of one meets several of the other."""
+    boxes = [_bounding_box(cell.polygon) for cell in partition.cells]
+    scale = float(partition.scene.check.radius) * BOX_MARGIN
+    for (first, a), (second, b) in combinations(zip(partition.cells, boxes, strict=True), 2):
+        if (a[1] + scale < b[0]).any() or (b[1] + scale < a[0]).any():
+            continue
+        segment = _common_segment(first.polygon, second.polygon)
+        if segment is not None:
+            yield SharedSide(*segment, first, second)
+
+
+def _bounding_box(polygon: Polygon) -> tuple[Any, Any]:
+    corners = np.array([[float(x), float(y)] for x, y in polygon.vertices])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _common_segment(first: Polygon, second: Polygon) -> tuple[Point, Point] | None:
+    """Two convex polygons with disjoint interiors meet in a segment on one line, a point, or not at all."""
+    shared = [v for v in first.vertices if second.contains(v)]
+    shared += [v for v in second.vertices if first.contains(v)]
+    for p, q in combinations(shared, 2):
+        if sign(p[0] - q[0]) or sign(p[1] - q[1]):
+            along = (q[0] - p[0], q[1] - p[1])
+            ends = [p, q]
+            for r in shared:
+                if sign(dot(along, (r[0] - ends[0][0], r[1] - ends[0][1]))) < 0:
+                    ends[0] = r
+                if sign(dot(along, (r[0] - ends[1][0], r[1] - ends[1][1]))) > 0:
+                    ends[1] = r
+            return ends[0], ends[1]
+    return None
+
+
+def _rests(cell: Cell) -> bool:
+    return any(not any(twist) for twist in cell.twists)
+
+
+def _centres(partition: Partition) -> Iterator[Equilibrium]:
+    """Cells that turn about a point of their own."""
+    for cell in partition.cells:
+        turning = [twist for twist in cell.twists if twist.omega]
+        centres = dict.fromkeys((-twist.vy / twist.omega, twist.vx / twist.omega) for twist in turning)
+        for centre in centres:
+            if all(sign(side.slack(centre)) > 0 for side in cell.polygon.sides):
+                yield Equilibrium(Place.CENTRE, (centre,), (cell.index,))
+
+
+def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
+    """Equilibria in the open common segment of two cells."""
+    if _rests(side.first) or _rests(side.second):
+        return
+    cells = (side.first.index, side.second.index)
+    for a, b in product(side.first.twists, side.second.twists):
+        at_start, at_end = _opposition(a, b, side.start), _opposition(a, b, side.end)
+        if not at_start and not at_end:
+            yield from _segments(a, b, side, cells)
+        elif sign(at_start) * sign(at_end) < 0:
+            t = at_start / (at_start - at_end)
+            point = _between(side, t)
+            if sign(dot(a.pose_rate(point), b.pose_rate(point))) <= 0:
+                yield Equilibrium(Place.SIDE, (point,), cells)
+
+
+def _opposition(a: Twist, b: Twist, point: Point) -> Any:
+    """Zero where the two velocities are parallel; linear along a side."""
+    return cross(a.pose_rate(point), b.pose_rate(point))
+
+
+def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> Iterator[Equilibrium]:
+    """Parts of a side with parallel velocities on which these oppose each other.
+
+    Both velocities lie along one line there, so each changes sign at most once along the side: the zeros of the
+    two split the side into pieces of constant sign.
+    """
+    breaks: list[Any] = []
+    for twist in (a, b):
+        before, after = twist.pose_rate(side.start), twist.pose_rate(side.end)
+        change = (after[0] - before[0], after[1] - before[1])
+        if any(change):
+            t = -dot(before, change) / dot(change, change)
+            if sign(t) > 0 and sign(t - 1) < 0:
+                breaks.append(t)
+    zero = side.start[0] - side.start[0]
+    marks = sorted([zero, zero + 1, *breaks])
+    for lower, upper in pairwise(marks):
+        middle = _between(side, (lower + upper) / 2)
+        if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
+            yield Equilibrium(Place.SEGMENT, (_between(side, lower), _between(side, upper)), cells)
+
+
+def _between(side: SharedSide, t: Any) -> Point:
+    (x1, y1), (x2, y2) = side.start, side.end
+    return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
+
+
+def _vertices(partition: Partition) -> Iterator[tuple[Point, list[Cell]]]:
+    """Each vertex once, with the closed cells that hold it."""
+    seen: list[tuple[tuple[float, float], Point]] = []
+    scale = float(partition.scene.check.radius) * BOX_MARGIN
+    for cell in partition.cells:
+        for point in cell.polygon.vertices:
+            place = (float(point[0]), float(point[1]))
+            close = [p for q, p in seen if abs(q[0] - place[0]) <= scale and abs(q[1] - place[1]) <= scale]
+            if any(p[0] == point[0] and p[1] == point[1] for p in close):
+                continue
+            seen.append((place, point))
+            yield point, list(partition.cells_at(point))
+
+
+def _hull_holds_zero(velocities: list[Point]) -> bool:
+    """Whether the convex hull of plane vectors holds the origin: no open half-plane holds them all."""
+    nonzero = [v for v in velocities if any(v)]
+    if len(nonzero) < len(velocities):
+        return True
+    for v in nonzero:  # v is the last counterclockwise of an open half-plane iff all others lie clockwise of it
+        sides = [(sign(cross(v, w)), sign(dot(v, w))) for w in nonzero]
+        if all(turn < 0 or (turn == 0 and along > 0) for turn, along in sides):
+            return False
+    return True
+
+
+def _covers(known: Equilibrium, point: Point) -> bool:
+    """Whether a known segment (or point) holds the point."""
+    first, last = known.points[0], known.points[-1]
+    if known.place is Place.AREA:
+        return False
+    to_first = (point[0] - first[0], point[1] - first[1])
+    to_last = (point[0] - last[0], point[1] - last[1])
+    return not cross(to_first, to_last) and sign(dot(to_first, to_last)) <= 0
