@@ -5,7 +5,8 @@ With exact kinematics ``c' = v + omega J c`` a point is an equilibrium of the tr
 - inside a cell, where the cell rests (an area) or turns about the point (its instant centre ``c = J v/omega``);
 - on a common side of two cells, where their velocities oppose each other: parallel (linear in the position along
   the side, because both turning terms point the same way) with a product that is not positive;
-- at a vertex, where the convex hull of the velocities that meet there holds zero.
+- at a vertex, where the convex hull of the velocities that meet there holds zero;
+- where two motions tie in a cell (mu_R = mu_S), along the line on which these two oppose each other.
 
 Areas and segments of equilibria are reported as such, points once.
 """
@@ -52,7 +53,7 @@ class Equilibrium:
 def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
     """Every equilibrium of the square, areas first."""
     areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if _rests(c)]
-    found = [*areas, *_centres(partition)]
+    found = [*areas, *_centres(partition), *_ties(partition)]
     for side in shared_sides(partition):
         found += _on_side(side)
     resting = {cell for area in areas for cell in area.cells}
@@ -121,6 +122,37 @@ def _centres(partition: Partition) -> Iterator[Equilibrium]:
         for centre in centres:
             if all(sign(side.slack(centre)) > 0 for side in cell.polygon.sides):
                 yield Equilibrium(Place.CENTRE, (centre,), (cell.index,))
+
+
+def _ties(partition: Partition) -> Iterator[Equilibrium]:
+    """Equilibria of cells with several motions: ``f_1 x f_2`` is affine in c, so they lie on a line or everywhere."""
+    for cell in partition.cells:
+        if _rests(cell):
+            continue
+        for a, b in combinations(cell.twists, 2):
+            values = [_opposition(a, b, vertex) for vertex in cell.polygon.vertices]
+            if not any(values):
+                middle = cell.polygon.centre
+                if sign(dot(a.pose_rate(middle), b.pose_rate(middle))) < 0:
+                    yield Equilibrium(Place.AREA, cell.polygon.vertices, (cell.index,))
+                continue
+            ends = _zeros_on_boundary(cell.polygon, values)
+            if len(ends) == 2:
+                yield from _segments(a, b, SharedSide(*ends, cell, cell), (cell.index, cell.index))
+
+
+def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
+    """Boundary points where an affine function, given at the vertices, vanishes (two, unless it only touches)."""
+    points: list[Point] = []
+    for k, here in enumerate(values):
+        p, after = polygon.vertices[k], values[(k + 1) % len(values)]
+        q = polygon.vertices[(k + 1) % len(values)]
+        if not here:
+            points.append(p)
+        elif sign(here) * sign(after) < 0:
+            t = here / (here - after)
+            points.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
+    return points
 
 
 def _on_side(side: SharedSide) -> Iterator[Equilibrium]:

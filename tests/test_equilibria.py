@@ -13,6 +13,7 @@ from nonsmooth.analysis.equilibria import Equilibrium, Place, find_equilibria, s
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.analysis.polygon import Point
+from nonsmooth.symbolic.constraints import Twist
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -65,6 +66,18 @@ def test_a_cell_may_turn_about_a_point_of_its_own(arrays: Arrays) -> None:
     assert (str(Place.CENTRE), frozenset({("0", "0")})) in places(found)
 
 
+def test_motions_that_tie_in_a_cell_may_cancel_along_a_line_or_everywhere(arrays: Arrays) -> None:
+    """Isotropic friction leaves two twists per cell; where they oppose each other the body may rest."""
+    partition = build_nearest_partition(arrays.four_wheel((1, 1)))
+    for equilibrium in find_equilibria(partition):
+        n = len(equilibrium.points)
+        assert holds_zero(partition, tuple(sum(p[k] for p in equilibrium.points) / n for k in (0, 1)))
+    scanned = np.random.default_rng(0).uniform(-0.5, 0.5, (300, 2))
+    areas = [e for e in find_equilibria(partition) if e.place is Place.AREA]
+    assert not areas
+    assert not any(holds_zero(partition, (Fraction(x), Fraction(y))) for x, y in scanned)
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_every_equilibrium_of_a_random_array_is_one_and_none_is_missed(arrays: Arrays, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -89,28 +102,26 @@ def _on(equilibrium: Equilibrium, point: Point) -> bool:
     return bool(ax * by == ay * bx and ax * bx + ay * by <= 0)
 
 
+def opposed_rates(first: Twist, second: Twist, point: np.ndarray) -> tuple[float, float]:
+    """Cross and inner product of two velocities, in floats."""
+    u, v = ([float(w.vx) - float(w.omega) * point[1], float(w.vy) + float(w.omega) * point[0]] for w in (first, second))
+    return u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_equilibria_on_sides_against_a_scan(arrays: Arrays, seed: int) -> None:
-    """Along each shared side, a change of sign of the opposition with opposed velocities shows up in the list."""
+    """Where two velocities become parallel along a side, the point is listed iff they oppose each other."""
     rng = np.random.default_rng(seed)
-    partition = build_nearest_partition(arrays.random(seed, int(rng.integers(3, 7))))
-    found = {e.points[0] for e in find_equilibria(partition) if e.place is Place.SIDE}
+    scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), (1, Fraction(1, 2)))
+    partition = build_nearest_partition(scene)
+    found = [np.array([float(x) for x in e.points[0]]) for e in find_equilibria(partition) if e.place is Place.SIDE]
     for side in shared_sides(partition):
         a, b = side.first.twists[0], side.second.twists[0]
         start, end = (np.array([float(x) for x in p]) for p in (side.start, side.end))
-
-        def rates(t: float) -> tuple[np.ndarray, np.ndarray]:
-            c = start + t * (end - start)
-            u, v = (
-                np.array([float(w.vx) - float(w.omega) * c[1], float(w.vy) + float(w.omega) * c[0]]) for w in (a, b)
-            )
-            return u, v
-
-        marks = np.linspace(0, 1, 41)
-        values = np.array([np.cross([*u, 0], [*v, 0])[2] for u, v in map(rates, marks)])
-        for k in np.flatnonzero(values[:-1] * values[1:] < 0):
-            t = marks[k] + (marks[k + 1] - marks[k]) * values[k] / (values[k] - values[k + 1])
-            u, v = rates(t)
-            if abs(u @ v) > 1e-6:  # far from a point where one velocity vanishes
-                near = [p for p in found if np.hypot(*(start + t * (end - start) - [float(x) for x in p])) < 1e-6]
-                assert bool(near) == bool(u @ v < 0)
+        at_start, at_end = (opposed_rates(a, b, p)[0] for p in (start, end))
+        if at_start * at_end >= 0 or max(abs(at_start), abs(at_end)) < 1e-9:  # no zero between, or zero throughout
+            continue
+        point = start + (end - start) * at_start / (at_start - at_end)
+        cross, product = opposed_rates(a, b, point)
+        assert abs(cross) < 1e-9 * max(1, abs(at_start), abs(at_end))  # linear along the side
+        assert any(np.hypot(*(point - p)) < 1e-9 for p in found) == (product < 0)
