@@ -53,7 +53,7 @@ def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
     balance = rest_balance(scene, region)
     assert balance.holds
     assert not balance.fails
-    linear = linearize(scene, region)
+    linear = linearize(scene, region, scene.field.zero)
     assert linear is not None
     ratio = Fraction(friction[0]) / Fraction(friction[1])
     rate = -scene.field.sqrt(2) * ratio * ratio
@@ -74,7 +74,7 @@ def test_linearization_against_a_minimizer(arrays: Arrays, sides: tuple[int, ...
     scene = replace(scene, wheels=tuple(wheels))
     (region,) = load_regions(scene)
     assert rest_balance(scene, region).holds
-    linear = linearize(scene, region)
+    linear = linearize(scene, region, scene.field.zero)
     assert linear is not None
     small = Fraction(1, 1000)
     for point in ((small, Fraction(0)), (Fraction(0), small), (small, -small)):
