@@ -1,8 +1,8 @@
 """Equilibrium and linearization under rule ``ellipse``, exactly.
 
 At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with friction ellipses
-``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, iff ``0 in dD(0)``.  Where every loaded wheel slips at rest (``u_i != 0``), D
-is smooth there and that is the balance ::
+``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, iff ``0 in dD(0)``.  Where every loaded wheel slips at rest (``u_i != 0``),
+D is smooth there and that is the balance ::
 
     sum_i N_i mu_R sgn(u_i) a_i = 0,      a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
 
