@@ -41,13 +41,17 @@ class EquilibriumResult:
             x = sum(w * self.twists[k].vx for k, w in self.weights.items())
             y = sum(w * self.twists[k].vy for k, w in self.weights.items())
             return bool(total == 1 and x == 0 and y == 0 and all(w >= 0 for w in self.weights.values()))
-        return self.separator is not None and all(dot(self.separator, t.velocity).sign() > 0 for t in self.twists)
+        if self.separator is None or not self.twists:
+            return False
+        return all(dot(self.separator, t.velocity).sign() > 0 for t in self.twists)
 
     @property
     def reason(self) -> str:
         """One sentence for people."""
         if self.verdict is Equilibrium.HOLDS:
-            return f"0 is a convex combination of {len(self.weights)} of the {len(self.twists)} velocities that meet there"
+            return (
+                f"0 is a convex combination of {len(self.weights)} of the {len(self.twists)} velocities that meet there"
+            )
         if len(self.twists) == 1:
             twist = self.twists[0]
             return (

@@ -52,6 +52,24 @@ class InputCell:
         """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
         return 0 if self.lever is None else self.lever.sign()
 
+    def coefficients(self, point: Point, theta: Number) -> tuple[Number, ...]:
+        """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
+        fields = self.state.control_fields.values()
+        return tuple(point[0] * x + point[1] * y + theta * turn for x, y, turn in fields)
+
+    def idle_plane(self) -> Witness:
+        """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
+
+        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre with
+        ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where ``g_omega = 0``.
+        """
+        meaning = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
+        ((x, y, turn),) = self.state.control_fields.values()
+        if not turn:
+            return Witness((turn, turn), turn.field.one, meaning)
+        point = self.cell.polygon.centre
+        return Witness(point, -dot(point, (x, y)) / turn, meaning)
+
     def stall(self) -> Point | None:
         """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
         vertices = self.cell.polygon.vertices
@@ -76,7 +94,7 @@ class FeedbackResult:
         verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
         cells: the data of the law in every cell (empty where not applicable).
         local: numbers of the cells whose closure holds the equilibrium; these decide.
-        witness: a point where no input decreases V.
+        witness: a nonzero c with its theta (the value) at which no input changes V.
         reason: one sentence for people.
     """
 
@@ -98,15 +116,13 @@ class FeedbackResult:
 
     def check(self) -> bool:
         """Re-verify the sign condition (stabilizable) or the witness (no certificate)."""
+        if self.verdict is Feedback.NOT_APPLICABLE:
+            return True
+        local = [data for data in self.cells if _is_local(data.cell)]
+        genuine = bool(local) and all(data == _input_cell(data.cell, data.state) for data in local)
         if self.verdict is Feedback.STABILIZABLE:
-            return all(
-                data.lever is not None
-                and all(p == dot(v, data.nearest.direction) for p, v in _pairs(data))
-                and _one_strict_sign(data)
-                for data in self.cells
-                if data.cell.index in self.local
-            )
-        return self.witness is not None or self.verdict is Feedback.NOT_APPLICABLE
+            return genuine and all(data.lever is not None and _one_strict_sign(data) for data in local)
+        return genuine and self.witness is not None and any(_is_idle(data, self.witness) for data in local)
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
@@ -116,13 +132,13 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     if blocked:
         return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), None, blocked)
     cells = tuple(_input_cell(cell, state) for cell in partition.cells for state in cell.states)
-    zero = scene.field.zero
-    local = frozenset(cell.index for cell in partition.cells_at((zero, zero)))
+    local = frozenset(cell.index for cell in partition.cells if _is_local(cell))
     for data in cells:
         if data.cell.index in local and data.lever is None:
-            point = data.cell.polygon.centre
-            witness = Witness(point, zero, "only one input acts: V' = a u_i vanishes on a plane")
-            reason = f"cell {data.cell.index} ({data.state.name}) holds a side row in third place, so one input acts alone"
+            witness = data.idle_plane()
+            reason = (
+                f"cell {data.cell.index} ({data.state.name}) holds a side row in third place, so one input acts alone"
+            )
             return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
     for data in cells:
         stall = data.stall() if data.cell.index in local else None
@@ -139,8 +155,9 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
 
 
 def _not_applicable(scene: Scene, partition: Partition) -> str | None:
-    """Why the clause does not apply, or None: it speaks of arrays with mu_S < mu_R."""
-    held = {row.wheel.index for state in partition.states for row in state.rows}
+    """Why the clause does not apply, or None: it speaks of mu_S < mu_R at the wheels that act at the equilibrium."""
+    near = [state for cell in partition.cells if _is_local(cell) for state in cell.states]
+    held = {row.wheel.index for state in near for row in state.rows}
     for wheel in scene.wheels:
         if wheel.index in held and wheel.friction.side >= wheel.friction.roll:
             return (
@@ -158,6 +175,22 @@ def _input_cell(cell: Cell, state: ContactState) -> InputCell:
         lever = dot(second.direction, turned(gap))
     projections = tuple(dot(vertex, nearest.direction) for vertex in cell.polygon.vertices)
     return InputCell(cell, state, nearest, second, lever, projections)
+
+
+def _is_local(cell: Cell) -> bool:
+    """Whether the closed cell holds the equilibrium."""
+    zero = cell.twists[0].omega.field.zero
+    return cell.polygon.contains((zero, zero))
+
+
+def _is_idle(data: InputCell, witness: Witness) -> bool:
+    """Whether no input of the closed cell changes V at the witness, which is not the equilibrium itself."""
+    nonzero = any(witness.point) or bool(witness.value)
+    return (
+        nonzero
+        and data.cell.polygon.contains(witness.point)
+        and not any(data.coefficients(witness.point, witness.value))
+    )
 
 
 def _pairs(data: InputCell) -> Iterator[tuple[Number, Point]]:

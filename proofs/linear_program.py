@@ -34,15 +34,17 @@ class Mixture:
     def check(self, columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> bool:
         """Re-verify feasibility and optimality from the definition."""
         rows = range(len(target))
+        zero = target[0].field.zero
         feasible = all(w.sign() >= 0 for w in self.weights.values()) and all(
-            _sum(w * columns[k][r] for k, w in self.weights.items()) == target[r] for r in rows
+            _sum((w * columns[k][r] for k, w in self.weights.items()), zero) == target[r] for r in rows
         )
         bound = all(
             _sum(self.multipliers[r] * column[r] for r in rows) >= price
             for column, price in zip(columns, prices, strict=True)
         )
         attained = _sum(self.multipliers[r] * target[r] for r in rows) == self.value
-        return feasible and bound and attained and _sum(prices[k] * w for k, w in self.weights.items()) == self.value
+        priced = _sum((prices[k] * w for k, w in self.weights.items()), zero) == self.value
+        return feasible and bound and attained and priced
 
 
 def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:

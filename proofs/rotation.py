@@ -53,9 +53,11 @@ class RotationResult:
 
     def check(self) -> bool:
         """Re-verify the evidence behind the verdict."""
+        if self.drift is not None and not self.drift.check():
+            return False
         if self.verdict is Rotation.UNDECIDED:
             return True
-        if self.drift is None or not self.drift.check():
+        if self.drift is None:
             return False
         spins = any(self.drift.interval)
         return spins if self.verdict is Rotation.UNSTABLE else not spins and self.rotation_per_distance is not None
@@ -81,13 +83,19 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
     if low or high:
         reason = f"the body may rest in (x, y) and turn at any rate in [{low}, {high}]"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
-    decay = translation.decay_rate
-    if decay is None:
+    per_distance = rotation_bound(partition, translation)
+    if per_distance is None:
         return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
-    fastest = max(abs(t.omega) for cell in partition.cells for t in cell.twists)
-    per_distance = 2 * fastest / decay
     reason = f"the drift is {{0}} and theta turns by at most {per_distance} |c_0|"
     return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+
+
+def rotation_bound(partition: Partition, translation: TranslationResult) -> Number | None:
+    """``2 max|omega|/kappa``: total rotation per unit of |c_0|; None where no decay rate is proved."""
+    decay = translation.decay_rate
+    if decay is None:
+        return None
+    return 2 * max(abs(t.omega) for cell in partition.cells for t in cell.twists) / decay
 
 
 def _constants(twists: tuple[Twist, ...]) -> tuple[Number, Number]:

@@ -19,10 +19,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from nonsmooth.analysis.filippov import CellDerivative, Slope, cell_derivatives
-from nonsmooth.analysis.partition import Partition
+from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import HalfPlane, Point
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import cross, dot
 
@@ -65,25 +64,46 @@ class TranslationResult:
 
     @property
     def decay_rate(self) -> Number | None:
-        """kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
+        """Kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
         rate = self.worst_rate
         return -rate if rate.sign() < 0 else None
 
     def check(self) -> bool:
-        """Re-verify the verdict from the twists and vertices."""
+        """Re-verify the verdict from the twists and vertices; that the cells are all is for the partition to show."""
+        rates = list(_local_rates(self.derivatives))
         exact = all(
             rate == 2 * dot(d.twist.velocity, vertex)
             for d in self.derivatives
             for rate, vertex in zip(d.rates, d.cell.polygon.vertices, strict=True)
         )
-        rates = list(_local_rates(self.derivatives))
+        slopes = [d.relative() for d in self.derivatives]
+        bounded = not any(self.worst < s for s in slopes) and any(not s < self.worst for s in slopes)
+        if not rates or not exact or not bounded:
+            return False
         match self.verdict:
             case Translation.ASYMPTOTICALLY_STABLE:
-                return exact and all(rate.sign() < 0 for _, rate in rates)
+                return all(rate.sign() < 0 for _, rate in rates) and self._region_holds(strict=True)
             case Translation.STABLE:
-                return exact and all(rate.sign() <= 0 for _, rate in rates)
+                rest = self.witness is None or _rests_on_ray(self.derivatives, self.witness.point)
+                return all(rate.sign() <= 0 for _, rate in rates) and rest and self._region_holds(strict=False)
             case _:
-                return exact and self.witness is not None and self.witness.value.sign() > 0
+                return self.witness is not None and self._is_attained(self.witness)
+
+    def _region_holds(self, *, strict: bool) -> bool:
+        """Whether no violation comes nearer to the equilibrium than the region's radius."""
+        radius = self.region_radius
+        if radius is None or radius.sign() <= 0:
+            return False
+        segments = (s for d in self.derivatives for s in _violating_segments(d, strict=strict))
+        return all(_squared_distance(*segment) >= radius * radius for segment in segments)
+
+    def _is_attained(self, witness: Witness) -> bool:
+        """Whether the positive value is V* of some cell near the equilibrium whose closure holds the point."""
+        return witness.value.sign() > 0 and any(
+            witness.value == 2 * dot(d.twist.velocity, witness.point)
+            for d in local_derivatives(self.derivatives)
+            if d.cell.polygon.contains(witness.point)
+        )
 
 
 def decide_translation(partition: Partition) -> TranslationResult:
@@ -136,26 +156,27 @@ def _equilibrium_ray(derivatives: tuple[CellDerivative, ...]) -> Witness | None:
     On such a ray the velocities with zero radial part are tangential; two opposite ones, or a rest, hold 0 in
     their hull (the term ``omega J c`` is of higher order near the equilibrium).
     """
-    rays: list[tuple[Point, list[Twist]]] = []
     for derivative in local_derivatives(derivatives):
         for vertex, rate in zip(derivative.cell.polygon.vertices, derivative.rates, strict=True):
-            if any(vertex) and not rate:
-                same = next((twists for point, twists in rays if same_ray(point, vertex)), None)
-                if same is None:
-                    rays.append((vertex, [derivative.twist]))
-                else:
-                    same.append(derivative.twist)
-    for point, twists in rays:
-        turns = {cross(point, t.velocity).sign() for t in twists}
-        at_rest = any(not any(t) for t in twists)
-        if at_rest or {1, -1} <= turns:
-            return Witness(point, point[0].field.zero, "0 in F on the ray")
+            if any(vertex) and not rate and _rests_on_ray(derivatives, vertex):
+                return Witness(vertex, rate, "0 in F on the ray")
     return None
 
 
-def same_ray(a: Point, b: Point) -> bool:
-    """Whether two nonzero points lie on one ray from the origin."""
-    return not cross(a, b) and dot(a, b).sign() > 0
+def _rests_on_ray(derivatives: tuple[CellDerivative, ...], point: Point) -> bool:
+    """Whether the velocities with zero radial part beside the ray hold two opposite ones, or a rest."""
+    twists = [
+        derivative.twist
+        for derivative in local_derivatives(derivatives)
+        if _borders(derivative.cell, point) and not dot(derivative.twist.velocity, point)
+    ]
+    turns = {cross(point, twist.velocity).sign() for twist in twists}
+    return any(not any(twist) for twist in twists) or {1, -1} <= turns
+
+
+def _borders(cell: Cell, direction: Point) -> bool:
+    """Whether a cell whose closure holds the equilibrium holds the points near it along the direction."""
+    return all(side.slack(direction).sign() >= 0 for side in cell.polygon.sides if not side.offset)
 
 
 def _region_radius(partition: Partition, derivatives: tuple[CellDerivative, ...], *, strict: bool) -> Number:

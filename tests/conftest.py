@@ -1,0 +1,160 @@
+"""Builders of wheel arrays, handed to the tests as the fixture ``arrays``; all numbers are exact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.polygon import Point, Polygon
+from nonsmooth.symbolic.number_field import Number, NumberField, base_order
+from nonsmooth.symbolic.scene import Check, Contact, Friction, Rule, Scene, Wheel
+
+Rational: TypeAlias = int | Fraction
+Pair: TypeAlias = tuple[Rational, Rational]
+Entry: TypeAlias = Rational | Number
+
+HALF = Fraction(1, 2)
+FRICTIONS: dict[str, Pair] = {"side<roll": (1, HALF), "side>roll": (HALF, 1), "side=roll": (1, 1)}
+
+
+class WheelData(NamedTuple):
+    """A wheel in rational numbers; speed None means ``|direction|``, friction None the array's."""
+
+    position: Pair
+    direction: Pair
+    speed: Rational | None = 1
+    friction: Pair | None = None
+
+
+class Arrays:
+    """Wheel arrays by construction: the same arguments give the same array."""
+
+    def scene(
+        self,
+        wheels: Iterable[WheelData],
+        friction: Pair = (1, HALF),
+        radius: Rational = HALF,
+        at: Pair = (0, 0),
+    ) -> Scene:
+        """Any rational array."""
+        field = NumberField()
+        built = []
+        for index, (position, direction, speed, own) in enumerate(wheels, 1):
+            roll, side = own or friction
+            built.append(
+                Wheel(
+                    index,
+                    (field(position[0]), field(position[1])),
+                    (field(direction[0]), field(direction[1])),
+                    None if speed is None else field(speed),
+                    Friction(field(roll), field(side)),
+                )
+            )
+        check = Check((field(at[0]), field(at[1])), field(radius))
+        return Scene("test", field, tuple(built), Contact(Rule.NEAREST), check)
+
+    def inward(self, positions: Iterable[Pair], turn: Pair = (1, 0), speed: Rational | None = 1) -> list[WheelData]:
+        """Rims ``-R p`` with the rotation R of cosine and sine ``turn``."""
+        c, s = turn
+        return [WheelData((x, y), (s * y - c * x, -s * x - c * y), speed) for x, y in positions]
+
+    def four_wheel(self, friction: Pair = (1, HALF), turn: Pair = (1, 0), radius: Rational = HALF) -> Scene:
+        """The paper's array: wheels at (+-1, +-1), rims to the origin (turned by ``turn``)."""
+        corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+        return self.scene(self.inward(corners, turn), friction, radius)
+
+    def grid(self, rows: int, columns: int, friction: Pair = (1, HALF), radius: Rational = HALF) -> Scene:
+        """Unit pitch, centred on the origin, rims inward; a wheel at the origin points along x."""
+        xs = [k - Fraction(columns - 1, 2) for k in range(columns)]
+        ys = [k - Fraction(rows - 1, 2) for k in range(rows)]
+        wheels = [WheelData((x, y), (-x, -y) if x or y else (1, 0)) for y, x in product(ys, xs)]
+        return self.scene(wheels, friction, radius)
+
+    def ring(self, count: int, friction: Pair = (1, HALF), radius: Rational = 1) -> Scene:
+        """Wheels at ``e(2 pi k/count)``, k = 0, 1, ..., rims inward, unit speeds, in their algebraic field."""
+        field = NumberField(base_order([Fraction(1, count)]))
+        slip = Friction(field(friction[0]), field(friction[1]))
+        wheels = []
+        for k in range(count):
+            turn = Fraction(2 * k, count)
+            x, y = field.cos_pi(turn), field.sin_pi(turn)
+            wheels.append(Wheel(k + 1, (x, y), (-x, -y), field.one, slip))
+        check = Check((field.zero, field.zero), field(radius))
+        return Scene(f"ring-{count}", field, tuple(wheels), Contact(Rule.NEAREST), check)
+
+    def circle_point(self, t: Rational) -> Pair:
+        """The rational point ``(1 - t^2, 2 t)/(1 + t^2)`` of the unit circle."""
+        t = Fraction(t)
+        return (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+
+    def random(self, seed: int, count: int) -> Scene:
+        """Positions, rims, speeds and frictions at random; the checked point is seldom an equilibrium."""
+        rng = np.random.default_rng(seed)
+        positions: dict[Pair, None] = {}
+        while len(positions) < count:
+            x, y = rng.integers(-12, 13, 2).tolist()
+            positions[Fraction(x, 8), Fraction(y, 8)] = None
+        frictions = list(FRICTIONS.values())
+        speeds = (1, 1, HALF, -1, None)
+        wheels = []
+        for position in positions:
+            a, b = rng.integers(-5, 6, 2).tolist()
+            direction = (a, b) if a or b else (1, 0)
+            speed = speeds[rng.integers(len(speeds))]
+            wheels.append(WheelData(position, direction, speed, frictions[rng.integers(len(frictions))]))
+        at = (Fraction(int(rng.integers(-4, 5)), 16), Fraction(int(rng.integers(-4, 5)), 16))
+        return self.scene(wheels, radius=Fraction(int(rng.integers(1, 5)), 2), at=at)
+
+    def cocircular(self, seed: int, friction: Pair | None = None) -> Scene:
+        """Random wheels on the unit circle, opposite ones alike, so that the origin is an equilibrium.
+
+        Rims point inward, turned by one random angle; some arrays have more wheels outside the circle.
+        """
+        rng = np.random.default_rng(seed)
+        half: dict[Pair, None] = {}
+        for _ in range(int(rng.integers(2, 5))):
+            point = self.circle_point(Fraction(int(rng.integers(-8, 9)), int(rng.integers(1, 6))))
+            if (-point[0], -point[1]) not in half:
+                half[point] = None
+        turn = self.circle_point(Fraction((0, 0, 0, 1, -1, 2)[rng.integers(6)], (2, 3, 5)[rng.integers(3)]))
+        speeds = (1, 1, Fraction(3, 2), None)
+        wheels = []
+        for point in half or {(1, 0): None}:
+            opposite = (-point[0], -point[1])
+            speed = speeds[rng.integers(len(speeds))]
+            wheels += self.inward([point, opposite], turn, speed)
+        if rng.random() < 0.5:
+            a, b = rng.integers(1, 6, 2).tolist()
+            corners = product((-3 * HALF, 3 * HALF), repeat=2)
+            wheels += [WheelData((x, y), (a * x, b * y)) for x, y in corners]
+        chosen = friction or list(FRICTIONS.values())[rng.integers(3)]
+        return self.scene(wheels, chosen, radius=Fraction(int(rng.integers(1, 4)), 2))
+
+    def with_friction(self, scene: Scene, friction: Pair) -> Scene:
+        """The same array with the same friction at every wheel."""
+        slip = Friction(scene.field(friction[0]), scene.field(friction[1]))
+        return replace(scene, wheels=tuple(replace(wheel, friction=slip) for wheel in scene.wheels))
+
+    def interior_point(self, polygon: Polygon, rng: np.random.Generator) -> Point:
+        """A convex combination of all vertices with random positive weights."""
+        weights = rng.integers(1, 100, len(polygon.vertices)).tolist()
+        x, y = (sum(w * v[axis] for w, v in zip(weights, polygon.vertices, strict=True)) for axis in (0, 1))
+        return x / sum(weights), y / sum(weights)
+
+
+@pytest.fixture(scope="session")
+def arrays() -> Arrays:
+    """Builders of test arrays."""
+    return Arrays()
+
+
+@pytest.fixture(params=FRICTIONS)
+def friction(request: pytest.FixtureRequest) -> Pair:
+    """(mu_R, mu_S) in each of the three orders."""
+    return FRICTIONS[request.param]
