@@ -20,7 +20,7 @@ from nonsmooth.analysis.loads import Affine, LoadRegion, at_least_zero, load_reg
 from nonsmooth.analysis.nearest import pair_states
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.constraints import Twist, independent
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.scene import Rule, Scene
@@ -44,6 +44,32 @@ def build_box_partition(scene: Scene) -> Partition:
     return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
 
 
+def build_rest_partition(scene: Scene) -> Partition | None:
+    """The cells of rest alone, where they hold the centred equilibrium in their interior; None where they do not.
+
+    Raises:
+        nonsmooth.analysis.loads.LoadError: where the loads do not exist.
+    """
+    zero = scene.field.zero
+    cells: list[Cell] = []
+    for region in load_regions(scene):
+        walk = _Walk(scene, region)
+        found = walk.cell_of(Twist(zero, zero, zero)) if region.polygon.contains((zero, zero)) else None
+        if found is not None:
+            states, polygon = found
+            cells.append(Cell(len(cells) + 1, polygon, states))
+    inner = [cell for cell in cells if _surrounds(cell.polygon, (zero, zero))]
+    if len(cells) != len(inner):
+        return None
+    domain = square(scene.check.equilibrium, scene.check.radius)
+    return Partition(scene, Rule.BOX, domain, tuple(inner), len(scene.wheels), complete=False) if inner else None
+
+
+def _surrounds(polygon: Polygon, point: Point) -> bool:
+    """Whether no side of the cell passes through the point, but for the boundary of a load region."""
+    return all(side.slack(point).sign() > 0 for side in polygon.sides if side.label.startswith("slope"))
+
+
 class _Walk:
     """The cells of one load region."""
 
@@ -52,6 +78,16 @@ class _Walk:
         self.region = region
         self.arrangement = Arrangement(scene, region)
         self.lazy = len(scene.field.radicands) > FEW_ROOTS
+
+    def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
+        """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
+        signs = [row.residual(twist).sign() for row in self.arrangement.rows]
+        tight = [row.normal for row, sign in zip(self.arrangement.rows, signs, strict=True) if not sign]
+        if len(independent(tight)) < 3:
+            return None
+        vertex = self.arrangement.vertex(twist)
+        polygon, _ = self._polygon(vertex)
+        return None if polygon is None else (tuple(self._state(v) for v in self._face(vertex)), polygon)
 
     def cells(self) -> Iterator[tuple[tuple[ContactState, ...], Polygon]]:
         """Cells (tied states, polygon) of the region, each once."""

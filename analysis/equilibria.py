@@ -81,7 +81,9 @@ def shared_sides(partition: Partition) -> Iterator[SharedSide]:
     boxes = [_bounding_box(cell.polygon) for cell in partition.cells]
     scale = float(partition.scene.check.radius) * BOX_MARGIN
     for (first, a), (second, b) in combinations(zip(partition.cells, boxes, strict=True), 2):
-        if (a[1] + scale < b[0]).any() or (b[1] + scale < a[0]).any():
+        with np.errstate(invalid="ignore"):  # beyond the range of floats nothing is known to be apart
+            apart = (a[1] + scale < b[0]).any() or (b[1] + scale < a[0]).any()
+        if apart:
             continue
         segment = _common_segment(first.polygon, second.polygon)
         if segment is not None:
@@ -138,7 +140,7 @@ def _ties(partition: Partition) -> Iterator[Equilibrium]:
                 continue
             ends = _zeros_on_boundary(cell.polygon, values)
             if len(ends) == 2:
-                yield from _segments(a, b, SharedSide(*ends, cell, cell), (cell.index, cell.index))
+                yield from _segments(a, b, SharedSide(ends[0], ends[1], cell, cell), (cell.index, cell.index))
 
 
 def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
@@ -210,7 +212,7 @@ def _vertices(partition: Partition) -> Iterator[tuple[Point, list[Cell]]]:
     for cell in partition.cells:
         for point in cell.polygon.vertices:
             place = (float(point[0]), float(point[1]))
-            close = [p for q, p in seen if abs(q[0] - place[0]) <= scale and abs(q[1] - place[1]) <= scale]
+            close = [p for q, p in seen if not any(abs(a - b) > scale for a, b in zip(q, place, strict=True))]
             if any(p[0] == point[0] and p[1] == point[1] for p in close):
                 continue
             seen.append((place, point))

@@ -20,7 +20,8 @@ def hull_upper_derivative_at(partition: Partition, point: Point) -> float:
     c = np.array([float(x) for x in point])
     velocities = np.array([[float(t.vx), float(t.vy)] for t in filippov_twists(partition, point)])
     weights = cp.Variable(len(velocities), nonneg=True)
-    problem = cp.Problem(cp.Maximize(2 * (velocities @ c) @ weights), [cp.sum(weights) == 1])
+    total = np.ones(len(velocities)) @ weights
+    problem = cp.Problem(cp.Maximize(2 * (velocities @ c) @ weights), [total == 1])
     return float(problem.solve())
 
 
@@ -34,6 +35,6 @@ def hull_upper_derivative_on(cell: Cell) -> float:
     best = -np.inf
     for twist in cell.twists:
         velocity = np.array([float(twist.vx), float(twist.vy)])
-        problem = cp.Problem(cp.Maximize(2 * velocity @ c), [normals @ c <= offsets])
+        problem = cp.Problem(cp.Maximize(2 * velocity @ c), [cp.multiply(-1, normals @ c) >= -offsets])
         best = max(best, float(problem.solve()))
     return best

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import cmp_to_key
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.partition import RefusalError
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, inner, outer
 from nonsmooth.symbolic.number_field import sign
@@ -23,7 +24,7 @@ from nonsmooth.symbolic.scene import Scene, Vector, cross
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
 
 
-class LoadError(ValueError):
+class LoadError(RefusalError):
     """Normal forces that do not exist in the checked square; the message names the place."""
 
 

@@ -18,6 +18,10 @@ from nonsmooth.symbolic.scene import Rule, Scene
 AREA_ROOTS = 4
 
 
+class RefusalError(ValueError):
+    """A scene whose motion is not determined; the message names key, requirement and what was received."""
+
+
 @dataclass(frozen=True)
 class Cell:
     """A convex polygon of centres of mass that share their contact state.
@@ -51,6 +55,7 @@ class Partition:
         domain: the checked square.
         cells: convex, with disjoint interiors.
         wheels_considered: how many wheels could matter in the square.
+        complete: whether the cells cover the square; otherwise they are those at the equilibrium only.
     """
 
     scene: Scene
@@ -58,6 +63,7 @@ class Partition:
     domain: Polygon
     cells: tuple[Cell, ...]
     wheels_considered: int
+    complete: bool = True
 
     @cached_property
     def area_error(self) -> Number | arb:
@@ -69,6 +75,12 @@ class Partition:
         for cell in self.cells:
             total = total - (cell.polygon.area if len(self.scene.field.radicands) > AREA_ROOTS else _exact_area(cell))
         return total.ball if isinstance(total, Lazy) else total
+
+    @property
+    def tiles(self) -> bool:
+        """Whether the cells' areas add up to the square's (as far as the ball tells, over many square roots)."""
+        error = self.area_error
+        return error.contains(0) if isinstance(error, arb) else not error
 
     @cached_property
     def tied_area(self) -> Number | Lazy:

@@ -60,3 +60,20 @@ def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArra
         first_side = float(wheel.friction.side) > float(wheel.friction.roll)
         ordered += [side, roll] if first_side else [roll, side]
     return ordered
+
+
+def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
+    """Evaluate ``2 c . v`` under rule ``ellipse`` at random points of the checked square (centred scene)."""
+    from nonsmooth.analysis.contact_model import contact_model
+    from nonsmooth.analysis.ellipse_minimizers import EllipseInterior
+    from nonsmooth.analysis.float_loads import loads_at
+
+    rng = np.random.default_rng(seed)
+    radius = float(scene.check.radius)
+    points = rng.uniform(-radius, radius, size=(samples, 2))
+    model = contact_model(scene)
+    twists = EllipseInterior().minimize(model, loads_at(model, points)).twists
+    rates = 2 * (twists[:, :2] * points).sum(axis=1)
+    relative = rates / np.hypot(*points.T)
+    best = int(np.argmax(relative))
+    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))

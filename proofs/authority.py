@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, inner, outer, roll_row
+from nonsmooth.symbolic.constraints import Triple, independent, inner, outer, roll_row
 from nonsmooth.symbolic.scene import Scene
 
 
@@ -39,16 +39,16 @@ class Authority:
 
 def roll_authority(scene: Scene) -> Authority:
     """Exact rank of the roll rows about the checked equilibrium."""
-    rows = [(wheel.index, roll_row(wheel).normal) for wheel in scene.recentred().wheels]
-    first_index, first = rows[0]
-    second = next(((i, r) for i, r in rows if any(outer(first, r))), None)
-    if second is None:
-        return Authority(1, (first_index,), (first,), _orthogonal(first))
-    normal = outer(first, second[1])
-    third = next(((i, r) for i, r in rows if inner(normal, r)), None)
-    if third is None:
-        return Authority(2, (first_index, second[0]), (first, second[1]), (_leading_one(normal),))
-    return Authority(3, (first_index, second[0], third[0]), (first, second[1], third[1]), ())
+    wheels = scene.recentred().wheels
+    rows = [roll_row(wheel).normal for wheel in wheels]
+    basis = independent(rows)
+    chosen = tuple(rows[k] for k in basis)
+    missing: tuple[Triple, ...] = ()
+    if len(chosen) == 1:
+        missing = _orthogonal(chosen[0])
+    elif len(chosen) == 2:
+        missing = (_leading_one(outer(*chosen)),)
+    return Authority(len(basis), tuple(wheels[k].index for k in basis), chosen, missing)
 
 
 def _orthogonal(row: Triple) -> tuple[Triple, Triple]:

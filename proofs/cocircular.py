@@ -6,8 +6,8 @@ let the loads balance moments, ``sum N_i p_i = W c``.  Rules ``box`` and ``ellip
 
     mu_R sum_i N_i (|d_i . v(p_i) - u_i| - |u_i|) <= D(xi*) - D(0) <= 0   implies   sum_i N_i d_i . v(p_i) >= 0.
 
-With ``d_i = -p_i/R`` and ``p_i . J p_i = 0`` the last sum is ``-(W/R) c . v``: so ``V* = 2 c . v <= 0`` for every mu_S, every
-number of wheels and every such load model, wherever the body does not tip.  No cell and no solver is needed.
+With ``d_i = -p_i/R`` and ``p_i . J p_i = 0`` the last sum is ``-(W/R) c . v``: so ``V* = 2 c . v <= 0`` for every mu_S,
+every number of wheels and every such load model, wherever the body does not tip.  No cell and no solver is needed.
 """
 
 from __future__ import annotations

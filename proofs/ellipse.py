@@ -31,7 +31,7 @@ from nonsmooth.proofs.balance import (
     spin_candidates,
 )
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.constraints import Row, Twist, determinant, scene_rows
+from nonsmooth.symbolic.constraints import Row, Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene
@@ -146,21 +146,13 @@ def _smooth_point(
 def common_twist(scene: Scene) -> Twist | None:
     """The twist that satisfies every row with friction of every wheel, if there is exactly one."""
     rows = [row for row in scene_rows(scene) if _friction(row)]
-    basis: list[Row] = []
-    for row in rows:
-        if len(basis) < 2 or (len(basis) == 2 and determinant([*basis, row])):
-            basis.append(row)
-        if len(basis) == 2 and _parallel(*basis):
-            basis.pop()
-    state = solve_rows((basis[0], basis[1], basis[2])) if len(basis) == 3 else None
+    basis = independent([row.normal for row in rows])
+    if len(basis) < 3:
+        return None
+    state = solve_rows((rows[basis[0]], rows[basis[1]], rows[basis[2]]))
     if state is None or any(row.residual(state.twist) for row in rows):
         return None
     return state.twist
-
-
-def _parallel(first: Row, second: Row) -> bool:
-    (a, b, c), (d, e, f) = first.normal, second.normal
-    return not (a * e - b * d) and not (a * f - c * d) and not (b * f - c * e)
 
 
 def _friction(row: Row) -> Number:

@@ -55,8 +55,8 @@ class EquilibriumResult:
         if len(self.twists) == 1:
             twist = self.twists[0]
             return (
-                f"one constant twist ({twist.vx}, {twist.vy}, {twist.omega}) "
-                f"~ ({float(twist.vx):.5g}, {float(twist.vy):.5g}, {float(twist.omega):.5g}) drives the body around the point"
+                f"around it one constant twist drives the body: ({twist.vx}, {twist.vy}, {twist.omega}) "
+                f"~ ({float(twist.vx):.5g}, {float(twist.vy):.5g}, {float(twist.omega):.5g})"
             )
         x, y = (float(s) for s in self.separator or ())
         return f"all {len(self.twists)} velocities that meet there point into the half-plane along ({x:.5g}, {y:.5g})"

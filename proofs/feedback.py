@@ -4,15 +4,15 @@ In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i
 
     omega = (u_j - u_i d_i.d_j)/Delta,   v = u_i d_i - omega J p_i,   Delta = d_j . J(p_j - p_i)
 
-so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``, ``a = c . d_i - (d_i . d_j) b``.
-Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the L_gV law ``u = -k (a, b)`` (Jurdjevic and
-Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero c with ``c . d_i = 0``; that is decided by
-the signs of ``c . d_i`` at the vertices.  With a side row in third place only ``u_i`` acts and V' vanishes on a plane.
+so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``,
+``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the L_gV law
+``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero c with
+``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  With a side row in third place only ``u_i`` acts and V' vanishes on a plane.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from nonsmooth.analysis.partition import Cell, Partition
@@ -128,7 +128,7 @@ class FeedbackResult:
 def decide_feedback(partition: Partition) -> FeedbackResult:
     """Decide the feedback clause for a centred partition of rule ``nearest``."""
     scene = partition.scene
-    blocked = _not_applicable(scene, partition)
+    blocked = side_friction_rules(_acting_wheels(scene, partition))
     if blocked:
         return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), None, blocked)
     cells = tuple(_input_cell(cell, state) for cell in partition.cells for state in cell.states)
@@ -154,17 +154,22 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason)
 
 
-def _not_applicable(scene: Scene, partition: Partition) -> str | None:
-    """Why the clause does not apply, or None: it speaks of mu_S < mu_R at the wheels that act at the equilibrium."""
-    near = [state for cell in partition.cells if _is_local(cell) for state in cell.states]
-    held = {row.wheel.index for state in near for row in state.rows}
-    for wheel in scene.wheels:
-        if wheel.index in held and wheel.friction.side >= wheel.friction.roll:
+def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
+    """Why the clause does not apply, or None: it speaks of arrays with mu_S < mu_R."""
+    for wheel in wheels:
+        if wheel.friction.side >= wheel.friction.roll:
             return (
                 f"mu_side < mu_roll is required, received mu_side = {wheel.friction.side}, "
                 f"mu_roll = {wheel.friction.roll} at wheel {wheel.index}"
             )
     return None
+
+
+def _acting_wheels(scene: Scene, partition: Partition) -> list[Wheel]:
+    """The wheels whose rows are held at the equilibrium."""
+    near = [state for cell in partition.cells if _is_local(cell) for state in cell.states]
+    held = {row.wheel.index for state in near for row in state.rows}
+    return [wheel for wheel in scene.wheels if wheel.index in held]
 
 
 def _input_cell(cell: Cell, state: ContactState) -> InputCell:

@@ -3,8 +3,9 @@
 (a) No twist depends on theta, so ``theta = 0`` is never asymptotically stable.  (b) The drift is the range of
 omega over ``{f in F(c*): translation part 0}``.  If it holds a nonzero rate, the body may spin in place for
 ever: theta is strongly unstable.  The convex weights are the witness, the multipliers prove the range.
-(c) If the drift is {0} and ``V* <= -kappa |c|``, then ``|c|`` reaches 0 within ``2 |c_0|/kappa`` and theta turns by at
-most ``2 max|omega| |c_0|/kappa``: stable, not attractive.
+(c) If the drift is {0} and ``V* <= -kappa |c|`` where the body moves, it comes to rest within ``2 |c_0|/kappa`` and
+theta turns by at most ``2 max|omega| |c_0|/kappa``: stable, not attractive.  (d) If F(c*) = {0}, every cell at the
+equilibrium is at rest: a neighbourhood of it does not move at all.
 """
 
 from __future__ import annotations
@@ -60,7 +61,9 @@ class RotationResult:
         if self.drift is None:
             return False
         spins = any(self.drift.interval)
-        return spins if self.verdict is Rotation.UNSTABLE else not spins and self.rotation_per_distance is not None
+        if self.verdict is Rotation.UNSTABLE:
+            return spins
+        return not spins and (self.rotation_per_distance is not None or not any(map(any, self.drift.twists)))
 
 
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
@@ -84,6 +87,11 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
         reason = f"the body may rest in (x, y) and turn at any rate in [{low}, {high}]"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
     per_distance = rotation_bound(partition, translation)
+    if not any(map(any, drift.twists)):
+        reason = "every cell at the point is at rest: near it the body does not move at all"
+        if per_distance is not None:
+            reason += f"; from elsewhere in the square theta turns by at most {per_distance} |c_0|"
+        return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
     if per_distance is None:
         return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
     reason = f"the drift is {{0}} and theta turns by at most {per_distance} |c_0|"
@@ -91,11 +99,15 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
 
 
 def rotation_bound(partition: Partition, translation: TranslationResult) -> Number | None:
-    """``2 max|omega|/kappa``: total rotation per unit of |c_0|; None where no decay rate is proved."""
-    decay = translation.decay_rate
-    if decay is None:
+    """``2 max|omega|/kappa``: total rotation per unit of |c_0|; None where no decay rate is proved.
+
+    kappa is the decay rate on the cells that move: the body stops turning when it comes to rest.
+    """
+    moving = [derivative for derivative in translation.derivatives if any(derivative.twist)]
+    if not moving or not partition.complete:
         return None
-    return 2 * max(abs(t.omega) for cell in partition.cells for t in cell.twists) / decay
+    rate = max(derivative.relative() for derivative in moving).value
+    return 2 * max(abs(d.twist.omega) for d in moving) / -rate if rate.sign() < 0 else None
 
 
 def _constants(twists: tuple[Twist, ...]) -> tuple[Number, Number]:

@@ -8,9 +8,11 @@ only the cells whose closure holds it matter:
 - ``V* <= 0``: stable.  A ray of the equilibrium on which V* vanishes and the velocities of two cells oppose each
   other consists of equilibria: then the stability is not asymptotic;
 - ``V* > 0`` somewhere: ``V = |c|^2`` is refuted as a certificate, with that vertex as witness.  This says nothing
-  about stability itself, so the verdict is ``undecided``.
+  about stability itself.
 
-The region is the largest disc in the square on which the inequality holds.
+Where V leaves the question open, the fan of cones at the equilibrium decides (:mod:`nonsmooth.proofs.fan`).  The
+region is the largest disc in the square on which the inequality holds.  For an array that meets the hypotheses of
+:mod:`nonsmooth.proofs.cocircular`, V* <= 0 is known beforehand and only the rest area at the equilibrium is looked at.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from dataclasses import dataclass
 from nonsmooth.analysis.filippov import CellDerivative, Slope, cell_derivatives
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import HalfPlane, Point
+from nonsmooth.proofs.cocircular import CocircularArray
+from nonsmooth.proofs.fan import FanResult, decide_fan
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import cross, dot
@@ -46,8 +50,10 @@ class TranslationResult:
         derivatives: V* at the vertices of every closed cell: the certificate, or its refutation.
         worst: largest ``V*/|c|`` over the checked square.
         region_radius: radius of the disc on which V* is as the verdict says; None where there is none.
-        witness: a point where V* > 0 (undecided), or an equilibrium beside c* (stable, not asymptotically).
+        witness: a point where V* > 0, or an equilibrium beside c* (stable, not asymptotically).
         reason: one sentence for people.
+        fan: the decision by cones, where V leaves the question open.
+        lemma: the certificate of V* <= 0 that spares the other cells, where there is one.
     """
 
     verdict: Translation
@@ -56,6 +62,8 @@ class TranslationResult:
     region_radius: Number | None
     witness: Witness | None
     reason: str
+    fan: FanResult | None = None
+    lemma: CocircularArray | None = None
 
     @property
     def worst_rate(self) -> Number:
@@ -80,14 +88,23 @@ class TranslationResult:
         bounded = not any(self.worst < s for s in slopes) and any(not s < self.worst for s in slopes)
         if not rates or not exact or not bounded:
             return False
-        match self.verdict:
-            case Translation.ASYMPTOTICALLY_STABLE:
-                return all(rate.sign() < 0 for _, rate in rates) and self._region_holds(strict=True)
-            case Translation.STABLE:
-                rest = self.witness is None or _rests_on_ray(self.derivatives, self.witness.point)
-                return all(rate.sign() <= 0 for _, rate in rates) and rest and self._region_holds(strict=False)
-            case _:
-                return self.witness is not None and self._is_attained(self.witness)
+        if self.lemma is not None and not self.lemma.check():
+            return False
+        highest = max(rate.sign() for _, rate in rates)
+        if highest > 0:  # V is refuted and the fan decides alone
+            attained = self.witness is not None and self._is_attained(self.witness)
+            return attained and self._fan_says(self.verdict)
+        strict = highest < 0
+        rest = self.witness is None or _rests_on_ray(self.derivatives, self.witness.point)
+        decided = self.verdict is (Translation.ASYMPTOTICALLY_STABLE if strict else Translation.STABLE)
+        return rest and self._region_holds(strict=strict) and (decided or self._fan_says(self.verdict))
+
+    def _fan_says(self, verdict: Translation) -> bool:
+        """Whether the fan of these cells gives the verdict."""
+        if self.fan is None or not self.fan.check() or self.fan.verdict is not verdict:
+            return False
+        local = {d.cell.index for d in local_derivatives(self.derivatives)}
+        return {cone.cell.index for cone in self.fan.cones} == local
 
     def _region_holds(self, *, strict: bool) -> bool:
         """Whether no violation comes nearer to the equilibrium than the region's radius."""
@@ -106,29 +123,53 @@ class TranslationResult:
         )
 
 
-def decide_translation(partition: Partition) -> TranslationResult:
-    """Decide the translation clause for a centred partition by ``V = |c|^2``."""
+def decide_translation(partition: Partition, lemma: CocircularArray | None = None) -> TranslationResult:
+    """Decide the translation clause for a centred partition: by ``V = |c|^2``, then by the fan.
+
+    Args:
+        partition: all cells of the square, or only those at the equilibrium where the lemma covers the others.
+        lemma: certificate of ``V* <= 0`` for the whole square.
+    """
     derivatives = cell_derivatives(partition)
-    worst = derivatives[0].relative()
-    for derivative in derivatives[1:]:
-        worst = max(worst, derivative.relative())
-    rates = list(_local_rates(derivatives))
-    point, highest = max(rates, key=lambda pair: pair[1])
+    worst = max(derivative.relative() for derivative in derivatives)
+    point, highest = max(_local_rates(derivatives), key=lambda pair: pair[1])
     if highest.sign() > 0:
+        fan = decide_fan(partition)
         witness = Witness(point, highest, "V* > 0")
-        reason = f"V* = {highest} > 0 at ({point[0]}, {point[1]}): |c|^2 is no certificate; this alone does not prove instability"
-        return TranslationResult(Translation.UNDECIDED, derivatives, worst, None, witness, reason)
+        reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {highest} > 0 at ({point[0]}, {point[1]})"
+        return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan)
     strict = highest.sign() < 0
     radius = _region_radius(partition, derivatives, strict=strict)
     if strict:
         reason = "V* < 0 at every nonzero vertex of the closed cells that meet at the equilibrium"
         return TranslationResult(Translation.ASYMPTOTICALLY_STABLE, derivatives, worst, radius, None, reason)
     rest = _equilibrium_ray(derivatives)
-    if rest is None:
-        reason = "V* <= 0 on every closed cell; whether the equilibrium attracts is not decided by |c|^2"
-    else:
-        reason = f"V* <= 0, and not asymptotically: every point of the ray through ({rest.point[0]}, {rest.point[1]}) near c* is an equilibrium"
-    return TranslationResult(Translation.STABLE, derivatives, worst, radius, rest, reason)
+    fan = decide_fan(partition)
+    attracts = fan.verdict is Translation.ASYMPTOTICALLY_STABLE
+    verdict = Translation.ASYMPTOTICALLY_STABLE if attracts else Translation.STABLE
+    reason = _weak_reason(partition, rest, fan, lemma)
+    return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma)
+
+
+def _weak_reason(partition: Partition, rest: Witness | None, fan: FanResult, lemma: CocircularArray | None) -> str:
+    """In words: why V* <= 0, and whether the equilibrium attracts."""
+    shown = "V* <= 0 by the lemma on inward rims on one circle" if lemma else "V* <= 0 on the closed cells at the point"
+    area = rest_area(partition)
+    if area is not None:
+        return f"{shown}; not asymptotically: the point lies in a rest area of size {area}"
+    if rest is not None:
+        x, y = rest.point
+        return f"{shown}; not asymptotically: every point of the ray through ({x}, {y}) near c* is an equilibrium"
+    if fan.verdict is Translation.ASYMPTOTICALLY_STABLE:
+        return f"{shown}, and {fan.reason}"
+    return f"{shown}; whether the point attracts is not decided: {fan.reason}"
+
+
+def rest_area(partition: Partition) -> Number | None:
+    """Area of the cells at rest whose closure holds the equilibrium, where there are any."""
+    zero = partition.scene.field.zero
+    cells = [cell for cell in partition.cells_at((zero, zero)) if any(not any(twist) for twist in cell.twists)]
+    return sum((cell.polygon.area for cell in cells), zero) if cells else None
 
 
 def local_derivatives(derivatives: tuple[CellDerivative, ...]) -> Iterator[CellDerivative]:

@@ -133,3 +133,22 @@ def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
             raise ValueError("required at least one column, received none")
         return zero[0] * 0, zero[0] * 0, zero[0] * 0
     return total[0], total[1], total[2]
+
+
+def independent(vectors: Sequence[Triple]) -> tuple[int, ...]:
+    """Positions of the first linearly independent vectors: a basis of their span, at most three."""
+    basis: list[int] = []
+    for k, vector in enumerate(vectors):
+        chosen = [vectors[i] for i in basis]
+        match chosen:
+            case []:
+                extends = any(vector)
+            case [first]:
+                extends = any(outer(first, vector))
+            case [first, second]:
+                extends = bool(inner(outer(first, second), vector))
+            case _:
+                break
+        if extends:
+            basis.append(k)
+    return tuple(basis)

@@ -19,11 +19,11 @@ from nonsmooth.symbolic.constraints import (
     Twist,
     cofactors,
     combine,
+    independent,
     inner,
     outer,
     scene_rows,
 )
-from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene
 
 
@@ -131,10 +131,4 @@ def take_census(scene: Scene) -> ContactCensus:
 
 def input_rank(state: ContactState) -> int:
     """Number of independent inputs of a contact state (rank of its control vector fields)."""
-    fields: list[tuple[Number, Number, Number]] = list(state.control_fields.values())
-    independent = [f for f in fields if any(f)]
-    if len(independent) < 2:
-        return len(independent)
-    if len(independent) == 2:
-        return 2 if any(outer(*independent)) else 1
-    return 3 if inner(independent[0], outer(independent[1], independent[2])) else 2
+    return len(independent(list(state.control_fields.values())))

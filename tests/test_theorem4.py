@@ -46,8 +46,8 @@ KNOWN: dict[str, tuple[Build, Theorem4]] = {
     "four-wheel, side": (lambda arrays: arrays.four_wheel(SIDE), Theorem4.HOLDS),
     "four-wheel, tie": (lambda arrays: arrays.four_wheel((1, 1)), Theorem4.HOLDS),
     "off center": (off_center, Theorem4.HYPOTHESES_NOT_MET),
-    "outward": (lambda arrays: pushed(arrays, 1, 1), Theorem4.UNDECIDED),
-    "saddle": (lambda arrays: pushed(arrays, 1, -1), Theorem4.UNDECIDED),
+    "outward": (lambda arrays: pushed(arrays, 1, 1), Theorem4.FAILS),
+    "saddle": (lambda arrays: pushed(arrays, 1, -1), Theorem4.FAILS),
     "facing pair": (lambda arrays: arrays.scene(arrays.inward([(1, 0), (-1, 0)])), Theorem4.UNDECIDED),
     "3 x 3 grid": (lambda arrays: arrays.grid(3, 3), Theorem4.HYPOTHESES_NOT_MET),
 }
