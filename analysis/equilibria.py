@@ -20,6 +20,7 @@ from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import Point, Polygon
@@ -54,10 +55,11 @@ def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
     """Every equilibrium of the square, areas first."""
     areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if _rests(c)]
     found = [*areas, *_centres(partition), *_ties(partition)]
-    for side in shared_sides(partition):
+    places = _Places(partition)
+    for side in places.shared_sides():
         found += _on_side(side)
     resting = {cell for area in areas for cell in area.cells}
-    for point, cells in _vertices(partition):
+    for point, cells in places.vertices():
         if resting & {cell.index for cell in cells}:
             continue
         rates = [twist.pose_rate(point) for cell in cells for twist in cell.twists]
@@ -78,21 +80,46 @@ class SharedSide:
 
 def shared_sides(partition: Partition) -> Iterator[SharedSide]:
     """Common segments of all pairs of cells; also where a side of one meets several of the other."""
-    boxes = [_bounding_box(cell.polygon) for cell in partition.cells]
-    scale = float(partition.scene.check.radius) * BOX_MARGIN
-    for (first, a), (second, b) in combinations(zip(partition.cells, boxes, strict=True), 2):
-        with np.errstate(invalid="ignore"):  # beyond the range of floats nothing is known to be apart
-            apart = (a[1] + scale < b[0]).any() or (b[1] + scale < a[0]).any()
-        if apart:
-            continue
-        segment = _common_segment(first.polygon, second.polygon)
-        if segment is not None:
-            yield SharedSide(*segment, first, second)
+    return _Places(partition).shared_sides()
 
 
-def _bounding_box(polygon: Polygon) -> tuple[Any, Any]:
-    corners = np.array([[float(x), float(y)] for x, y in polygon.vertices])
-    return corners.min(axis=0), corners.max(axis=0)
+class _Places:
+    """Float bounding boxes of the cells: they tell which cells are certainly apart."""
+
+    def __init__(self, partition: Partition) -> None:
+        self.cells = partition.cells
+        corners = [np.array([[float(x), float(y)] for x, y in cell.polygon.vertices]) for cell in partition.cells]
+        margin = float(partition.scene.check.radius) * BOX_MARGIN
+        self.low = np.array([c.min(axis=0) for c in corners]) - margin
+        self.high = np.array([c.max(axis=0) for c in corners]) + margin
+
+    def shared_sides(self) -> Iterator[SharedSide]:
+        """Common segments of pairs of cells."""
+        for i, first in enumerate(self.cells):
+            for j in self._near(self.low[i], self.high[i]):
+                segment = _common_segment(first.polygon, self.cells[j].polygon) if j > i else None
+                if segment is not None:
+                    yield SharedSide(*segment, first, self.cells[j])
+
+    def vertices(self) -> Iterator[tuple[Point, list[Cell]]]:
+        """Each vertex once, with the closed cells that hold it: it is told by the first of these."""
+        for i, cell in enumerate(self.cells):
+            for point in cell.polygon.vertices:
+                place = np.array([float(point[0]), float(point[1])])
+                holders = [j for j in self._near(place, place) if self.cells[j].polygon.contains(point)]
+                earlier = (self.cells[j] for j in holders if j < i)
+                if not any(_is_vertex(other.polygon, point) for other in earlier):
+                    yield point, [self.cells[j] for j in holders]
+
+    def _near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
+        """Cells that are not certainly apart from a box; beyond the range of floats nothing is."""
+        with np.errstate(invalid="ignore"):
+            apart = ((self.high < low) | (high < self.low)).any(axis=1)
+        return np.flatnonzero(~apart).tolist()
+
+
+def _is_vertex(polygon: Polygon, point: Point) -> bool:
+    return any(x == point[0] and y == point[1] for x, y in polygon.vertices)
 
 
 def _common_segment(first: Polygon, second: Polygon) -> tuple[Point, Point] | None:
@@ -203,20 +230,6 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
 def _between(side: SharedSide, t: Any) -> Point:
     (x1, y1), (x2, y2) = side.start, side.end
     return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
-
-
-def _vertices(partition: Partition) -> Iterator[tuple[Point, list[Cell]]]:
-    """Each vertex once, with the closed cells that hold it."""
-    seen: list[tuple[tuple[float, float], Point]] = []
-    scale = float(partition.scene.check.radius) * BOX_MARGIN
-    for cell in partition.cells:
-        for point in cell.polygon.vertices:
-            place = (float(point[0]), float(point[1]))
-            close = [p for q, p in seen if not any(abs(a - b) > scale for a, b in zip(q, place, strict=True))]
-            if any(p[0] == point[0] and p[1] == point[1] for p in close):
-                continue
-            seen.append((place, point))
-            yield point, list(partition.cells_at(point))
 
 
 def _hull_holds_zero(velocities: list[Point]) -> bool:

@@ -56,7 +56,8 @@ def _ordered_pairs(
 ) -> Iterator[tuple[int, int, Polygon]]:
     """(nearest, second-nearest, cell) for every pair that owns area in the domain."""
     for i in active:
-        first = _region(wheels, i, active, domain)
+        rivals = active[np.argsort(_distances(positions[active], positions[i]), kind="stable")]
+        first = _region(wheels, i, rivals, domain, positions if prune else None)
         if first is None:
             continue
         others = active[active != i]
@@ -88,16 +89,45 @@ def _contenders(
     return np.asarray(among[order])
 
 
-def _region(wheels: Sequence[Wheel], i: int, rivals: Iterable[int], within: Polygon) -> Polygon | None:
-    """Points of ``within`` at least as near to wheel i as to every rival."""
+def _region(
+    wheels: Sequence[Wheel],
+    i: int,
+    rivals: Iterable[int],
+    within: Polygon,
+    positions: NDArray[np.float64] | None = None,
+) -> Polygon | None:
+    """Points of ``within`` at least as near to wheel i as to every rival.
+
+    With positions, and rivals in the order of their distance from wheel i, it stops at the first rival whose
+    bisector lies beyond the farthest vertex of the region: twice as far from the wheel as that.
+    """
     region = within
+    reach = np.nan if positions is None else _reach(region, positions[i])
     for k in rivals:
+        if positions is not None and _distances(positions[k], positions[i]) > 2 * reach:
+            break
         if k != i:
             closer = region.clipped(bisector(wheels[i], wheels[k]))
             if closer is None:
                 return None
+            if closer is not region and positions is not None:
+                reach = _reach(closer, positions[i])
             region = closer
     return region
+
+
+def _reach(region: Polygon, place: NDArray[np.float64]) -> float:
+    """Distance from a wheel to the farthest vertex, never too small."""
+    vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.abs(vertices).max() + np.abs(place).max()
+        return float(_distances(vertices, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
+
+
+def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        difference = points - place
+        return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
 
 
 def bisector(near: Wheel, far: Wheel) -> HalfPlane:

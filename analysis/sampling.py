@@ -65,7 +65,7 @@ def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArra
 def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
     """Evaluate ``2 c . v`` under rule ``ellipse`` at random points of the checked square (centred scene)."""
     from nonsmooth.analysis.contact_model import contact_model
-    from nonsmooth.analysis.ellipse_minimizers import EllipseInterior
+    from nonsmooth.analysis.ellipse_minimizer import EllipseInterior
     from nonsmooth.analysis.float_loads import loads_at
 
     rng = np.random.default_rng(seed)

@@ -32,6 +32,7 @@ from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, t
 from nonsmooth.symbolic.scene import Rule, Scene
 
 CENSUS_LIMIT = 20_000  # row triples that are counted unasked: 25 wheels; a count decides no clause
+FULL_CENSUS_LIMIT = 500_000  # row triples that are counted without pruning: 72 wheels, some ten seconds
 LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
 ELLIPSE_SAMPLES = 2_000  # points at which V* is evaluated under rule ellipse where no lemma covers the square
 
@@ -308,8 +309,9 @@ def _sampled_feedback(work: _Work) -> SampledFeedback:
 def _census(work: _Work, derived: int) -> ContactCensus:
     """Count the row triples where that is cheap or asked for."""
     possible = possible_triples(len(work.scene.wheels))
-    if possible <= CENSUS_LIMIT or not work.prune:
+    limit = CENSUS_LIMIT if work.prune else FULL_CENSUS_LIMIT
+    if possible <= limit:
         return take_census(work.scene)
-    why = f"no cell in the square; singular and distinct triples are counted up to {CENSUS_LIMIT} triples"
+    why = f"no cell in the square; singular and distinct triples are counted up to {limit} triples"
     work.skip("contact states", possible - derived, why)
     return ContactCensus(possible)

@@ -1,0 +1,68 @@
+"""Leaving out what no verdict needs: the same verdicts, and how much work is left."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells
+from nonsmooth.symbolic.contact_states import possible_triples
+from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
+
+if TYPE_CHECKING:
+    from tests.benchmarks.conftest import Stopwatch
+    from tests.conftest import Arrays
+
+pytestmark = pytest.mark.benchmark
+
+
+def verdicts(result: CellCheck) -> list[str]:
+    clauses = (result, result.equilibrium, result.translation, result.rotation, result.feedback)
+    return [clause.verdict.value for clause in clauses]
+
+
+def drift(result: CellCheck) -> tuple[Number, Number] | None:
+    return None if result.rotation.drift is None else result.rotation.drift.interval
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_built_in_scenes(name: str, stopwatch: Stopwatch) -> None:
+    scene = load_scene(name, rule="nearest")
+    pruned, whole = check_cells(scene), check_cells(scene, prune=False)
+    assert verdicts(pruned) == verdicts(whole)
+    assert pruned.translation.worst_rate == whole.translation.worst_rate
+    assert drift(pruned) == drift(whole)
+    assert pruned.partition.wheels_considered <= whole.partition.wheels_considered == len(scene.wheels)
+    stopwatch.report(
+        f"{name}: {pruned.partition.wheels_considered} of {len(scene.wheels)} wheels, "
+        f"{len(pruned.partition.states)} of {pruned.census.possible} row triples own a cell"
+    )
+
+
+@pytest.mark.parametrize("side", [8, 12])
+def test_work_left_on_a_grid(arrays: Arrays, stopwatch: Stopwatch, side: int) -> None:
+    """The triples are not counted here: C(288, 3) of them would drown every other cost."""
+    scene = arrays.grid(side, side)
+    pruned = check_cells(scene)
+    assert pruned.partition.wheels_considered <= 16
+    assert len(pruned.partition.states) == 8
+    fast = stopwatch.best(lambda: check_cells(scene))
+    stopwatch.report(
+        f"{side} x {side}: {pruned.partition.wheels_considered} of {side * side} wheels, "
+        f"8 of {possible_triples(side * side)} row triples, {fast * 1e3:.1f} ms"
+    )
+
+
+def test_pruning_pays(arrays: Arrays, stopwatch: Stopwatch) -> None:
+    """A whole check of 49 wheels (152,096 triples are counted) against the pruned one."""
+    scene = arrays.grid(7, 7)
+    results: list[CellCheck] = []
+    whole = stopwatch.best(lambda: results.append(check_cells(scene, prune=False)), runs=1)
+    pruned = stopwatch.best(lambda: results.append(check_cells(scene)))
+    assert verdicts(results[0]) == verdicts(results[1])
+    stopwatch.report(
+        f"7 x 7: pruned {pruned * 1e3:.1f} ms, whole {whole * 1e3:.0f} ms, ratio {whole / pruned:.0f} (required 10)"
+    )
+    assert whole >= 10 * pruned
