@@ -90,8 +90,9 @@ class _Places:
         self.cells = partition.cells
         corners = [np.array([[float(x), float(y)] for x, y in cell.polygon.vertices]) for cell in partition.cells]
         margin = float(partition.scene.check.radius) * BOX_MARGIN
-        self.low = np.array([c.min(axis=0) for c in corners]) - margin
-        self.high = np.array([c.max(axis=0) for c in corners]) + margin
+        with np.errstate(invalid="ignore"):  # beyond the range of floats nothing is known to be apart
+            self.low = np.array([c.min(axis=0) for c in corners]) - margin
+            self.high = np.array([c.max(axis=0) for c in corners]) + margin
 
     def shared_sides(self) -> Iterator[SharedSide]:
         """Common segments of pairs of cells."""
@@ -112,7 +113,7 @@ class _Places:
                     yield point, [self.cells[j] for j in holders]
 
     def _near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
-        """Cells that are not certainly apart from a box; beyond the range of floats nothing is."""
+        """Cells that are not certainly apart from a box."""
         with np.errstate(invalid="ignore"):
             apart = ((self.high < low) | (high < self.low)).any(axis=1)
         return np.flatnonzero(~apart).tolist()

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, independent, inner, outer, roll_row
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.constraints import Triple, independent, inner, outer
+from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Authority:
 
     def check(self, scene: Scene) -> bool:
         """Re-verify that no roll row sees a missing twist and that the numbers add up to three."""
-        every = [roll_row(wheel).normal for wheel in scene.recentred().wheels]
+        every = [_roll_normal(wheel) for wheel in scene.recentred().wheels]
         unseen = all(not inner(row, twist) for row in every for twist in self.missing)
         return unseen and self.rank + len(self.missing) == 3 and self.rank == len(self.basis)
 
@@ -40,7 +40,7 @@ class Authority:
 def roll_authority(scene: Scene) -> Authority:
     """Exact rank of the roll rows about the checked equilibrium."""
     wheels = scene.recentred().wheels
-    rows = [roll_row(wheel).normal for wheel in wheels]
+    rows = [_roll_normal(wheel) for wheel in wheels]
     basis = independent(rows)
     chosen = tuple(rows[k] for k in basis)
     missing: tuple[Triple, ...] = ()
@@ -49,6 +49,11 @@ def roll_authority(scene: Scene) -> Authority:
     elif len(chosen) == 2:
         missing = (_leading_one(outer(*chosen)),)
     return Authority(len(basis), tuple(wheels[k].index for k in basis), chosen, missing)
+
+
+def _roll_normal(wheel: Wheel) -> Triple:
+    """Left side of the roll row; its right side would take a square root per wheel, and is not needed."""
+    return *wheel.direction, dot(wheel.direction, turned(wheel.position))
 
 
 def _orthogonal(row: Triple) -> tuple[Triple, Triple]:

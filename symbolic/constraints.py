@@ -137,18 +137,12 @@ def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
 
 def independent(vectors: Sequence[Triple]) -> tuple[int, ...]:
     """Positions of the first linearly independent vectors: a basis of their span, at most three."""
-    basis: list[int] = []
-    for k, vector in enumerate(vectors):
-        chosen = [vectors[i] for i in basis]
-        match chosen:
-            case []:
-                extends = any(vector)
-            case [first]:
-                extends = any(outer(first, vector))
-            case [first, second]:
-                extends = bool(inner(outer(first, second), vector))
-            case _:
-                break
-        if extends:
-            basis.append(k)
-    return tuple(basis)
+    first = next((k for k, vector in enumerate(vectors) if any(vector)), None)
+    if first is None:
+        return ()
+    crossed = ((k, outer(vectors[first], vectors[k])) for k in range(first + 1, len(vectors)))
+    second, normal = next(((k, n) for k, n in crossed if any(n)), (None, None))
+    if second is None or normal is None:
+        return (first,)
+    third = next((k for k in range(second + 1, len(vectors)) if inner(normal, vectors[k])), None)
+    return (first, second) if third is None else (first, second, third)
