@@ -1,19 +1,31 @@
-"""Where the contact rules agree: exact shares of area with the same motion.
+"""Where the contact rules agree: exact shares of area, and differences of twist on a grid.
 
 Rules ``nearest`` and ``box`` both give polygons with constant twists, so the share of the square on which they agree
-is a sum of areas of intersections, exact like the cells.
+is a sum of areas of intersections, exact like the cells.  Rule ``ellipse`` has no cells: its twist is compared with
+the others' on a fixed grid, in the norm ``sqrt(|v|^2 + (R omega)^2)``, R the largest distance of a wheel from the
+checked point, relative to the larger of the two.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.box import build_box_partition
+from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.partition import Cell, Partition
+from nonsmooth.analysis.point_location import PointLocator
 from nonsmooth.analysis.polygon import Polygon
+from nonsmooth.analysis.sampling import ellipse_twists
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import Contact, Rule, Scene
+
+GRID = 40  # points per side of the comparison grid, none on an axis or a diagonal's corner
 
 
 @dataclass(frozen=True)
@@ -56,3 +68,75 @@ def shared_area(first: Partition, second: Partition) -> SharedArea:
                 total = total + common.area
                 twists.update(dict.fromkeys(cell.twists))
     return SharedArea(total, total / first.domain.area, tuple(twists))
+
+
+@dataclass(frozen=True)
+class TwistDifference:
+    """Relative difference of two rules' twists over a grid.
+
+    Attributes:
+        points: number of grid points.
+        mean: mean relative difference.
+        largest: largest relative difference.
+        at: where it occurs.
+    """
+
+    points: int
+    mean: float
+    largest: float
+    at: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """The three contact rules side by side.
+
+    Attributes:
+        nearest, box: the partitions, in the scene's coordinates.
+        shared: where they prescribe the same motion.
+        ellipse_nearest, ellipse_box: differences of rule ``ellipse`` from either.
+    """
+
+    nearest: Partition
+    box: Partition
+    shared: SharedArea
+    ellipse_nearest: TwistDifference
+    ellipse_box: TwistDifference
+
+
+def compare_rules(scene: Scene) -> Agreement:
+    """Compare the three contact rules on the checked square.
+
+    Raises:
+        nonsmooth.analysis.partition.RefusalError: where the loads do not exist.
+    """
+    ruled = {rule: replace(scene, contact=Contact(rule, scene.contact.loads)) for rule in Rule}
+    nearest, box = build_nearest_partition(ruled[Rule.NEAREST]), build_box_partition(ruled[Rule.BOX])
+    points = comparison_grid(scene)
+    twists = ellipse_twists(scene, points)
+    differences = [
+        _difference(scene, points, twists, PointLocator(partition).twists(points)) for partition in (nearest, box)
+    ]
+    return Agreement(nearest, box, shared_area(nearest, box), *differences)
+
+
+def comparison_grid(scene: Scene) -> NDArray[np.float64]:
+    """Cell centres of a GRID x GRID raster of the square, shape (GRID^2, 2)."""
+    centre = np.array([float(x) for x in scene.check.equilibrium])
+    offsets = float(scene.check.radius) * ((np.arange(GRID) + 0.5) * 2 / GRID - 1)
+    return np.asarray(centre + np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2))
+
+
+def _difference(
+    scene: Scene, points: NDArray[np.float64], first: NDArray[np.float64], second: NDArray[np.float64]
+) -> TwistDifference:
+    centre = np.array([float(x) for x in scene.check.equilibrium])
+    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    scale = np.array([1.0, 1.0, np.hypot(*(wheels - centre).T).max()])
+    sizes = np.maximum(np.linalg.norm(first * scale, axis=1), np.linalg.norm(second * scale, axis=1))
+    apart = np.linalg.norm((first - second) * scale, axis=1)
+    relative = np.divide(apart, sizes, out=np.zeros_like(apart), where=sizes > 0)
+    worst = int(np.argmax(relative))
+    return TwistDifference(
+        len(points), float(relative.mean()), float(relative[worst]), (points[worst, 0], points[worst, 1])
+    )

@@ -1,7 +1,8 @@
-"""V* the slow literal way: wheel distances, greedy rows and a 3 x 3 solve at every sample, all in floats.
+"""Twists and V* at points, in floats.
 
-Kept as the oracle of the exact cells: it knows nothing of cells, bisectors or fields.  A sampled maximum is a
-lower bound of the true one; it is reported as sampled, never as proved.
+Rule ``nearest`` the slow literal way (wheel distances, greedy rows and a 3 x 3 solve at every sample) is the oracle
+of the exact cells: it knows nothing of cells, bisectors or fields.  Rule ``ellipse`` is evaluated by the numerical
+minimizer.  A sampled maximum is a lower bound of the true one; it is reported as sampled, never as proved.
 """
 
 from __future__ import annotations
@@ -64,16 +65,20 @@ def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArra
 
 def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
     """Evaluate ``2 c . v`` under rule ``ellipse`` at random points of the checked square (centred scene)."""
+    rng = np.random.default_rng(seed)
+    radius = float(scene.check.radius)
+    points = rng.uniform(-radius, radius, size=(samples, 2))
+    rates = 2 * (ellipse_twists(scene, points)[:, :2] * points).sum(axis=1)
+    relative = rates / np.hypot(*points.T)
+    best = int(np.argmax(relative))
+    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
+
+
+def ellipse_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Twists of rule ``ellipse`` at points (m, 2)."""
     from nonsmooth.analysis.contact_model import contact_model
     from nonsmooth.analysis.ellipse_minimizer import EllipseInterior
     from nonsmooth.analysis.float_loads import loads_at
 
-    rng = np.random.default_rng(seed)
-    radius = float(scene.check.radius)
-    points = rng.uniform(-radius, radius, size=(samples, 2))
     model = contact_model(scene)
-    twists = EllipseInterior().minimize(model, loads_at(model, points)).twists
-    rates = 2 * (twists[:, :2] * points).sum(axis=1)
-    relative = rates / np.hypot(*points.T)
-    best = int(np.argmax(relative))
-    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
+    return EllipseInterior().minimize(model, loads_at(model, points)).twists

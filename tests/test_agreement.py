@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.agreement import intersect, shared_area
+from nonsmooth.analysis.agreement import compare_rules, comparison_grid, intersect, shared_area
 from nonsmooth.analysis.box import build_box_partition
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.point_location import OUTSIDE, PointLocator
+from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -52,3 +53,22 @@ def test_disjoint_polygons_have_no_intersection(arrays: Arrays) -> None:
     cells = build_nearest_partition(arrays.four_wheel()).cells
     assert intersect(cells[0].polygon, cells[1].polygon) is None
     assert intersect(cells[0].polygon, cells[0].polygon) == cells[0].polygon
+
+
+def test_the_three_rules_side_by_side(arrays: Arrays) -> None:
+    scene = arrays.four_wheel((1, Fraction(1, 100)))
+    agreement = compare_rules(scene)
+    assert agreement.shared.share == Fraction(49, 50)
+    # on the grid, whose points lie in the cells in the same shares, box and nearest differ on about 2 %
+    points = comparison_grid(scene)
+    near, box = (PointLocator(p).twists(points) for p in (agreement.nearest, agreement.box))
+    assert (np.abs(near - box).max(axis=1) > 1e-12).mean() == pytest.approx(1 / 50, abs=0.02)
+    assert 0 < agreement.ellipse_box.mean <= agreement.ellipse_box.largest <= 2
+
+
+def test_rules_agree_where_all_wheels_carry_the_body() -> None:
+    """Tangential rims of one speed: every rule gives the same rotation everywhere."""
+    agreement = compare_rules(load_scene("conveyor-3"))
+    assert agreement.shared.share == 1
+    assert agreement.ellipse_nearest.largest < 1e-6
+    assert agreement.ellipse_box.largest < 1e-6
