@@ -25,7 +25,7 @@ from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Contact, Rule, Scene
 
-GRID = 40  # points per side of the comparison grid, none on an axis or a diagonal's corner
+GRID = 40  # points per side of the comparison grid
 
 
 @dataclass(frozen=True)
@@ -121,10 +121,10 @@ def compare_rules(scene: Scene) -> Agreement:
 
 
 def comparison_grid(scene: Scene) -> NDArray[np.float64]:
-    """Cell centres of a GRID x GRID raster of the square, shape (GRID^2, 2)."""
+    """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
     centre = np.array([float(x) for x in scene.check.equilibrium])
-    offsets = float(scene.check.radius) * ((np.arange(GRID) + 0.5) * 2 / GRID - 1)
-    return np.asarray(centre + np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2))
+    across, up = (float(scene.check.radius) * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
+    return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
 
 
 def _difference(
