@@ -50,13 +50,6 @@ class Slope:
         """The form's coefficients, correctly rounded."""
         return np.array([float(x) for x in self.form])
 
-    def clear_signs(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
-        """Signs at points ``(1, x, y)`` given as floats; 0 where floats leave a doubt."""
-        terms = points * self.floats
-        values = terms.sum(axis=-1)
-        doubt = np.abs(terms).sum(axis=-1) * FLOAT_DOUBT
-        return np.where(np.abs(values) > doubt, np.sign(values), 0).astype(int)
-
 
 @dataclass(frozen=True)
 class Vertex:
@@ -71,6 +64,16 @@ class Vertex:
     twist: Twist
     tight: tuple[int, ...]
     slopes: tuple[Slope, ...]
+
+    def doubtful(self, points: NDArray[np.float64]) -> list[int]:
+        """Numbers of the slopes that are not certainly positive at all points ``(1, x, y)``, given as floats."""
+        terms = points[:, None, :] * self._floats
+        doubt = np.abs(terms).sum(axis=-1) * FLOAT_DOUBT
+        return np.flatnonzero(~(terms.sum(axis=-1) > doubt).all(axis=0)).tolist()
+
+    @cached_property
+    def _floats(self) -> NDArray[np.float64]:
+        return np.array([slope.floats for slope in self.slopes]).reshape(-1, 3)
 
     @property
     def flat(self) -> tuple[Slope, ...]:

@@ -126,8 +126,8 @@ class _Walk:
     def _descend(self, vertex: Vertex, point: Point, outward: Point) -> Vertex:
         """Exact descent at ``point + epsilon outward``: every step lowers D, so it ends at the minimizer."""
         while True:
-            place = np.array([1.0, float(point[0]), float(point[1])])
-            doubtful = (s for s in vertex.slopes if s.clear_signs(place) <= 0)
+            place = np.array([[1.0, float(point[0]), float(point[1])]])
+            doubtful = (vertex.slopes[k] for k in vertex.doubtful(place))
             falling = next((s for s in doubtful if order(s.form, point, outward) < (0, 0)), None)
             if falling is None:
                 return vertex
@@ -136,16 +136,21 @@ class _Walk:
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, Slope]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""
         polygon = self.region.polygon
-        origins = {f"slope {k}": slope for k, slope in enumerate(vertex.slopes) if any(slope.form)}
-        corners = self.arrangement.corners
-        for label, slope in origins.items():
-            if slope.clear_signs(corners).min() > 0:
+        origins: dict[str, Slope] = {}
+        waiting = vertex.doubtful(self.arrangement.corners)
+        while waiting:
+            k = waiting.pop(0)
+            slope = vertex.slopes[k]
+            if not any(slope.form):
                 continue
-            clipped = polygon.clipped(self._half_plane(slope.form, label))
+            origins[f"slope {k}"] = slope
+            clipped = polygon.clipped(self._half_plane(slope.form, f"slope {k}"))
             if clipped is None:
                 return None, origins
             if clipped is not polygon:
-                polygon, corners = clipped, float_corners(clipped)
+                polygon = clipped
+                still = set(vertex.doubtful(float_corners(polygon)))
+                waiting = [j for j in waiting if j in still]
         return polygon, origins
 
     def _half_plane(self, form: Affine, label: str) -> HalfPlane:

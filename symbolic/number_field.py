@@ -266,6 +266,10 @@ class Number:
         field, modulus = self.field, self.field.modulus
         if not self.terms or not other.terms:
             return field.zero
+        if modulus is None and len(self.terms) == 1 == len(other.terms):
+            ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
+            if not s & t:  # a rational factor, or two different roots: nothing to collect
+                return Number(field, {s ^ t: a * b})
         terms: dict[int, Coefficient] = {}
         nested: Number = field.zero
         for s, a in self.terms.items():
@@ -398,6 +402,10 @@ class Number:
             return 0.0
         if self.field.modulus is None and len(self.terms) == 1 and 0 in self.terms:
             return fmpq_to_float(self.terms[0])
+        if len(self.terms) == 1:
+            value, magnitude = self._float_filter()
+            if _TINY < magnitude < _HUGE and self.field.modulus is None:
+                return value  # one product of correctly rounded factors: no cancellation
         precision = _FIRST_PRECISION
         while True:
             with ctx.workprec(precision):
