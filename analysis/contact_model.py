@@ -1,0 +1,177 @@
+"""The contacts of an array as arrays of floats: what every numerical minimizer works on.
+
+Row ``2i`` is the roll row of wheel i, row ``2i + 1`` its side row, acting on the spatial twist
+``xi = (v, omega)``::
+
+    a_2i   = (d_i, d_i . J p_i)      b_2i   = u_i      friction mu_R
+    a_2i+1 = (n_i, n_i . J p_i)      b_2i+1 = 0        friction mu_S        n_i = J d_i
+
+The slip of a row is ``a_k . xi - b_k``.  :class:`ContactRows` is that much and no more, so that general
+surface velocities (two targets per wheel) and other weighted fits can be minimized too;
+:class:`ContactModel` adds the geometry of the wheels, from which normal forces follow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nonsmooth.symbolic.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRows:
+    """Constraint rows of n contacts.
+
+    Attributes:
+        rows: ``a_k``, shape (2n, 3); the third column has the unit of length.
+        targets: ``b_k``, shape (2n,), velocity.
+        friction: Coulomb coefficient of each row, shape (2n,), at least 0.
+    """
+
+    rows: Floats
+    targets: Floats
+    friction: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("rows", "targets", "friction"):  # own copies, so that nobody else can change them
+            array = np.array(getattr(self, name), float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        count = len(self.rows)
+        if self.rows.shape != (count, 3) or count % 2 or not count:
+            raise ValueError(f"required rows of shape (2n, 3), received {self.rows.shape}")
+        if self.targets.shape != (count,) or self.friction.shape != (count,):
+            shapes = f"{self.targets.shape} and {self.friction.shape}"
+            raise ValueError(f"required {count} targets and friction coefficients, received shapes {shapes}")
+        if not all(np.isfinite(a).all() for a in (self.rows, self.targets, self.friction)):
+            raise ValueError("required finite rows, targets and friction, received nan or infinity")
+        if (self.friction < 0).any():
+            raise ValueError(f"required friction >= 0, received {self.friction.min()}")
+
+    @property
+    def wheels(self) -> int:
+        """Number n of contacts."""
+        return len(self.rows) // 2
+
+    def slips(self, twists: ArrayLike) -> Floats:
+        """``a_k . xi - b_k`` for twists of shape (..., 3); shape (..., n, 2): (along, across) the rim."""
+        slips = np.asarray(twists, float) @ self.rows.T - self.targets
+        return slips.reshape(*slips.shape[:-1], self.wheels, 2)
+
+    def checked_loads(self, loads: ArrayLike) -> Floats:
+        """Normal forces as an array of shape (m, n).
+
+        Raises:
+            ValueError: for another number of wheels, negative loads, nan or infinity.
+        """
+        checked = np.atleast_2d(np.asarray(loads, float))
+        if checked.ndim != 2 or checked.shape[1] != self.wheels:
+            raise ValueError(f"required loads of shape (m, {self.wheels}), received {np.shape(loads)}")
+        if not (np.isfinite(checked) & (checked >= 0)).all():
+            raise ValueError(f"required finite loads >= 0, received {checked.min()}")
+        return checked
+
+    def limits(self, loads: ArrayLike) -> Floats:
+        """Largest friction forces ``(mu_R N_i, mu_S N_i)`` for loads (..., n); shape (..., n, 2)."""
+        return np.asarray(loads, float)[..., None] * self.friction.reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactModel(ContactRows):
+    """The rows of an array of wheels together with its geometry.
+
+    Attributes:
+        positions: ``p_i``, shape (n, 2), length.
+        rims: unit vectors ``d_i``, shape (n, 2).
+        load_table: rows ``r_i`` of affine loads ``N_i = r_i . (1, c)``, shape (n, 3); None means elastic.
+    """
+
+    positions: Floats
+    rims: Floats
+    load_table: Floats | None = None
+
+    @classmethod
+    def build(
+        cls,
+        positions: ArrayLike,
+        rims: ArrayLike,
+        surface: ArrayLike,
+        friction: ArrayLike,
+        load_table: ArrayLike | None = None,
+    ) -> ContactModel:
+        """Rows from geometry.
+
+        Args:
+            positions: ``p_i``, shape (n, 2).
+            rims: rim directions of any nonzero length, shape (n, 2).
+            surface: surface velocity in the wheel's frame: speeds ``u_i``, shape (n,), or components
+                along and across the rim, shape (n, 2).
+            friction: ``(mu_R, mu_S)`` for all wheels or per wheel, shape (2,) or (n, 2).
+            load_table: see the class.
+
+        Raises:
+            ValueError: for shapes that do not fit, values that are not finite, or a rim without direction.
+        """
+        p, d, u = (np.array(a, float) for a in (positions, rims, surface))
+        lengths = np.hypot(d[:, 0], d[:, 1])
+        if not (lengths > 0).all():
+            raise ValueError(f"required rims of nonzero length, received {d[~(lengths > 0)][0]}")
+        d = d / lengths[:, None]
+        frames = np.stack([d, turn(d)], axis=1)
+        moments = frames @ turn(p)[..., None]
+        targets = np.stack([u, np.zeros_like(u)], axis=1) if u.ndim == 1 else u
+        return cls(
+            rows=np.concatenate([frames, moments], axis=2).reshape(-1, 3),
+            targets=targets.reshape(-1),
+            friction=np.broadcast_to(np.asarray(friction, float), (len(p), 2)).reshape(-1),
+            positions=p,
+            rims=d,
+            load_table=None if load_table is None else np.array(load_table, float),
+        )
+
+    @property
+    def sides(self) -> Floats:
+        """``n_i = J d_i``, shape (n, 2)."""
+        return turn(self.rims)
+
+    @property
+    def speeds(self) -> Floats:
+        """Surface speeds ``u_i`` along the rims, shape (n,)."""
+        return self.targets[::2]
+
+    @property
+    def mu_roll(self) -> Floats:
+        """Friction along the rims, shape (n,)."""
+        return self.friction[::2]
+
+    @property
+    def mu_side(self) -> Floats:
+        """Friction across the rims, shape (n,)."""
+        return self.friction[1::2]
+
+
+def turn(vectors: Floats) -> Floats:
+    """``J v`` for vectors of shape (..., 2)."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def contact_model(scene: Scene) -> ContactModel:
+    """The scene in floats, each exact number rounded once."""
+    directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
+    speeds = [
+        np.hypot(*direction) if wheel.given_speed is None else float(wheel.given_speed)
+        for wheel, direction in zip(scene.wheels, directions, strict=True)
+    ]
+    table = scene.contact.loads
+    return ContactModel.build(
+        positions=[[float(x) for x in wheel.position] for wheel in scene.wheels],
+        rims=directions,
+        surface=speeds,
+        friction=[[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels],
+        load_table=None if table is None else [[float(x) for x in row] for row in table.rows],
+    )

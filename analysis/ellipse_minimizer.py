@@ -1,0 +1,42 @@
+"""The minimizer of the ellipse functional ``D = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``.
+
+All points go at once to :mod:`nonsmooth.analysis.sum_of_norms`, in coordinates in which the rows' columns are
+orthonormal and speeds of order 1, so that neither units nor the place of the origin matter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nonsmooth.analysis.contact_model import ContactRows
+from nonsmooth.analysis.dissipation import Functional
+from nonsmooth.analysis.minimum import Minima
+from nonsmooth.analysis.optimal_face import row_frame
+from nonsmooth.analysis.sum_of_norms import minimize_norms
+
+
+@dataclass(frozen=True)
+class EllipseInterior:
+    """Interior point and Newton steps, vectorized over the points; twist, forces and gap to rounding.
+
+    A thousand points of four wheels take about ten milliseconds; a single point one.
+    """
+
+    @property
+    def functional(self) -> Functional:
+        """The ellipse."""
+        return Functional.ELLIPSE
+
+    def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
+        """See :class:`nonsmooth.analysis.minimizers.Minimizer`."""
+        normal = model.checked_loads(loads)
+        rows, to_twists = row_frame(model.rows)
+        grip = model.friction / (float(model.friction.max()) or 1.0)
+        speed = float(np.abs(grip * model.targets).max()) or 1.0
+        maps = (grip[:, None] * rows).reshape(-1, 2, 3)
+        unknowns, shares = minimize_norms(normal, maps, (grip * model.targets / speed).reshape(-1, 2))
+        twists = speed * unknowns @ to_twists.T
+        return Minima.certified(self.functional, model, normal, twists, shares * model.limits(normal))
