@@ -125,9 +125,10 @@ _LAWS = {Law.PAPER: paper_speeds, Law.TRACKING: tracking_speeds}
 
 def _minimizers(model: ContactModel, functional: Functional, points: Floats, speeds: Floats) -> Floats:
     """Twist for each point and its own speeds."""
-    solver = EllipseInterior() if functional is Functional.ELLIPSE else BoxHighs()
     targets = np.zeros((len(points), 2 * model.wheels))
     targets[:, 0::2] = speeds
     loads = loads_at(model, points)
+    if functional is Functional.ELLIPSE:
+        return EllipseInterior().twists(model, loads, targets)
     driven = (replace(model, targets=row) for row in targets)
-    return np.array([solver.minimize(m, n[None]).twists[0] for m, n in zip(driven, loads, strict=True)])
+    return np.array([BoxHighs().minimize(m, n[None]).twists[0] for m, n in zip(driven, loads, strict=True)])

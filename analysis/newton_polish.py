@@ -38,7 +38,7 @@ def polish(
     Args:
         weights: ``w``, shape (n, m).
         maps: ``E_i``, shape (n, 2, 3).
-        targets: ``e_i``, shape (n, 2).
+        targets: ``e_i``, shape (2, n, m), or (2, n, 1) for all problems alike.
         y: unknowns, shape (3, m).
         z: multipliers, shape (2, n, m).
 
@@ -65,12 +65,12 @@ def polish(
 
 
 class _Norms:
-    """The problems: weights (n, m), maps (n, 2, 3), targets (n, 2)."""
+    """The problems: weights (n, m), maps (n, 2, 3), targets (2, n, m) or (2, n, 1)."""
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats) -> None:
         self.weights, self.maps, self.targets = weights, maps, targets
         self.columns = maps.transpose(2, 1, 0).reshape(3, -1)
-        self.start = weights.T @ np.hypot(targets[:, 0], targets[:, 1])
+        self.start = (weights * norm(targets)).sum(axis=0)
 
     def residuals(self, y: Floats) -> Floats:
         """``w_i (E_i y - e_i)``, shape (2, n, m)."""

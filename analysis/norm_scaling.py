@@ -68,8 +68,8 @@ class Iterate(NamedTuple):
 
 
 def residuals(weights: Floats, y: Floats, maps: Floats, targets: Floats) -> Floats:
-    """``w_i (E_i y - e_i)``, shape (2, n, m)."""
-    return weights * (maps.transpose(1, 0, 2) @ y - targets.T[..., None])
+    """``w_i (E_i y - e_i)``, shape (2, n, m), for targets (2, n, m) or (2, n, 1)."""
+    return weights * (maps.transpose(1, 0, 2) @ y - targets)
 
 
 def norm(vectors: Floats) -> Floats:

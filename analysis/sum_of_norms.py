@@ -51,16 +51,17 @@ def minimize_norms(weights: Floats, maps: Floats, targets: Floats) -> tuple[Floa
     Args:
         weights: ``w``, shape (m, n), at least 0.
         maps: ``E_i``, shape (n, 2, 3), columns of comparable size.
-        targets: ``e_i``, shape (n, 2), of order 1.
+        targets: ``e_i`` of order 1, shape (n, 2), or (m, n, 2) where every problem has its own.
 
     Returns:
         Minimizers y, shape (m, 3), and multipliers z, shape (m, n, 2), with ``|z_i| <= 1`` and
         ``sum_i w_i E_i^T z_i = 0``.
     """
     size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
-    blocks = [weights[first : first + size] for first in range(0, max(len(weights), 1), size)]
+    blocks = [slice(first, first + size) for first in range(0, max(len(weights), 1), size)]
+    own = targets.ndim == 3
     with np.errstate(all="ignore"):  # a problem at the limit of doubles may divide by 0; that step is not kept
-        solved = [_Block(block, maps, targets).solve() for block in blocks]
+        solved = [_Block(weights[b], maps, targets[b] if own else targets[None]).solve() for b in blocks]
     return np.concatenate([y.T for y, _ in solved]), np.concatenate([z.transpose(2, 1, 0) for _, z in solved])
 
 
@@ -69,9 +70,10 @@ class _Block:
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats) -> None:
         m, n = weights.shape
-        self.maps, self.targets = maps, targets
+        self.maps = maps
+        self.targets = np.ascontiguousarray(targets.transpose(2, 1, 0))  # (2, n, m), or (2, n, 1) for all
         columns = np.ascontiguousarray(weights.T)
-        r = -columns * targets.T[..., None]
+        r = -columns * self.targets
         self.start = norm(r).sum(axis=0)  # values at y = 0
         self.gap, self.polish_below = np.full(m, np.inf), FIRST_POLISH * self.start
         self.y, self.z = np.zeros((3, m)), np.zeros((2, n, m))
@@ -91,8 +93,11 @@ class _Block:
             if unsolved < COMPACT * len(waiting):
                 self.state = self.state.take(waiting)
                 cones = Cones(self.state)
-            self.state = _step(cones, self.maps, self.targets)
+            self.state = _step(cones, self.maps, self._targets_of(self.state.number))
         return self.y, self.z
+
+    def _targets_of(self, index: NDArray[np.int_]) -> Floats:
+        return self.targets if self.targets.shape[-1] == 1 else self.targets[..., index]
 
     def _keep(self, gap: Floats) -> NDArray[np.bool_]:
         """Keep iterates that lower their problem's gap, polish those that are due; which problems go on?"""
@@ -110,7 +115,8 @@ class _Block:
         if due.any():
             index = self.state.number[due]
             weights = self.state.weights[:, due]
-            y, z, accepted = polish(weights, self.maps, self.targets, self.y[:, index], self.z[..., index])
+            targets = self._targets_of(index)
+            y, z, accepted = polish(weights, self.maps, targets, self.y[:, index], self.z[..., index])
             solved[due] = accepted
             self.polish_below[index] = NEXT_POLISH * self.gap[index]
             index = index[accepted]

@@ -35,7 +35,7 @@ def four_wheel(arrays: Arrays) -> Scene:
 
 
 def parametric_program(model: ContactModel, radius: float) -> object:
-    """The dual of the minimization: ``max b . f``, ``A^T f = 0``, ``|f_k| <= mu_k N_k(c)``, affine in the parameter c."""
+    """The dual: ``max b . f`` subject to ``A^T f = 0``, ``|f_k| <= mu_k N_k(c)``, affine in the parameter c."""
     from ppopt.mplp_program import MPLP_Program
 
     corners = np.array([[0.0, 0.0], [radius, 0.0], [0.0, radius]])
