@@ -34,6 +34,9 @@ from nonsmooth.symbolic.scene import Scene
 # Relative to the sum of absolute terms, whose rounding error stays below 1e-12 for up to a thousand terms:
 # a float value beyond this bound has a certain sign, a value within it is computed exactly.
 FLOAT_DOUBT = 1e-9
+# Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
+# than this are compared exactly.
+STEP_DOUBT = 1e-5
 
 Lexicographic: TypeAlias = tuple[int, int]
 
@@ -173,9 +176,11 @@ class Arrangement:
     def breakpoints(self, vertex: Vertex, direction: Triple) -> Iterator[tuple[Number, list[int]]]:
         """Steps t > 0 at which rows change sign along ``xi + t direction``, ascending, with those rows."""
         m = np.array([float(x) for x in direction])
-        rates = self.normals @ m
-        residuals = self.normals @ np.array([float(x) for x in vertex.twist]) - self.rhs
-        doubtful = (np.abs(rates) <= np.abs(self.normals) @ np.abs(m) * FLOAT_DOUBT) | (rates == 0)
+        xi = np.array([float(x) for x in vertex.twist])
+        rates, residuals = self.normals @ m, self.normals @ xi - self.rhs
+        flat = np.abs(rates) <= np.abs(self.normals) @ np.abs(m) * FLOAT_DOUBT
+        close = np.abs(residuals) <= (np.abs(self.normals) @ np.abs(xi) + np.abs(self.rhs)) * FLOAT_DOUBT
+        doubtful = flat | close
         steps = np.full(len(rates), -1.0)
         np.divide(-residuals, rates, out=steps, where=~doubtful)
         for k in np.flatnonzero(doubtful):
@@ -185,7 +190,7 @@ class Arrangement:
         candidates = [int(k) for k in np.argsort(steps) if k not in tight and steps[k] > 0]
         while candidates:
             best = steps[candidates[0]]
-            near = [k for k in candidates if steps[k] <= best * (1 + FLOAT_DOUBT)]
+            near = [k for k in candidates if steps[k] <= best * (1 + STEP_DOUBT)]
             exact = {k: self._step(vertex, direction, k) for k in near}
             valid = {k: t for k, t in exact.items() if t is not None}
             if valid:
@@ -216,10 +221,14 @@ def float_corners(polygon: Polygon) -> NDArray[np.float64]:
     return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
 
 
+def friction_of(row: Row) -> Number:
+    """Coulomb coefficient of a row: mu_R along the rim, mu_S across it."""
+    return row.wheel.friction.roll if row.kind is RowKind.ROLL else row.wheel.friction.side
+
+
 def _weight(row: Row, force: Affine) -> Affine:
     """``mu_k N_i / |D_i|`` for a row scaled by ``|D_i|``."""
-    friction = row.wheel.friction.roll if row.kind is RowKind.ROLL else row.wheel.friction.side
-    return _scaled(force, friction / row.wheel.length)
+    return _scaled(force, friction_of(row) / row.wheel.length)
 
 
 def _projective(direction: Triple) -> Triple:

@@ -15,12 +15,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.arrangement import Arrangement, Slope, Vertex, float_corners, order
+from nonsmooth.analysis.arrangement import Arrangement, Slope, Vertex, float_corners, friction_of, order
 from nonsmooth.analysis.loads import Affine, LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.nearest import pair_states
-from nonsmooth.analysis.partition import Cell, Partition
+from nonsmooth.analysis.partition import Cell, Partition, RefusalError
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Twist, independent
+from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.scene import Rule, Scene
@@ -35,13 +35,23 @@ def build_box_partition(scene: Scene) -> Partition:
     Raises:
         nonsmooth.analysis.loads.LoadError: where the loads do not exist.
     """
-    regions = load_regions(scene)
+    _require_resistance(scene)
     cells: list[Cell] = []
-    for region in regions:
+    for region in load_regions(scene):
         for states, polygon in _Walk(scene, region).cells():
             cells.append(Cell(len(cells) + 1, polygon, states))
     domain = square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
+
+
+def _require_resistance(scene: Scene) -> None:
+    """Refuse arrays whose rows with friction leave a motion free: D is constant along it."""
+    rubbing = [row.normal for row in scene_rows(scene) if friction_of(row)]
+    if len(independent(rubbing)) < 3:
+        raise RefusalError(
+            "friction: required rows with friction in three independent directions, "
+            f"received {len(independent(rubbing))}: the motion is not determined"
+        )
 
 
 def build_rest_partition(scene: Scene) -> Partition | None:

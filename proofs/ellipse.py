@@ -19,6 +19,7 @@ from enum import StrEnum
 
 from flint import arb, ctx, fmpq
 
+from nonsmooth.analysis.arrangement import friction_of
 from nonsmooth.analysis.loads import LoadRegion
 from nonsmooth.proofs.balance import (
     Linearization,
@@ -31,7 +32,7 @@ from nonsmooth.proofs.balance import (
     spin_candidates,
 )
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.constraints import Row, Twist, independent, scene_rows
+from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene
@@ -145,7 +146,7 @@ def _smooth_point(
 
 def common_twist(scene: Scene) -> Twist | None:
     """The twist that satisfies every row with friction of every wheel, if there is exactly one."""
-    rows = [row for row in scene_rows(scene) if _friction(row)]
+    rows = [row for row in scene_rows(scene) if friction_of(row)]
     basis = independent([row.normal for row in rows])
     if len(basis) < 3:
         return None
@@ -153,10 +154,6 @@ def common_twist(scene: Scene) -> Twist | None:
     if state is None or any(row.residual(state.twist) for row in rows):
         return None
     return state.twist
-
-
-def _friction(row: Row) -> Number:
-    return row.wheel.friction.roll if row.kind == "R" else row.wheel.friction.side
 
 
 def _text(twist: Twist) -> str:

@@ -19,7 +19,9 @@ from nonsmooth.symbolic.scene import Rule, Scene
 if TYPE_CHECKING:
     from nonsmooth.analysis.closed_loop import LoopSample
 
-STATES = 100  # random states per law, each one minimization; the search adds a few hundred
+# Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
+# a few hundred.
+STATES = {Rule.BOX: 100, Rule.ELLIPSE: 1_000}
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ def sample_feedback(scene: Scene, blocked: str | None) -> SampledFeedback:
     box = scene.contact.rule is Rule.BOX
     functional = Functional.BOX if box else Functional.ELLIPSE
     model, radius = contact_model(scene), float(scene.check.radius)
-    samples = [sample_closed_loop(model, functional, law, radius, STATES) for law in Law]
+    samples = [sample_closed_loop(model, functional, law, radius, STATES[scene.contact.rule]) for law in Law]
     laws = tuple(sorted(samples, key=lambda sample: sample.worst_rate))
     best = laws[0]
     shown = f"{best.law}: largest V'/V found {best.worst_rate:.3g} k over {best.states} states"

@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.box import build_box_partition, rest_cells
 from nonsmooth.analysis.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.nearest import build_nearest_partition
-from nonsmooth.analysis.partition import AREA_ROOTS, Partition
+from nonsmooth.analysis.partition import AREA_ROOTS, Partition, RefusalError
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
@@ -197,3 +197,16 @@ def test_extreme_scales_change_nothing(arrays: Arrays, scale: Fraction) -> None:
     assert sorted(c.polygon.area / scale / scale for c in partition.cells) == sorted(
         c.polygon.area for c in build_box_partition(scene).cells
     )
+
+
+def test_wheels_that_almost_coincide(arrays: Arrays) -> None:
+    """Rows that differ by 1e-12: floats decide nothing about them."""
+    corner = arrays.inward([(1 + Fraction(1, 10**12), 1)])
+    wheels = arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    scene = arrays.scene([*wheels, *corner], (1, Fraction(1, 5)))
+    check_cells(arrays, scene, np.random.default_rng(0))
+
+
+def test_arrays_without_enough_friction_are_refused(arrays: Arrays) -> None:
+    with pytest.raises(RefusalError, match="not determined"):
+        build_box_partition(arrays.four_wheel((1, 0)))
