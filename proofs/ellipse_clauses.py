@@ -15,6 +15,7 @@ from nonsmooth.proofs.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.rotation import RotationResult, drift_at_rest
 from nonsmooth.proofs.translation import Witness
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene
 
@@ -76,7 +77,7 @@ class EllipseTranslation:
         if self.verdict is Translation.UNDECIDED or linear is None:
             return f"{self.point.situation}: {self.point.reason}"
         abscissa = linear.spectral_abscissa
-        return f"c' = A c to first order, and the eigenvalues of A have real parts up to {abscissa}"
+        return f"c' = A c to first order, and the eigenvalues of A have real parts up to {brief_text(abscissa)}"
 
     def check(self) -> bool:
         """Re-verify the situation and the lemma."""
@@ -109,13 +110,13 @@ def _rotation(point: EllipsePoint) -> RotationResult:
         return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium is proved, so nothing rests there")
     drift = drift_at_rest((point.twist,))
     if point.twist.omega:
-        reason = f"at the point the body turns at the rate {point.twist.omega} for ever"
+        reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
     if point.situation in (Situation.HELD, Situation.CARRIED):
         reason = "near the point the body does not move at all"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason)
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and point.linearization is not None:
         x, y = point.linearization.rotation_map
-        reason = f"theta_inf - theta_0 = ({x}) x_0 + ({y}) y_0 to first order"
+        reason = f"theta_inf - theta_0 = ({brief_text(x)}) x_0 + ({brief_text(y)}) y_0 to first order"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason)
     return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay bounds the rotation")

@@ -14,6 +14,7 @@ from nonsmooth.analysis.partition import Partition
 from nonsmooth.proofs.linear_program import best_mixture
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Vector, cross, dot
 
@@ -55,7 +56,7 @@ class EquilibriumResult:
         if len(self.twists) == 1:
             twist = self.twists[0]
             return (
-                f"around it one constant twist drives the body: ({twist.vx}, {twist.vy}, {twist.omega}) "
+                f"around it one constant twist drives the body: ({', '.join(brief_text(entry) for entry in twist)}) "
                 f"~ ({float(twist.vx):.5g}, {float(twist.vy):.5g}, {float(twist.omega):.5g})"
             )
         x, y = (float(s) for s in self.separator or ())

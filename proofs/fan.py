@@ -31,6 +31,7 @@ from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import sign
 from nonsmooth.symbolic.scene import cross, dot
 
@@ -87,9 +88,10 @@ class Evidence:
             case Move.ESCAPE:
                 return f"the velocity ({x:.5g}, {y:.5g}) points into its own cell: the body escapes along it"
             case Move.SLIDE:
-                return f"along the ray ({x:.5g}, {y:.5g}) the body may slide outward (leading coefficient {self.value})"
+                speed = brief_text(self.value)
+                return f"along the ray ({x:.5g}, {y:.5g}) the body may slide outward (leading coefficient {speed})"
             case Move.TURN:
-                return f"a full turn multiplies the distance by {self.value} ~ {float(self.value):.6g}"
+                return f"a full turn multiplies the distance by {brief_text(self.value)} ~ {float(self.value):.6g}"
             case Move.REST:
                 return f"every point of the ray ({x:.5g}, {y:.5g}) near the equilibrium is an equilibrium"
             case _:
@@ -119,7 +121,7 @@ class FanResult:
         """One sentence for people."""
         if self.evidence:
             return str(self.evidence[0])
-        turns = "; ".join(f"a full turn contracts by {gain}" for gain in self.gains.values())
+        turns = "; ".join(f"a full turn contracts by {brief_text(gain)}" for gain in self.gains.values())
         return "no velocity escapes, every slide leads inward" + (f"; {turns}" if turns else ", no full turn exists")
 
     def check(self) -> bool:

@@ -21,6 +21,7 @@ from nonsmooth.proofs.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
 
@@ -146,7 +147,8 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
             theta = dot(stall, turned(data.nearest.position))
             witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
             reason = (
-                f"in cell {data.cell.index} V' = 0 for every input at c = ({stall[0]}, {stall[1]}), theta = {theta}: "
+                f"in cell {data.cell.index} V' = 0 for every input at c = "
+                f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
                 "|c|^2 + theta^2 is no control Lyapunov function"
             )
             return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)

@@ -18,6 +18,7 @@ from nonsmooth.proofs.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.translation import TranslationResult
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
 
 
@@ -84,17 +85,17 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
         return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium at the point, so nothing rests there")
     low, high = drift.interval
     if low or high:
-        reason = f"the body may rest in (x, y) and turn at any rate in [{low}, {high}]"
+        reason = f"the body may rest in (x, y) and turn at any rate in [{brief_text(low)}, {brief_text(high)}]"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
     per_distance = rotation_bound(partition, translation)
     if not any(map(any, drift.twists)):
         reason = "every cell at the point is at rest: near it the body does not move at all"
         if per_distance is not None:
-            reason += f"; from elsewhere in the square theta turns by at most {per_distance} |c_0|"
+            reason += f"; from elsewhere in the square theta turns by at most {brief_text(per_distance)} |c_0|"
         return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
     if per_distance is None:
         return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
-    reason = f"the drift is {{0}} and theta turns by at most {per_distance} |c_0|"
+    reason = f"the drift is {{0}} and theta turns by at most {brief_text(per_distance)} |c_0|"
     return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
 
 

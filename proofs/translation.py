@@ -26,6 +26,7 @@ from nonsmooth.analysis.polygon import HalfPlane, Point
 from nonsmooth.proofs.cocircular import CocircularArray
 from nonsmooth.proofs.fan import FanResult, decide_fan
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import cross, dot
 
@@ -136,7 +137,7 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
     if highest.sign() > 0:
         fan = decide_fan(partition)
         witness = Witness(point, highest, "V* > 0")
-        reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {highest} > 0 at ({point[0]}, {point[1]})"
+        reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {brief_text(highest)} > 0 at {_place(point)}"
         return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan)
     strict = highest.sign() < 0
     radius = _region_radius(partition, derivatives, strict=strict)
@@ -156,13 +157,17 @@ def _weak_reason(partition: Partition, rest: Witness | None, fan: FanResult, lem
     shown = "V* <= 0 by the lemma on inward rims on one circle" if lemma else "V* <= 0 on the closed cells at the point"
     area = rest_area(partition)
     if area is not None:
-        return f"{shown}; not asymptotically: the point lies in a rest area of size {area}"
+        return f"{shown}; not asymptotically: the point lies in a rest area of size {brief_text(area)}"
     if rest is not None:
-        x, y = rest.point
-        return f"{shown}; not asymptotically: every point of the ray through ({x}, {y}) near c* is an equilibrium"
+        ray = _place(rest.point)
+        return f"{shown}; not asymptotically: every point of the ray through {ray} near c* is an equilibrium"
     if fan.verdict is Translation.ASYMPTOTICALLY_STABLE:
         return f"{shown}, and {fan.reason}"
     return f"{shown}; whether the point attracts is not decided: {fan.reason}"
+
+
+def _place(point: Point) -> str:
+    return f"({brief_text(point[0])}, {brief_text(point[1])})"
 
 
 def rest_area(partition: Partition) -> Number | None:

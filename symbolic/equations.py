@@ -13,18 +13,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from nonsmooth.symbolic.constraints import RowKind, Triple, constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState, regular_states
 from nonsmooth.symbolic.formulas import LINE_BREAK, Formula, Monomial
-from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 if TYPE_CHECKING:
     import sympy
-
-Terms: TypeAlias = tuple[tuple[Number, Monomial], ...]
 
 
 class Coordinates(StrEnum):
@@ -58,15 +55,19 @@ class GoverningEquations:
 
         return sympy.Matrix([formula.to_sympy() for formula in self.right])
 
-    def plain(self) -> str:
-        """One equation per line."""
-        pairs = zip(_LEFT[self.coordinates], self.right, strict=True)
-        return "\n".join(f"{plain} = {formula.plain()}" for (plain, _), formula in pairs)
+    def plain(self, longest: int | None = None) -> str:
+        """One equation per line.
 
-    def latex(self) -> str:
+        Args:
+            longest: round coefficients of more characters; None keeps all exact.
+        """
+        pairs = zip(_LEFT[self.coordinates], self.right, strict=True)
+        return "\n".join(f"{plain} = {formula.plain(longest)}" for (plain, _), formula in pairs)
+
+    def latex(self, longest: int | None = None) -> str:
         """An ``aligned`` block; long right sides continue on further lines."""
         pairs = zip(_LEFT[self.coordinates], self.right, strict=True)
-        lines = [rf"{left} &= {formula.latex(LINE_BREAK)}" for (_, left), formula in pairs]
+        lines = [rf"{left} &= {formula.latex(LINE_BREAK, longest)}" for (_, left), formula in pairs]
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
 
@@ -80,7 +81,7 @@ def governing_equations(
         coordinates: spatial twist or body pose rate.
         symbolic_inputs: write ``sum_w g_w u_w`` instead of the motion at the scene's speeds.
     """
-    fields: list[tuple[Triple, Monomial]] = [(tuple(state.twist), ())]
+    fields: list[tuple[Triple, Monomial]] = [((state.twist.vx, state.twist.vy, state.twist.omega), ())]
     if symbolic_inputs:
         fields = [(g, (f"u_{wheel}",)) for wheel, g in sorted(state.control_fields.items())]
     vx, vy, omega = (tuple((g[k], inputs) for g, inputs in fields) for k in range(3))
@@ -111,9 +112,7 @@ def wheel_constraints(wheel: Wheel, *, symbolic_input: bool = False, body: bool 
     return matrix
 
 
-def stacked_constraints(
-    state: ContactState, *, symbolic_input: bool = False, body: bool = False
-) -> sympy.Matrix:
+def stacked_constraints(state: ContactState, *, symbolic_input: bool = False, body: bool = False) -> sympy.Matrix:
     """The 3 x 4 SymPy matrix of the state's rows; its null vector with last entry 1 is the motion."""
     import sympy
 

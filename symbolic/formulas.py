@@ -7,19 +7,30 @@ SymPy would turn ``cos(pi/10)`` into nested square roots.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from flint import arb, ctx
+
+from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import Number, bits
-from nonsmooth.symbolic.printing import cosine_form, number_text
+from nonsmooth.symbolic.printing import cosine_form, number_text, ordered_masks
 
 if TYPE_CHECKING:
     import sympy
 
 LINE_LENGTH = 76  # characters of plain text after which a formula continues on the next line
 LINE_BREAK = " \\\\\n&\\quad "  # inside an aligned block
+DIGITS = 10  # significant digits of a rounded coefficient
+EXTREME_BITS = 256  # precision for numbers that floats cannot hold
+SHORT = 44  # characters of exact text that fit a sentence or a table
+BALL_DIGITS = 20  # digits of an enclosure
+EXACT_ROOTS = 4  # square roots of a field up to which a late number is carried out; beyond it may take minutes
+
+Real: TypeAlias = Number | Lazy | arb
 
 Monomial: TypeAlias = tuple[str, ...]
 
@@ -38,18 +49,22 @@ class Formula:
 
     terms: tuple[tuple[Number, Monomial], ...]
 
-    def plain(self) -> str:
-        """On one line, ``0`` where nothing is left."""
+    def plain(self, longest: int | None = None) -> str:
+        """On one line, ``0`` where nothing is left.
+
+        Args:
+            longest: round coefficients of more characters to DIGITS digits; None keeps all exact.
+        """
         text = ""
-        for summand in self.summands():
+        for summand in self.summands(longest):
             first, later = ("-", " - ") if summand.negative else ("", " + ")
             text += (later if text else first) + summand.plain
         return text or "0"
 
-    def latex(self, line_break: str = "") -> str:
+    def latex(self, line_break: str = "", longest: int | None = None) -> str:
         """LaTeX; with a ``line_break`` (see LINE_BREAK) long formulas continue on further lines."""
         text, length = "", 0
-        for summand in self.summands():
+        for summand in self.summands(longest):
             if line_break and length and length + len(summand.plain) > LINE_LENGTH:
                 text, length = text + line_break, 0
             first, later = ("-", " - ") if summand.negative else ("", " + ")
@@ -66,12 +81,15 @@ class Formula:
             total += number.to_sympy() * sympy.Mul(*(sympy.Symbol(name, real=True) for name in monomial))
         return total
 
-    def summands(self) -> list[Summand]:
+    def summands(self, longest: int | None = None) -> list[Summand]:
         """The nonzero summands; a coefficient that is a sum itself stays in parentheses while it is short."""
         parts: list[Summand] = []
         for number, monomial in self.terms:
+            length = len(number_text(number))
             coefficients = number_summands(number)
-            if len(coefficients) > 1 and monomial and len(number_text(number)) <= LINE_LENGTH:
+            if longest is not None and length > longest:
+                coefficients = [_rounded(number)]
+            elif len(coefficients) > 1 and monomial and length <= LINE_LENGTH:
                 inner = Formula(((number, ()),))
                 coefficients = [Summand(False, f"({inner.plain()})", rf"\left({inner.latex()}\right)")]
             parts += [_times(summand, monomial) for summand in coefficients]
@@ -83,15 +101,44 @@ def constant(number: Number) -> Formula:
     return Formula(((number, ()),))
 
 
-def number_latex(number: Number) -> str:
-    """LaTeX of an exact number."""
-    return constant(number).latex()
+def number_latex(number: Number, longest: int | None = None) -> str:
+    """LaTeX of a number, rounded where its text has more than ``longest`` characters."""
+    return constant(number).latex(longest=longest)
 
 
-def column_latex(entries: Iterable[Number]) -> str:
-    r"""A column vector, ``\begin{pmatrix} ... \end{pmatrix}``."""
-    rows = r" \\ ".join(number_latex(entry) for entry in entries)
-    return rf"\begin{{pmatrix}} {rows} \end{{pmatrix}}"
+def settled(value: Real) -> Number | arb:
+    """The field element where it is at hand or short work, a ball otherwise."""
+    if isinstance(value, Lazy):
+        return value.exact() if len(value.field.radicands) <= EXACT_ROOTS else value.ball
+    return value
+
+
+def real_text(value: Real) -> str:
+    """Exact text, or an enclosure such as ``[0.123 +/- 4e-21]`` where the exact form is out of reach."""
+    fixed = settled(value)
+    return str(fixed.str(BALL_DIGITS)) if isinstance(fixed, arb) else str(fixed)
+
+
+def decimal_text(value: Real, digits: int = DIGITS) -> str:
+    """Decimal value with the given significant digits, also beyond the range of floats."""
+    approximation = float(value)
+    if approximation and math.isfinite(approximation):
+        return f"{approximation:.{digits}g}"
+    with ctx.workprec(EXTREME_BITS):
+        ball = value if isinstance(value, arb) else value.ball if isinstance(value, Lazy) else value.ball()
+        return str(ball.str(digits, radius=False))
+
+
+def brief_text(value: Real, longest: int = SHORT) -> str:
+    """Exact text where it is short, otherwise a decimal value such as ``~1.61803399``."""
+    text = real_text(value)
+    return text if len(text) <= longest else f"~{decimal_text(value)}"
+
+
+def decimal_latex(decimal: str) -> str:
+    r"""``1.5e-07`` as ``1.5 \cdot 10^{-7}``."""
+    mantissa, _, exponent = decimal.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def symbol_latex(name: str) -> str:
@@ -103,13 +150,18 @@ def symbol_latex(name: str) -> str:
 def number_summands(number: Number) -> list[Summand]:
     """The number as signed products of a rational, at most one cosine, and square roots."""
     parts: list[Summand] = []
-    for mask in sorted(number.terms):
+    for mask in ordered_masks(number):
         plain_roots, latex_roots = _roots(number, mask)
         for turn, weight in cosine_form(number.field, number.terms[mask]).items():
             plain = [f"cos({_angle(turn, 'pi', '*')})"] * bool(turn) + plain_roots
             latex = [rf"\cos({_angle(turn, chr(92) + 'pi ', '')})"] * bool(turn) + latex_roots
             parts.append(_product(weight, plain, latex))
     return parts
+
+
+def _rounded(number: Number) -> Summand:
+    decimal = decimal_text(abs(number))
+    return Summand(number.sign() < 0, decimal, decimal_latex(decimal))
 
 
 def _times(summand: Summand, monomial: Monomial) -> Summand:

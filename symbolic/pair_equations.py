@@ -126,7 +126,7 @@ def with_headings(expression: sympy.Expr) -> sympy.Expr:
     """Write ``c_i, s_i`` as ``cos(phi_i), sin(phi_i)``."""
     import sympy
 
-    values = {}
+    values: dict[sympy.Symbol, sympy.Expr] = {}
     for name in ("i", "j"):
         angle = sympy.Symbol(f"phi_{name}", real=True)
         _, _, c, s, _ = _wheel(name)

@@ -7,11 +7,13 @@ scene-file parser reads it back.
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
-from math import comb
 from typing import TYPE_CHECKING
 
 from flint import fmpq
+
+from nonsmooth.symbolic.number_field import bits
 
 if TYPE_CHECKING:
     import sympy
@@ -26,28 +28,54 @@ def cosine_form(field: NumberField, coefficient: Coefficient) -> Cosines:
     if isinstance(coefficient, fmpq):
         return {Fraction(0): _fraction(coefficient)}
     form: Cosines = {}
-    for k, q in enumerate(coefficient.coeffs()):
-        for j in range(k + 1):  # (2 cos t)^k = sum_j binom(k, j) cos((k - 2 j) t)
-            turn, weight = Fraction(2 * abs(k - 2 * j), field.order) % 2, _fraction(q) * comb(k, j)
-            turn = min(turn, 2 - turn)
-            if turn > Fraction(1, 2):
-                turn, weight = 1 - turn, -weight
-            if turn == Fraction(1, 3):
-                turn, weight = Fraction(0), weight / 2
-            if turn != Fraction(1, 2):
-                form[turn] = form.get(turn, Fraction(0)) + weight
+    for multiple, angle_weight in enumerate(_multiple_angles(coefficient)):
+        turn, weight = _folded(Fraction(2 * multiple, field.order) % 2, angle_weight)
+        if turn != Fraction(1, 2):
+            form[turn] = form.get(turn, Fraction(0)) + weight
     return {turn: weight for turn, weight in sorted(form.items()) if weight}
+
+
+def _folded(turn: Fraction, weight: Fraction) -> tuple[Fraction, Fraction]:
+    """The same ``weight * cos(pi * turn)`` with a turn between 0 and 1/2; ``cos(pi/3)`` becomes the constant 1/2."""
+    turn = min(turn, 2 - turn)
+    if turn > Fraction(1, 2):
+        turn, weight = 1 - turn, -weight
+    return (Fraction(0), weight / 2) if turn == Fraction(1, 3) else (turn, weight)
+
+
+def _multiple_angles(coefficient: Coefficient) -> list[Fraction]:
+    """Weights w with ``sum_k q_k (2 cos t)^k = sum_m w_m cos(m t)``.
+
+    They follow from ``(2 cos t)^k = sum_j binom(k, j) cos((k - 2 j) t)``.
+    """
+    weights = [0] * len(coefficient)
+    for k, top in enumerate(int(c) for c in coefficient.numer().coeffs()):
+        for j in range(k + 1):
+            weights[abs(k - 2 * j)] += top * math.comb(k, j)
+    return [Fraction(weight, int(coefficient.denom())) for weight in weights]
 
 
 def number_text(number: Number) -> str:
     """Plain text that :mod:`nonsmooth.symbolic.expression` reads back to the same number."""
     text = ""
-    for mask in sorted(number.terms):
+    for mask in ordered_masks(number):
         root = _radical_text(number, mask)
         for turn, weight in cosine_form(number.field, number.terms[mask]).items():
             factors = [f"cos({_multiple_of_pi(turn)})"] * bool(turn) + [root] * bool(root)
             text += _signed(weight, "*".join(factors), first=not text)
     return text or "0"
+
+
+def ordered_masks(number: Number) -> list[int]:
+    """Terms by their radicals, smallest first: the text does not depend on the order in which roots were adjoined."""
+    return sorted(number.terms, key=lambda mask: _radical_key(number, mask))
+
+
+def _radical_key(number: Number, mask: int) -> tuple[list[str], int]:
+    radicands = [number.field.radicands[i] for i in bits(mask)]
+    values = [radicand.as_rational() for radicand in radicands]
+    nested = sorted(str(radicand) for radicand, value in zip(radicands, values, strict=True) if value is None)
+    return nested, math.prod(int(value.p) for value in values if value is not None)
 
 
 def _signed(weight: Fraction, factors: str, *, first: bool) -> str:

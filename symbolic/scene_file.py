@@ -23,7 +23,7 @@ from nonsmooth.symbolic.scene_values import Numbers, angles, field_of
 from nonsmooth.symbolic.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.wheel_csv import parse_wheels
 
-__all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "load_scene"]
+__all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "builtin_systems", "load_scene", "read_document"]
 
 MAX_TOML_BYTES = 1 << 20
 MAX_CSV_BYTES = 64 << 20
@@ -44,6 +44,15 @@ _BUILTIN = (
     "outward",
     "off-center",
 )
+_SYSTEMS = (
+    "relay-oscillator",
+    "relay-oscillator-damped",
+    "flower",
+    "escaping-slide",
+    "line-of-equilibria",
+    "eq-3",
+    "eq-4",
+)
 
 
 def builtin_scenes() -> tuple[str, ...]:
@@ -51,9 +60,27 @@ def builtin_scenes() -> tuple[str, ...]:
     return _BUILTIN
 
 
+def builtin_systems() -> tuple[str, ...]:
+    """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.system_file`)."""
+    return _SYSTEMS
+
+
 def builtin_descriptions() -> dict[str, str]:
     """One line about each built-in scene, by name."""
     return {name: _read_toml(_SCENES / f"{name}.toml", name)["description"] for name in _BUILTIN}
+
+
+def read_document(
+    source: str | Path, *, rule: str | None = None, radius: str | None = None, at: str | None = None
+) -> tuple[dict[str, Any], str, Path]:
+    """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
+
+    Raises:
+        SceneError: for a file that cannot be read.
+    """
+    file = str(source) or "''"
+    path = _path(source)
+    return _overridden(_read_toml(path, file), rule, radius, at), file, path
 
 
 def load_scene(
@@ -70,19 +97,18 @@ def load_scene(
     Raises:
         SceneError: for whatever cannot be used.
     """
-    file = str(source) or "''"
-    path = _path(source)
     try:
-        data = _overridden(_read_toml(path, file), rule, radius, at)
-        return _scene(data, file, path)
+        return _scene(*read_document(source, rule=rule, radius=radius, at=at))
     except RecursionError:
-        raise SceneError(file, "", "a document with fewer nested brackets", Fact("too many")) from None
+        raise SceneError(str(source), "", "a document with fewer nested brackets", Fact("too many")) from None
 
 
 def _path(source: str | Path) -> Path:
     """File of a scene: built-in names come before files, so that a stray file changes no result."""
     if isinstance(source, str) and source in _BUILTIN:
         return _SCENES / f"{source}.toml"
+    if isinstance(source, str) and source in _SYSTEMS:
+        return _SCENES / "systems" / f"{source}.toml"
     return Path(source)
 
 
@@ -119,7 +145,7 @@ def _read_text(path: Path, limit: int, file: str, key: str) -> str:
 
 def _wanted(file: str, key: str) -> str:
     """What a missing file should have been."""
-    close = get_close_matches(file[:80], _BUILTIN, 2) or _BUILTIN[:2]
+    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS), 2) or _BUILTIN[:2]
     return "a file" if key else f"a scene file or a built-in scene such as {' or '.join(close)}"
 
 
@@ -146,8 +172,7 @@ def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: 
 
 def _scene(data: dict[str, Any], file: str, path: Path) -> Scene:
     if "system" in data:
-        expected = "an array of wheels; plain switched systems are not supported yet"
-        raise SceneError(file, "system", expected, Fact("a plain switched system"))
+        raise SceneError(file, "system", "an array of wheels", Fact("a plain switched system"))
     document = validate(Document, data, file)
     layout = _layout(document, file, path)
     numbers = Numbers(file, field_of(_turns(document, layout), file))

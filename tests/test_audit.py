@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import sympy
 
-from nonsmooth.proofs.theorem4 import Theorem4Result, check_theorem4
+from nonsmooth.proofs.feedback import FeedbackResult
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells
 from nonsmooth.reports import audit_kinematics, audit_stability
 from nonsmooth.reports.audit import audit_paper, is_paper_array
 from nonsmooth.reports.audit_feedback import CorrectedLaw, audit_feedback, corrected_law
@@ -27,19 +28,20 @@ ROUNDING = 1e-9  # V' and V are of order 1 here; sums of a dozen floats
 
 
 @pytest.fixture(scope="module")
-def roll() -> Theorem4Result:
+def roll() -> CellCheck:
     """mu_S < mu_R: eq. (4)."""
-    return check_theorem4(load_scene("four-wheel"))
+    return check_cells(load_scene("four-wheel"))
 
 
 @pytest.fixture(scope="module")
-def side() -> Theorem4Result:
+def side() -> CellCheck:
     """mu_S > mu_R: eq. (3)."""
-    return check_theorem4(load_scene("four-wheel-side"))
+    return check_cells(load_scene("four-wheel-side"))
 
 
 @pytest.fixture(scope="module")
-def laws(roll: Theorem4Result) -> list[CorrectedLaw]:
+def laws(roll: CellCheck) -> list[CorrectedLaw]:
+    assert isinstance(roll.feedback, FeedbackResult)
     return [corrected_law(data) for data in roll.feedback.cells]
 
 
@@ -63,19 +65,17 @@ def test_the_audit_belongs_to_the_paper_array_only(arrays: Arrays) -> None:
 # ---- 1: equations (3) and (4) --------------------------------------------------------------------
 
 
-def test_both_equations_agree_with_all_cells(roll: Theorem4Result, side: Theorem4Result) -> None:
+def test_both_equations_agree_with_all_cells(roll: CellCheck, side: CellCheck) -> None:
     comparisons = compare_cells(roll, 4) + compare_cells(side, 3)
     assert len(comparisons) == 16
     assert all(comparison.agrees for comparison in comparisons)
 
 
-def test_exchanged_equations_agree_with_no_cell(roll: Theorem4Result, side: Theorem4Result) -> None:
+def test_exchanged_equations_agree_with_no_cell(roll: CellCheck, side: CellCheck) -> None:
     assert not any(comparison.agrees for comparison in compare_cells(roll, 3) + compare_cells(side, 4))
 
 
-def test_a_changed_print_is_refuted(
-    roll: Theorem4Result, side: Theorem4Result, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_changed_print_is_refuted(roll: CellCheck, side: CellCheck, monkeypatch: pytest.MonkeyPatch) -> None:
     changed = equation_4()
     changed[2] = -changed[2]
     monkeypatch.setattr(audit_kinematics, "equation_4", lambda: changed)
@@ -99,7 +99,7 @@ def test_a_rate_that_is_no_multiple_is_refused(monkeypatch: pytest.MonkeyPatch) 
         missing_factor()
 
 
-def test_upper_derivatives_in_closed_form(roll: Theorem4Result, side: Theorem4Result) -> None:
+def test_upper_derivatives_in_closed_form(roll: CellCheck, side: CellCheck) -> None:
     assert rate_is(side.partition, larger=False)
     assert rate_is(roll.partition, larger=True)
     assert not rate_is(side.partition, larger=True)
@@ -107,7 +107,7 @@ def test_upper_derivatives_in_closed_form(roll: Theorem4Result, side: Theorem4Re
     assert audit_translation(side, roll).outcome is Outcome.REFUTED  # exchanged
 
 
-def test_what_jumps_on_axes_and_diagonals(side: Theorem4Result) -> None:
+def test_what_jumps_on_axes_and_diagonals(side: CellCheck) -> None:
     for name, place in rays(side.partition).items():
         x, y, diagonal = (len(signs) for signs in sign_sets(side.partition, place))
         if "=" in name:
@@ -116,7 +116,7 @@ def test_what_jumps_on_axes_and_diagonals(side: Theorem4Result) -> None:
             assert (x, y, diagonal) == ((2, 1, 1) if name.startswith("y") else (1, 2, 1))
 
 
-def test_axes_are_equilibria_of_equation_3_only(roll: Theorem4Result, side: Theorem4Result) -> None:
+def test_axes_are_equilibria_of_equation_3_only(roll: CellCheck, side: CellCheck) -> None:
     assert [name for name, place in rays(side.partition).items() if rests(side.partition, place)] == [
         "x > 0", "y > 0", "x < 0", "y < 0",
     ]  # fmt: skip
@@ -126,7 +126,7 @@ def test_axes_are_equilibria_of_equation_3_only(roll: Theorem4Result, side: Theo
 # ---- 5: the feedback law -------------------------------------------------------------------------
 
 
-def test_the_printed_sign_fails_where_g_is_negative(roll: Theorem4Result, laws: list[CorrectedLaw]) -> None:
+def test_the_printed_sign_fails_where_g_is_negative(roll: CellCheck, laws: list[CorrectedLaw]) -> None:
     """``g = sgn(x y (y^2 - x^2))``, coded here once more."""
     failing = []
     for cell in roll.partition.cells:
@@ -137,7 +137,7 @@ def test_the_printed_sign_fails_where_g_is_negative(roll: Theorem4Result, laws: 
     assert len(failing) == 4
 
 
-def test_the_proved_rate_is_the_largest(roll: Theorem4Result, laws: list[CorrectedLaw]) -> None:
+def test_the_proved_rate_is_the_largest(roll: CellCheck, laws: list[CorrectedLaw]) -> None:
     kappa = roll.partition.scene.field.sqrt(2) / 2
     assert len(laws) == 8
     assert all(law.proves(kappa) for law in laws)
@@ -163,12 +163,13 @@ def test_the_rate_in_samples(laws: list[CorrectedLaw], corrected: bool) -> None:
 
 
 def test_the_law_needs_rims_at_right_angles() -> None:
-    skew = check_theorem4(load_scene("ring-5"))
+    skew = check_cells(load_scene("ring-5")).feedback
+    assert isinstance(skew, FeedbackResult)
     with pytest.raises(ValueError, match=r"d_i \. d_j = 0"):
-        corrected_law(skew.feedback.cells[0])
+        corrected_law(skew.cells[0])
 
 
-def test_an_unproved_bound_is_refuted(roll: Theorem4Result, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unproved_bound_is_refuted(roll: CellCheck, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CorrectedLaw, "proves", lambda self, kappa: False)
     finding = audit_feedback(roll)
     assert finding.outcome is Outcome.REFUTED

@@ -144,7 +144,9 @@ def test_off_center_is_no_equilibrium(invoke: Invoke) -> None:
     assert outcome.status == 1
     assert record["theorem4"]["verdict"] == "hypotheses not met"
     assert record["equilibrium"]["verdict"] == "fails"
-    assert "one constant twist (5*sqrt(13)/16 + 3*sqrt(29)/16, " in record["theorem4"]["reason"]
+    assert "(5*sqrt(13)/16 + 3*sqrt(29)/16, sqrt(13)/8 - sqrt(29)/8, " in record["theorem4"]["reason"]
+    (other,) = record["equilibrium"]["others"]
+    assert (other["place"], other["exact"]["points"]) == ("vertex", [["1/2", "1/4"]])  # the rims' common point
 
 
 @pytest.mark.parametrize("name", ["outward", "saddle"])
@@ -188,6 +190,60 @@ def test_options_replace_the_scene(invoke: Invoke) -> None:
     assert record["exact"]["radius"] == "1/4"
     assert record["equilibrium"]["exact"]["at"] == ["-1/10", "1/10"]
     assert record["theorem4"]["verdict"] == "hypotheses not met"
+
+
+# ---- the rules box and ellipse -------------------------------------------------------------------
+
+
+def test_box_rests_at_the_origin(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--rule", "box", "--json")
+    record = outcome.record
+    assert (outcome.status, list(record)) == (1, CHECK_KEYS)
+    assert record["contact_states"]["minimizing"] is None  # only the cells at the point were built
+    assert record["translation"]["verdict"] == "stable"
+    assert record["rotation"]["verdict"] == "stable, not attractive"
+    assert (record["feedback"]["verdict"], record["feedback"]["law"]) == ("no certificate", None)
+    assert {sample["refuted"] for sample in record["feedback"]["sampled"]} == {True}
+    assert record["theorem4"]["verdict"] == "fails"
+
+
+def test_box_cells_tile(invoke: Invoke) -> None:
+    """Golden: mu_S/mu_R = 1/2 has a rest cell and four diagonal ones."""
+    record = invoke("partition", "four-wheel", "--rule", "box", "--json").record
+    assert (len(record["cells"]), record["area_error"]) == (5, "0")
+    rest = [cell for cell in record["cells"] if cell["exact"]["twist"] == ["0", "0", "0"]]
+    assert [cell["exact"]["area"] for cell in rest] == ["1/2"]
+
+
+def test_ellipse_is_smooth_at_the_origin(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--rule", "ellipse", "--json")
+    record = outcome.record
+    assert (outcome.status, list(record)) == (1, CHECK_KEYS)
+    assert record["translation"]["verdict"] == "asymptotically stable"
+    assert "-4*sqrt(2)" in record["translation"]["reason"]
+    assert record["rotation"]["exact"]["drift"] == ["0", "0"]
+    assert record["feedback"]["authority"] == {
+        "rank": 2,
+        "missing": [[0, 0, 1]],
+        "exact": {"missing": [["0", "0", "1"]]},
+    }
+
+
+def test_sampled_rates_are_called_sampled(invoke: Invoke) -> None:
+    translation = invoke("check", "elliptic", "--rule", "ellipse", "--json").record["translation"]
+    assert translation["samples"] > 0
+    assert translation["exact"] == {}
+
+
+def test_all_rules_at_once(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = invoke("check", "four-wheel-side", "--rule", "all", "--json")
+    record = outcome.record
+    assert (outcome.status, record["schema"]) == (1, "nonsmooth-checks/1")
+    assert [check["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse"]
+    monkeypatch.setenv("COLUMNS", str(COLUMNS))
+    text = invoke("check", "four-wheel-side", "--rule", "all").out
+    assert [f"rule {rule}" in text for rule in ("nearest", "box", "ellipse")] == [True] * 3
+    assert text.count("Filippov set: hull") == 1  # the legend once
 
 
 # ---- partition and scenes ------------------------------------------------------------------------
@@ -285,6 +341,8 @@ BAD = {
     "unwritable": (["derive", "four-wheel", "-o", "/proc/r.md"], "/proc/r.md: required a file that can be written"),
     "name too long": (["derive", "four-wheel", "-o", "a" * 300 + ".md"], "required a file that can be written"),
     "null character": (["derive", "four-wheel", "-o", "a\0b.md"], "required a file that can be written"),
+    "no cells": (["partition", "ring-3", "--rule", "ellipse"], "ring-3: contact.rule: required"),
+    "tipping": (["check", "four-wheel", "--rule", "box", "--radius", "2"], "four-wheel: "),
     "picture of a huge square": (["partition", "four-wheel", "--radius", "1e300", "-o", "c.svg"], "for a picture"),
 }  # fmt: skip
 
@@ -405,7 +463,7 @@ def test_an_interrupt_ends_quietly(monkeypatch: pytest.MonkeyPatch, invoke: Invo
 
 
 def test_a_fault_of_the_program_is_no_verdict(monkeypatch: pytest.MonkeyPatch, invoke: Invoke) -> None:
-    monkeypatch.setattr("nonsmooth.proofs.theorem4.Theorem4Result.check", lambda self: False)
+    monkeypatch.setattr("nonsmooth.proofs.theorem4.CellCheck.check", lambda self: False)
     outcome = invoke("check", "four-wheel")
     assert (outcome.status, outcome.out) == (70, "")
     assert "please report this" in outcome.err

@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4 import CellCheck, check_theorem4
 from nonsmooth.reports.derivation import REPORT_FORMATS, Report, derive_report, render_report
 from nonsmooth.reports.document import Bullets, Code, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.latex import render_latex
@@ -67,14 +67,16 @@ def test_every_step_has_a_section(report: Report) -> None:
     titles = [s.title for s in report.document.sections]
     expected = [
         "Verdict", "The array", "Conventions", "Constraints", "Contact states and governing equations", "Cells",
-        "Filippov set", "Upper derivative", "Theorem 4, clause by clause", "What was left out, and why",
+        "Filippov set", "Equilibria of the square", "Upper derivative", "Theorem 4, clause by clause",
+        "What was left out, and why",
     ]  # fmt: skip
-    assert titles[:10] == expected
+    assert titles[:11] == expected
     assert titles[-1] == "Versions and reproduction"
     assert ("The paper, audited" in titles) == report.result.scene.name.startswith("four-wheel")
 
 
 def test_every_minimizing_state_has_its_equations(report: Report) -> None:
+    assert isinstance(report.result, CellCheck)
     states = section(report.document, "Contact states").subsections
     names = [state.name for state in report.result.partition.states]
     assert [s.title.partition(" (")[0] for s in states] == names
@@ -129,9 +131,22 @@ def test_equal_input_gives_equal_reports(suffix: str) -> None:
 
 
 def test_unverified_evidence_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nonsmooth.proofs.theorem4.Theorem4Result.check", lambda self: False)
+    monkeypatch.setattr("nonsmooth.proofs.theorem4.CellCheck.check", lambda self: False)
     with pytest.raises(RuntimeError, match="evidence"):
         derive_report(load_scene("ring-3"), COMMAND)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "off-center"])
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:
+    report = derive_report(load_scene(name, rule=rule), COMMAND)
+    titles = [s.title for s in report.document.sections]
+    assert ("Motion at the checked point" in titles) == (rule == "ellipse")
+    assert ("Cells" in titles) == (rule == "box")
+    assert "Torque authority" in render_report(report, ".md")
+    assert render_report(report, ".tex").isascii()
+    record = json.loads(render_report(report, ".json"))
+    assert (record["partition"] is None) == (rule == "ellipse")
 
 
 # ---- formats -------------------------------------------------------------------------------------

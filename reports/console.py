@@ -1,0 +1,112 @@
+"""Running the command line as a well-behaved program: streams, one-line errors, exit status."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from nonsmooth.reports.files import OutputError
+from nonsmooth.symbolic.scene_error import SceneError, one_line
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+PROGRAM = "nonsmooth"
+BAD_INPUT, FAULT, INTERRUPTED = 2, 70, 130
+
+
+class RefusedError(Exception):
+    """A scene that can be read but not checked; ``str(error)`` is one line."""
+
+
+def prepare_streams() -> None:
+    """Let a closed pipe end the program quietly, and print what the terminal's encoding cannot hold as ``?``."""
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None and hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+
+
+def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
+    """Run a Typer application and return the exit status; bad input is one line on standard error."""
+    try:
+        status = app(args=list(arguments), prog_name=PROGRAM, standalone_mode=False)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except (SceneError, OutputError, RefusedError) as error:
+        return _refuse(str(error))
+    except typer.TyperException as error:
+        return _refuse(_usage_line(error))
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except OSError as error:
+        _drop_output()
+        return _refuse(f"standard output: required a stream that can be written, received the error {error.strerror!r}")
+    except Exception:
+        traceback.print_exc()
+        return FAULT
+    return status if isinstance(status, int) else 0
+
+
+def _refuse(message: str) -> int:
+    print(f"{PROGRAM}: {one_line(message)}", file=sys.stderr)
+    return BAD_INPUT
+
+
+def _usage_line(error: typer.TyperException) -> str:
+    """Typer's message on one line, with the place where help is."""
+    message = " ".join(error.format_message().split()).removesuffix(".").replace("Value error, ", "")
+    context = getattr(error, "ctx", None)
+    command = PROGRAM if context is None else context.command_path
+    return f"{message}; see '{command} --help'"
+
+
+def _drop_output() -> None:
+    """Send what is still buffered nowhere: writing it again at exit would fail again."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, sys.stdout.fileno())
+    os.close(null)
+
+
+def write(text: str) -> None:
+    """Write text to standard output as it is."""
+    sys.stdout.write(text)
+
+
+def write_json(record: dict[str, Any]) -> None:
+    """Write a record to standard output."""
+    write(json_text(record))
+
+
+def json_text(record: dict[str, Any]) -> str:
+    """A record as indented JSON, ending in a newline; ASCII only, so that any terminal and file can hold it."""
+    return json.dumps(record, indent=2, allow_nan=False) + "\n"
+
+
+def write_views(views: Iterable[RenderableType]) -> None:
+    """Print Rich views: as wide as the terminal, 80 columns elsewhere, colors on a terminal only."""
+    from rich.console import Console
+
+    console = Console(markup=False, highlight=False, emoji=False)
+    for k, view in enumerate(views):
+        if k:
+            console.print()
+        console.print(view)
+
+
+def own_version() -> str:
+    """Version of the installed distribution."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(PROGRAM)
+    except PackageNotFoundError:
+        return "(not installed)"

@@ -1,0 +1,79 @@
+"""Output files: checked before the work, written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection
+from pathlib import Path
+
+
+class OutputError(OSError):
+    """An output path that cannot be used; ``str(error)`` is one line."""
+
+    def __init__(self, path: Path, expected: str, received: str) -> None:
+        super().__init__(path, expected, received)
+        self.path, self.expected, self.received = path, expected, received
+
+    def __str__(self) -> str:
+        return f"{self.path}: required {self.expected}, received {self.received}"
+
+
+def output_path(text: str, suffixes: Collection[str]) -> Path:
+    """The path of an output file that can be written, as far as that can be known beforehand.
+
+    Args:
+        text: what the user wrote.
+        suffixes: the formats on offer, such as ``.md``.
+
+    Raises:
+        OutputError: for an unknown suffix, a missing or unwritable folder, and anything but a regular file.
+    """
+    path = Path(text)
+    if path.suffix.lower() not in suffixes:
+        raise OutputError(path, f"a file name that ends in {_either(suffixes)}", repr(path.suffix or path.name))
+    try:
+        target = path.resolve()
+        if not target.parent.is_dir():
+            raise OutputError(path, "an existing folder", f"{str(target.parent)!r}, which is none")
+        if target.exists() and not target.is_file():
+            raise OutputError(path, "a regular file", "a folder" if target.is_dir() else "something else")
+        if target.exists() and not os.access(target, os.W_OK):
+            raise OutputError(path, "a file that can be written", "a write-protected file")
+        if not os.access(target.parent, os.W_OK | os.X_OK):
+            raise OutputError(path, "a folder that can be written", f"{str(target.parent)!r}, which cannot")
+    except (OSError, ValueError, RuntimeError) as error:  # names too long, loops of links, null characters
+        raise _unusable(path, error) from None
+    return path
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file so that it is either complete or untouched: a temporary file beside it, then a rename.
+
+    Raises:
+        OutputError: where the system refuses; then nothing is left behind.
+    """
+    target = path.resolve()
+    temporary = target.with_name(f".nonsmooth-{os.getpid()}.tmp")
+    try:
+        try:
+            temporary.write_bytes(data)
+            if target.exists():
+                temporary.chmod(target.stat().st_mode & 0o7777)
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise _unusable(path, error) from None
+
+
+def _either(names: Collection[str]) -> str:
+    """``a, b or c``."""
+    *first, last = names
+    return f"{', '.join(first)} or {last}"
+
+
+def _unusable(path: Path, error: Exception) -> OutputError:
+    if isinstance(error, OutputError):
+        return error
+    reason = (error.strerror if isinstance(error, OSError) else None) or "a path that leads nowhere"
+    return OutputError(path, "a file that can be written", reason.lower())

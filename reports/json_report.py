@@ -1,0 +1,63 @@
+"""Reports as JSON: the document's blocks in order, beside the exact records of the results."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nonsmooth.reports.document import (
+    Block,
+    Bullets,
+    Code,
+    Display,
+    Document,
+    Inline,
+    Math,
+    Paragraph,
+    Section,
+    Table,
+    Text,
+)
+from nonsmooth.reports.records import Record
+
+DERIVATION_SCHEMA = "nonsmooth-derivation/1"
+
+
+def derivation_record(document: Document, records: Record) -> Record:
+    """The document and the records of the results it reports (``check``, ``partition``)."""
+    sections = [_section(section) for section in document.sections]
+    return {"schema": DERIVATION_SCHEMA, "title": document.title, **records, "sections": sections}
+
+
+def _section(section: Section) -> Record:
+    return {
+        "title": section.title,
+        "blocks": [_block(block) for block in section.blocks],
+        "subsections": [_section(subsection) for subsection in section.subsections],
+    }
+
+
+def _block(block: Block) -> Record:
+    match block:
+        case Paragraph(text):
+            return {"kind": "paragraph", "text": _text(text)}
+        case Display(formula):
+            return {"kind": "formula", **_inline(formula)}
+        case Bullets(items):
+            return {"kind": "list", "items": [_text(item) for item in items]}
+        case Table():
+            rows = [[_text(entry) for entry in row] for row in block.rows]
+            return {"kind": "table", "header": [_text(entry) for entry in block.header], "rows": rows}
+
+
+def _text(text: Text) -> list[Any]:
+    return [_inline(part) for part in text]
+
+
+def _inline(part: Inline) -> Any:
+    match part:
+        case Math(latex, plain):
+            return {"latex": latex, "plain": plain}
+        case Code(text):
+            return {"code": text}
+        case str():
+            return part

@@ -1,0 +1,80 @@
+"""Reports as Markdown (CommonMark with tables and dollar mathematics, as GitHub and Pandoc read it)."""
+
+from __future__ import annotations
+
+import re
+
+from nonsmooth.reports.document import (
+    Block,
+    Bullets,
+    Code,
+    Display,
+    Document,
+    Inline,
+    Math,
+    Paragraph,
+    Section,
+    Table,
+    Text,
+)
+
+_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~$^&])")
+_BULLET = re.compile(r"(?m)^(\s*)([-+]|\d+\.)(?=\s)")
+
+
+def render_markdown(document: Document) -> str:
+    """The document as Markdown text, ending in a newline."""
+    parts = [f"# {_escaped(document.title)}"]
+    for section in document.sections:
+        parts += _section(section, 2)
+    return "\n\n".join(parts) + "\n"
+
+
+def _section(section: Section, level: int) -> list[str]:
+    parts = [f"{'#' * level} {_escaped(section.title)}"]
+    parts += [_block(block) for block in section.blocks]
+    for subsection in section.subsections:
+        parts += _section(subsection, level + 1)
+    return parts
+
+
+def _block(block: Block) -> str:
+    match block:
+        case Paragraph(text):
+            return _text(text)
+        case Display(formula):
+            return f"$$\n{formula.latex}\n$$"
+        case Bullets(items):
+            return "\n".join(f"- {_text(item)}" for item in items)
+        case Table():
+            return _table(block)
+
+
+def _table(block: Table) -> str:
+    rows = [block.header, *block.rows]
+    lines = ["| " + " | ".join(_text(entry) for entry in row) + " |" for row in rows]
+    lines.insert(1, "|" + " --- |" * len(block.header))
+    return "\n".join(lines)
+
+
+def _text(text: Text) -> str:
+    return _BULLET.sub(r"\1\\\2", "".join(_inline(part) for part in text))
+
+
+def _inline(part: Inline) -> str:
+    match part:
+        case Math(latex, _):
+            return f"${_one_line(latex)}$"  # a bar inside mathematics would end a table's column
+        case Code(text):
+            fence = "``" if "`" in text else "`"
+            return f"{fence}{text.replace('|', chr(92) + '|')}{fence}"
+        case str():
+            return _escaped(part)
+
+
+def _one_line(latex: str) -> str:
+    return " ".join(latex.replace(r"\allowbreak", "").split()).replace("|", r"\vert ")
+
+
+def _escaped(text: str) -> str:
+    return _SPECIAL.sub(r"\\\1", " ".join(text.split()) if "\n" in text else text)

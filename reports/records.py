@@ -1,0 +1,259 @@
+"""Results as JSON records with stable keys: floats for reading, an ``exact`` object beside those that are exact.
+
+In every object, ``exact`` maps a key of the same object to the exact text of its value, nested like the value
+(``"worst_rate": -2.0, "exact": {"worst_rate": "-2"}``).  The texts are formulas that scene files accept; where the
+exact form of a vertex would be endless, an enclosure ``[0.123 +/- 4e-21]`` stands instead.  Sampled values have none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, TypeAlias
+
+from flint import arb
+
+from nonsmooth.analysis.equilibria import Equilibrium as FoundEquilibrium
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.rotation import Drift, RotationResult
+from nonsmooth.proofs.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
+from nonsmooth.proofs.translation import LYAPUNOV, TranslationResult, Witness
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.lazy import Lazy
+from nonsmooth.symbolic.number_field import Number
+
+CHECK_SCHEMA = "nonsmooth-check/1"
+CHECKS_SCHEMA = "nonsmooth-checks/1"
+PARTITION_SCHEMA = "nonsmooth-partition/1"
+SCENES_SCHEMA = "nonsmooth-scenes/1"
+
+Record: TypeAlias = dict[str, Any]
+Check: TypeAlias = CellCheck | EllipseCheck
+
+
+def verified(result: Check) -> Check:
+    """The result, after its evidence has been checked once more from the definitions.
+
+    Raises:
+        RuntimeError: if it does not verify.
+    """
+    if not result.check():
+        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
+    return result
+
+
+def check_record(result: Check) -> Record:
+    """The verdicts of one check; points and twists are measured from ``equilibrium.at``."""
+    scene = result.scene
+    return {
+        "schema": CHECK_SCHEMA,
+        "scene": scene.name,
+        "wheels": len(scene.wheels),
+        "rule": str(scene.contact.rule),
+        **_with_exact({"radius": scene.check.radius}),
+        "contact_states": _census_record(result),
+        "equilibrium": _equilibrium_record(result),
+        "translation": _translation_record(result.translation),
+        "rotation": _rotation_record(result.rotation),
+        "feedback": _feedback_record(result),
+        "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
+        "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
+        "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
+    }
+
+
+def checks_record(results: Iterable[Check]) -> Record:
+    """Checks of one scene under several rules."""
+    return {"schema": CHECKS_SCHEMA, "checks": [check_record(result) for result in results]}
+
+
+def partition_record(partition: Partition) -> Record:
+    """The cells, in the partition's coordinates; a cell where the rule ties lists its other motions as alternatives."""
+    return {
+        "schema": PARTITION_SCHEMA,
+        "scene": partition.scene.name,
+        "rule": str(partition.rule),
+        "cells": [
+            {
+                **_with_exact(
+                    {"twist": cell.states[0].twist, "polygon": cell.polygon.vertices, "area": cell.polygon.area}
+                ),
+                "rows": row_names(cell.states[0]),
+                "alternatives": [
+                    {**_with_exact({"twist": state.twist}), "rows": row_names(state)} for state in cell.states[1:]
+                ],
+            }
+            for cell in partition.cells
+        ],
+        **_with_exact({"domain": partition.domain.vertices}),
+        "area_error": real_text(partition.area_error) if partition.complete else None,
+    }
+
+
+def states_record(partition: Partition) -> list[Record]:
+    """The contact states that own a cell, with their control vector fields by wheel (None beyond three rows)."""
+    return [
+        {
+            "rows": row_names(state),
+            **_with_exact({"twist": state.twist}),
+            "control_fields": None if len(state.rows) > 3 else _control_fields_record(state),
+        }
+        for state in partition.states
+    ]
+
+
+def _control_fields_record(state: ContactState) -> list[Record]:
+    fields = sorted(state.control_fields.items())
+    return [{"wheel": wheel, **_with_exact({"field": field})} for wheel, field in fields]
+
+
+def scenes_record(descriptions: dict[str, str]) -> Record:
+    """The built-in scenes."""
+    return {
+        "schema": SCENES_SCHEMA,
+        "scenes": [{"name": name, "description": text} for name, text in descriptions.items()],
+    }
+
+
+def row_names(state: ContactState) -> list[str]:
+    """For example ``["R1", "S1", "R4"]``."""
+    return [row.name for row in state.rows]
+
+
+def _census_record(result: Check) -> Record:
+    census = result.census
+    return {
+        "possible": census.possible,
+        "singular": census.singular,
+        "distinct_twists": census.distinct_twists,
+        "minimizing": minimizing_states(result),
+    }
+
+
+def minimizing_states(result: Check) -> int | None:
+    """How many contact states own a cell of the square; None where not all cells were built, or there are none."""
+    if isinstance(result, CellCheck) and result.partition.complete:
+        return len(result.partition.states)
+    return None
+
+
+def other_equilibria(result: Check) -> list[FoundEquilibrium] | None:
+    """Equilibria of the square beside the checked point; None where they were not searched for."""
+    if not isinstance(result, CellCheck) or result.others is None:
+        return None
+    return [e for e in result.others if len(e.points) > 1 or any(e.points[0])]
+
+
+def _equilibrium_record(result: Check) -> Record:
+    found = other_equilibria(result)
+    others = [{"place": str(e.place), **_with_exact({"points": e.points}), "cells": list(e.cells)} for e in found or ()]
+    return {
+        "verdict": str(result.equilibrium.verdict),
+        **_with_exact({"at": result.scene.check.equilibrium}),
+        "others": None if found is None else others,
+        "reason": result.equilibrium.reason,
+    }
+
+
+def _translation_record(translation: TranslationResult | EllipseTranslation) -> Record:
+    radius = translation.region_radius
+    rate = _with_exact({"worst_rate": translation.worst_rate})
+    sampled = translation.sampled if isinstance(translation, EllipseTranslation) else None
+    if sampled is not None:
+        rate = {"worst_rate": sampled.largest_relative, "exact": {}}
+    return {
+        "verdict": str(translation.verdict),
+        "lyapunov": LYAPUNOV,
+        **rate,
+        "samples": None if sampled is None else sampled.samples,
+        "region": None if radius is None else {"shape": "disc", **_with_exact({"radius": radius})},
+        "witness": _witness_record(translation.witness, "value"),
+        "reason": translation.reason,
+    }
+
+
+def _rotation_record(rotation: RotationResult) -> Record:
+    drift = rotation.drift
+    return {
+        "verdict": str(rotation.verdict),
+        **_with_exact({"drift": None if drift is None else drift.interval}),
+        "weights": None if drift is None else _weights_record(drift),
+        "reason": rotation.reason,
+    }
+
+
+def _weights_record(drift: Drift) -> Record:
+    """The convex weights that rest in (x, y) and turn at the lowest and highest rate."""
+    return {
+        end: [_with_exact({"twist": drift.twists[k], "weight": w}) for k, w in mixture.weights.items()]
+        for end, mixture in (("lowest", drift.lowest), ("highest", drift.highest))
+    }
+
+
+def _feedback_record(result: Check) -> Record:
+    feedback, authority = result.feedback, result.authority
+    cells = feedback.cells if isinstance(feedback, FeedbackResult) else ()
+    return {
+        "verdict": str(feedback.verdict),
+        "law": feedback.law,
+        "rate": None,  # no rate is proved yet
+        "witness": _witness_record(feedback.witness, "theta"),
+        "reason": feedback.reason,
+        "printed_sign_fails": list(feedback.printed_sign_fails) if isinstance(feedback, FeedbackResult) else [],
+        "cells": [_input_cell_record(data) for data in cells],
+        "sampled": _samples_record(feedback) if isinstance(feedback, SampledFeedback) else [],
+        "authority": {"rank": authority.rank, **_with_exact({"missing": authority.missing})},
+    }
+
+
+def _input_cell_record(data: InputCell) -> Record:
+    return {
+        "cell": data.cell.index,
+        "rows": row_names(data.state),
+        "nearest": data.nearest.index,
+        "second": data.second.index,
+        "sign_needed": -data.torque_sign or None,  # of u_j for theta > 0; None where u_j does not act
+    }
+
+
+def _samples_record(feedback: SampledFeedback) -> list[Record]:
+    return [
+        {
+            "law": str(sample.law),
+            "states": sample.states,
+            "worst_rate": _floats(sample.worst_rate),
+            "worst_state": _floats(sample.worst_state),
+            "refuted": bool(sample.refuted),
+        }
+        for sample in feedback.laws
+    ]
+
+
+def _witness_record(witness: Witness | None, value: str) -> Record | None:
+    if witness is None:
+        return None
+    return {**_with_exact({"point": witness.point, value: witness.value}), "meaning": witness.meaning}
+
+
+def _with_exact(values: Record) -> Record:
+    """The values as floats, and their exact texts under ``exact``."""
+    exact = {key: _texts(value) for key, value in values.items() if value is not None}
+    return {**{key: _floats(value) for key, value in values.items()}, "exact": exact}
+
+
+def _floats(value: Any) -> Any:
+    """Numbers as floats, through nested tuples; None beyond the range of floats (JSON has no infinity)."""
+    if value is None:
+        return None
+    if isinstance(value, Number | Lazy | arb | float | int):
+        number = float(value)
+        return number if math.isfinite(number) else None
+    return [_floats(entry) for entry in value]
+
+
+def _texts(value: Any) -> Any:
+    return real_text(value) if isinstance(value, Number | Lazy | arb) else [_texts(entry) for entry in value]

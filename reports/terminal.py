@@ -1,0 +1,189 @@
+"""What a person reads in a terminal: verdict tables, cell tables and the list of scenes.
+
+Everything is built from :class:`rich.text.Text`, never from markup, because intervals such as ``[a, b]`` and names
+from scene files are text.  Verdicts are words first; color repeats them, and only on a terminal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.feedback import FeedbackResult
+from nonsmooth.proofs.rotation import RotationResult
+from nonsmooth.proofs.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.translation import TranslationResult
+from nonsmooth.reports.records import Check, minimizing_states, other_equilibria, row_names
+from nonsmooth.symbolic.formulas import Real, decimal_text, real_text
+from nonsmooth.symbolic.scene_error import one_line
+
+VERDICT_WIDTH = 14  # columns: "asymptotically"
+MOST_EQUILIBRIA = 6  # that are listed by place
+SHORT = 24  # characters of exact text beyond which a decimal value is shown instead
+
+_STYLES = {
+    "holds": "green",
+    "asymptotically stable": "green",
+    "stable": "green",
+    "stabilizable": "green",
+    "not applicable": "dim",
+    "undecided": "yellow",
+    "no certificate": "yellow",
+    "fails": "red",
+    "hypotheses not met": "red",
+}
+_LEGEND = (
+    ("c, v, omega", "centre of mass measured from the checked point c*, its velocity, rotation rate"),
+    ("F", "Filippov set: hull of the velocities of all closed cells that hold a point"),
+    ("V*", "upper derivative: the largest rate of V = |c|^2 over F"),
+    ("d_i, p_i, u_i, J", "rim direction, position and speed of wheel i; quarter turn"),
+)
+
+
+def check_view(result: Check) -> RenderableType:
+    """The verdict of Theorem 4, clause by clause, with its evidence."""
+    table = _table("clause", "verdict", "evidence")
+    table.show_lines = True
+    table.columns[1].max_width = VERDICT_WIDTH
+    rows = (
+        ("equilibrium", result.equilibrium.verdict, _equilibrium_evidence(result)),
+        ("translation", result.translation.verdict, _translation_evidence(result.translation)),
+        ("rotation", result.rotation.verdict, _rotation_evidence(result.rotation)),
+        ("feedback", result.feedback.verdict, _feedback_evidence(result)),
+    )
+    for name, verdict, evidence in rows:
+        table.add_row(Text(name), _verdict(verdict), Text("\n".join(evidence)))
+    table.add_row(Text("Theorem 4", "bold"), _verdict(result.verdict, bold=True), Text(result.reason))
+    left_out = [Text(f"left out: {s.what} ({s.count}): {s.why}") for s in result.skipped]
+    return Group(_headline(result), Text(_census(result)), table, *left_out)
+
+
+def partition_view(partition: Partition) -> RenderableType:
+    """The cells with their rows and twists."""
+    table = _table("cell", "rows held", "v_x", "v_y", "omega", "area")
+    for cell in partition.cells:
+        for k, state in enumerate(cell.states):
+            index, area = (str(cell.index), brief(cell.polygon.area)) if k == 0 else ("", "or")
+            twist = [Text(brief(entry)) for entry in state.twist]
+            table.add_row(Text(index), Text(" ".join(row_names(state))), *twist, Text(area))
+    exact = "the cells tile the square" if partition.tiles else "the cells do not tile the square"
+    head = f"{one_line(partition.scene.name)}: {len(partition.cells)} cells, {len(partition.states)} contact states"
+    return Group(
+        Text(f"{head}, rule {partition.rule}"),
+        table,
+        Text(f"area of the square minus area of the cells: {brief(partition.area_error)} ({exact})"),
+        Text("R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin"),
+    )
+
+
+def scenes_view(descriptions: dict[str, str]) -> RenderableType:
+    """The built-in scenes."""
+    table = _table("scene", "what it is")
+    for name, description in descriptions.items():
+        table.add_row(Text(name, no_wrap=True), Text(description))
+    return table
+
+
+def legend() -> RenderableType:
+    """What the letters mean."""
+    grid = Table.grid(padding=(0, 2))
+    for symbols, meaning in _LEGEND:
+        grid.add_row(Text(symbols, "dim", no_wrap=True), Text(meaning, "dim"))
+    return grid
+
+
+def brief(number: Real) -> str:
+    """Exact where that is short, six digits otherwise."""
+    text = real_text(number)
+    return text if len(text) <= SHORT else f"~{decimal_text(number, 6)}"
+
+
+def _headline(result: Check) -> Text:
+    scene = result.scene
+    x, y = (brief(entry) for entry in scene.check.equilibrium)
+    head = Text(one_line(scene.name), "bold")
+    head.append(f": {len(scene.wheels)} wheels, rule {scene.contact.rule}", "not bold")
+    return head.append(f", checked at c* = ({x}, {y}) within {brief(scene.check.radius)}", "not bold")
+
+
+def _census(result: Check) -> str:
+    census = result.census
+    counted = [f"{census.possible} possible"]
+    if census.singular is not None:
+        counted += [f"{census.singular} singular", f"{census.distinct_twists} distinct twists"]
+    minimizing = minimizing_states(result)
+    if minimizing is not None:
+        counted.append(f"{minimizing} minimizing")
+    return f"contact states: {', '.join(counted)}"
+
+
+def _equilibrium_evidence(result: Check) -> list[str]:
+    lines = [result.equilibrium.reason]
+    others = other_equilibria(result)
+    if others is not None:
+        shown = [f"{e.place} at {', '.join(_point(p) for p in e.points)}" for e in others[:MOST_EQUILIBRIA]]
+        more = [f"and {len(others) - MOST_EQUILIBRIA} more"] * (len(others) > MOST_EQUILIBRIA)
+        lines.append(f"other equilibria in the square: {'; '.join(shown + more) or 'none'}")
+    return lines
+
+
+def _point(point: tuple[Real, Real]) -> str:
+    return f"({brief(point[0])}, {brief(point[1])})"
+
+
+def _translation_evidence(translation: TranslationResult | EllipseTranslation) -> list[str]:
+    lines = [translation.reason]
+    sampled = translation.sampled if isinstance(translation, EllipseTranslation) else None
+    if sampled is not None:
+        lines.append(
+            f"largest V*/|c| at {sampled.samples} sampled points of the square: {sampled.largest_relative:.6g}"
+        )
+    elif translation.worst_rate is not None:
+        lines.append(f"max V*/|c| = {brief(translation.worst_rate)} on the square")
+    if translation.region_radius is not None:
+        lines.append(f"region: disc of radius {brief(translation.region_radius)}")
+    return lines
+
+
+def _rotation_evidence(rotation: RotationResult) -> list[str]:
+    lines = [rotation.reason]
+    if rotation.drift is not None:
+        low, high = (float(end) for end in rotation.drift.interval)
+        lines.append(f"drift at rest: [{low:.6g}, {high:.6g}]")
+    return lines
+
+
+def _feedback_evidence(result: Check) -> list[str]:
+    feedback = result.feedback
+    lines = [feedback.reason]
+    if isinstance(feedback, FeedbackResult) and feedback.law is not None:
+        lines.append(feedback.law)
+    if isinstance(feedback, FeedbackResult) and feedback.printed_sign_fails:
+        lines.append(f"the paper's u_j = -k theta has the wrong sign in {_cells(feedback.printed_sign_fails)}")
+    if isinstance(feedback, SampledFeedback):
+        lines += [f"{s.law}: largest V'/V found {s.worst_rate:.3g} k over {s.states} states" for s in feedback.laws]
+    lines.append(f"torque authority: rank {result.authority.rank} of 3")
+    return lines
+
+
+def _cells(indices: Sequence[int]) -> str:
+    shown = ", ".join(str(index) for index in indices[:12]) + (", ..." if len(indices) > 12 else "")
+    return f"{len(indices)} cells ({shown})" if len(indices) > 1 else f"cell {shown}"
+
+
+def _verdict(verdict: str, *, bold: bool = False) -> Text:
+    style = _STYLES.get(str(verdict), "default")
+    return Text(str(verdict), f"bold {style}" if bold else style)
+
+
+def _table(*header: str) -> Table:
+    table = Table(box=box.ROUNDED, header_style="bold")
+    for k, name in enumerate(header):
+        table.add_column(Text(name), overflow="fold", ratio=None if k < len(header) - 1 else 1)
+    return table
