@@ -35,6 +35,6 @@ def hull_upper_derivative_on(cell: Cell) -> float:
     best = -np.inf
     for twist in cell.twists:
         velocity = np.array([float(twist.vx), float(twist.vy)])
-        problem = cp.Problem(cp.Maximize(2 * velocity @ c), [cp.multiply(-1, normals @ c) >= -offsets])
+        problem = cp.Problem(cp.Maximize(2 * velocity @ c), [offsets - normals @ c >= 0])
         best = max(best, float(problem.solve()))
     return best

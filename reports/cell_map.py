@@ -7,10 +7,9 @@ sign the sense of rotation; magnitudes are in the cell table.  Matplotlib is imp
 from __future__ import annotations
 
 import io
-import itertools
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.partition import Cell, Partition
@@ -32,13 +31,14 @@ PICTURE = 6.4  # inches, both ways
 POINTS = 72 * PICTURE * 0.8  # points that the axes take
 LABEL = 9  # points, the size of a label
 LARGEST, RESOLUTION = 1e100, 1e-9  # what Matplotlib draws faithfully with floats
-LABEL_ROOM = 7  # points that a label needs around its middle
+LABEL_ROOM = 3  # points that each character of a label needs around the label's middle
 ARROW = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
 MARGIN = 0.1  # of the width, around everything
 TURNS = {0: "", 1: "\N{ANTICLOCKWISE OPEN CIRCLE ARROW}", -1: "\N{CLOCKWISE OPEN CIRCLE ARROW}"}
 FAR = 6  # a wheel farther away than this many half-widths of the square stays outside the picture
 
 XY: TypeAlias = tuple[float, float]
+Segment: TypeAlias = tuple[XY, XY]
 
 
 def cell_map(partition: Partition, suffix: str) -> bytes:
@@ -76,12 +76,12 @@ def build_figure(partition: Partition) -> Figure:
     axes = figure.subplots()
     wheels = _visible_wheels(partition)
     width = _set_view(axes, partition, wheels)
-    colors = _colors(partition)
-    for cell, color in zip(partition.cells, colors, strict=True):
-        _draw_cell(axes, cell, color, points_per_length=POINTS / width)
-    for wheel in wheels:
-        _draw_wheel(axes, wheel, width)
     x, y = _floats(partition.scene.check.equilibrium)
+    marks: list[Segment] = [((x, y), (x, y))]
+    for wheel in wheels:
+        marks += _draw_wheel(axes, wheel, width)
+    for cell, color in zip(partition.cells, _colors(partition), strict=True):
+        _draw_cell(axes, cell, color, marks, points_per_length=POINTS / width)
     axes.plot([x], [y], marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
     scene = partition.scene
     axes.set_title(f"{one_line(scene.name)}: rule {partition.rule}, {len(partition.cells)} cells", parse_math=False)
@@ -121,24 +121,29 @@ def _colors(partition: Partition) -> list[str]:
     return [PALETTE[twists.index(cell.twists) % len(PALETTE)] for cell in partition.cells]
 
 
-def _draw_cell(axes: Axes, cell: Cell, color: str, points_per_length: float) -> None:
+def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_per_length: float) -> None:
+    """The cell with its arrow and, where there is room beside these and the other marks, its label."""
     vertices = [_floats(vertex) for vertex in cell.polygon.vertices]
     xs, ys = zip(*vertices, strict=True)
     axes.fill(xs, ys, facecolor=color, alpha=TINT, edgecolor="none", zorder=1)
     axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.5, zorder=2)
     centre = _floats(cell.polygon.centre)
-    room = _clearance(centre, vertices)
+    sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+    room = _clearance(centre, sides)
     if room * points_per_length < LABEL:  # too small for any mark
         return
     shaft = _draw_velocity(axes, cell, centre, 0.65 * room)
-    place = _roomiest(vertices, centre, shaft)
-    if _clearance(place, vertices, shaft) * points_per_length >= LABEL_ROOM:
-        label = f"{cell.index}{TURNS[cell.twists[0].omega.sign()]}"
+    obstacles = [*sides, *shaft, *marks]
+    corners = [*vertices, *(_between(start, end, 0.5) for start, end in sides)]
+    places = [centre, *(_between(centre, corner, t / 10) for corner in corners for t in range(1, 9))]
+    place = max(places, key=lambda place: _clearance(place, obstacles))
+    label = f"{cell.index}{TURNS[cell.twists[0].omega.sign()]}"
+    if _clearance(place, obstacles) * points_per_length >= LABEL_ROOM * len(label):
         axes.text(*place, label, ha="center", va="center", color=INK, zorder=4)
 
 
-def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[XY]:
-    """The arrow of the cell's motion at its centre; returns the ends of its shaft, none where the body rests."""
+def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[Segment]:
+    """The arrow of the cell's motion at its centre; returns its shaft, nothing where the body rests."""
     vx, vy = _floats(cell.twists[0].pose_rate(cell.polygon.centre))
     speed = math.hypot(vx, vy)
     if not speed:
@@ -146,26 +151,19 @@ def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[XY]:
     dx, dy = half * vx / speed, half * vy / speed
     start, end = (centre[0] - dx, centre[1] - dy), (centre[0] + dx, centre[1] + dy)
     axes.annotate("", xy=end, xytext=start, arrowprops=ARROW, zorder=4)
-    return [start, end]
+    return [(start, end)]
 
 
-def _roomiest(vertices: list[XY], centre: XY, shaft: list[XY]) -> XY:
-    """The place between the centre and the corners or sides that is farthest from sides and shaft."""
-    middles = [_between(a, b, 0.5) for a, b in zip(vertices, [*vertices[1:], vertices[0]], strict=True)]
-    places = [centre, *(_between(centre, p, t / 10) for p in (*vertices, *middles) for t in range(1, 9))]
-    return max(places, key=lambda place: _clearance(place, vertices, shaft))
-
-
-def _clearance(place: XY, vertices: list[XY], shaft: Sequence[XY] = ()) -> float:
-    """Distance of a place from the sides of its cell and from a shaft."""
-    lines = [*zip(vertices, [*vertices[1:], vertices[0]], strict=True), *itertools.pairwise(shaft)]
-    return min(_distance(place, start, end) for start, end in lines)
+def _clearance(place: XY, obstacles: Iterable[Segment]) -> float:
+    """Distance of a place from the nearest obstacle."""
+    return min(_distance(place, start, end) for start, end in obstacles)
 
 
 def _distance(place: XY, start: XY, end: XY) -> float:
-    """Distance from a segment."""
+    """Distance from a segment, or from a point."""
     dx, dy = end[0] - start[0], end[1] - start[1]
-    t = ((place[0] - start[0]) * dx + (place[1] - start[1]) * dy) / (dx * dx + dy * dy)
+    squared = dx * dx + dy * dy
+    t = ((place[0] - start[0]) * dx + (place[1] - start[1]) * dy) / squared if squared else 0.0
     x, y = _between(start, end, min(max(t, 0.0), 1.0))
     return math.hypot(place[0] - x, place[1] - y)
 
@@ -174,18 +172,20 @@ def _between(start: XY, end: XY, t: float) -> XY:
     return start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])
 
 
-def _draw_wheel(axes: Axes, wheel: Wheel, width: float) -> None:
-    """The rim as a thick line, its surface speed as an arrowhead, its number beside it."""
+def _draw_wheel(axes: Axes, wheel: Wheel, width: float) -> list[Segment]:
+    """The rim as a thick line, its surface speed as an arrowhead, its number beside it; returns what they cover."""
     (x, y), (dx, dy) = _floats(wheel.position), _floats(wheel.unit_direction)
     half = 0.035 * width
     rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
     axes.plot(*rim, color=INK, linewidth=5, solid_capstyle="butt", zorder=3)
     sense = wheel.speed.sign()
+    tip = (x + 2.1 * half * sense * dx, y + 2.1 * half * sense * dy)
     if sense:
-        tip = (x + 2.1 * half * sense * dx, y + 2.1 * half * sense * dy)
         axes.annotate("", xy=tip, xytext=(x, y), arrowprops=ARROW, zorder=3)
     side = (x - 1.1 * half * dy, y + 1.1 * half * dx)
     axes.text(*side, str(wheel.index), ha="center", va="center", color=INK, fontweight="bold", zorder=4)
+    back = (x - half * (sense or 1) * dx, y - half * (sense or 1) * dy)
+    return [(back, tip), ((x, y), (x - 1.6 * half * dy, y + 1.6 * half * dx))]
 
 
 def _explain(figure: Figure) -> None:

@@ -218,9 +218,7 @@ def _solve_mod_2(rows: list[list[int]], unknowns: int) -> list[int] | None:
         left = packed & ((1 << unknowns) - 1)
         if left:
             column = left.bit_length() - 1
-            for other in pivots:
-                if pivots[other] >> column & 1:
-                    pivots[other] ^= packed
+            pivots = {other: pivot ^ packed if pivot >> column & 1 else pivot for other, pivot in pivots.items()}
             pivots[column] = packed
         elif packed:
             return None

@@ -57,8 +57,9 @@ def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
     assert linear is not None
     ratio = Fraction(friction[0]) / Fraction(friction[1])
     rate = -scene.field.sqrt(2) * ratio * ratio
-    assert linear.translation == ((rate, 0), (0, rate))
-    assert linear.rotation_map == (0, 0)
+    zero = scene.field.zero
+    assert linear.translation == ((rate, zero), (zero, rate))
+    assert linear.rotation_map == (zero, zero)
     assert linear.spectral_abscissa == rate
     assert linear.check()
 
@@ -125,7 +126,8 @@ def ellipse_like_value(scene: Scene, region: LoadRegion, xi: np.ndarray) -> floa
 def test_torque_authority_is_the_rank_of_the_roll_rows(arrays: Arrays) -> None:
     scene = arrays.four_wheel()
     inward = roll_authority(scene)
-    assert (inward.rank, inward.missing) == (2, ((0, 0, 1),))
+    zero, one = scene.field.zero, scene.field.one
+    assert (inward.rank, inward.missing) == (2, ((zero, zero, one),))
     assert inward.check(scene)
     tangential = arrays.four_wheel(turn=(0, 1))
     assert roll_authority(tangential).rank == 3

@@ -85,14 +85,15 @@ def test_tangential_rims_carry_the_body() -> None:
     scene = load_scene("conveyor-3", rule="ellipse").recentred()
     point = point_of(scene)
     assert point.situation is Situation.CARRIED
-    assert point.twist == (0, 0, -1)
+    assert point.twist is not None
+    assert [str(x) for x in point.twist] == ["0", "0", "-1"]
     assert (point.equilibrium, point.translation) == (Equilibrium.HOLDS, Translation.STABLE)
 
 
 def test_a_common_translation_is_no_equilibrium(arrays: Arrays) -> None:
     """Four parallel rims of equal speed: the body moves with them everywhere."""
     scene = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])])
-    assert common_twist(scene) == (1, 0, 0)
+    assert [str(x) for x in common_twist(scene) or ()] == ["1", "0", "0"]
     point = point_of(scene)
     assert (point.situation, point.equilibrium) == (Situation.CARRIED, Equilibrium.FAILS)
 
