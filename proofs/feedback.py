@@ -5,10 +5,10 @@ In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i
     omega = (u_j - u_i d_i.d_j)/Delta,   v = u_i d_i - omega J p_i,   Delta = d_j . J(p_j - p_i)
 
 so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``,
-``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the L_gV
-law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero c with
-``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  With a side row in third place only ``u_i``
-acts and V' vanishes on a plane.
+``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the
+L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero
+c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  With a side row third only
+``u_i`` acts and V' vanishes on a plane.
 """
 
 from __future__ import annotations
