@@ -8,6 +8,12 @@ from __future__ import annotations
 
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.reports.audit_feedback import audit_feedback
+from nonsmooth.reports.audit_functional import (
+    audit_every_array,
+    audit_friction_ellipse,
+    audit_largest_weights,
+    audit_uniqueness,
+)
 from nonsmooth.reports.audit_kinematics import audit_equations_3_and_4, audit_theorem_4_displays
 from nonsmooth.reports.audit_stability import audit_rotation, audit_translation
 from nonsmooth.reports.document import Bullets, Section, Text
@@ -27,8 +33,12 @@ def audit_paper() -> tuple[Finding, ...]:
         audit_equations_3_and_4(roll, side),
         audit_translation(roll, side),
         audit_rotation(roll, side),
+        audit_largest_weights(),
         audit_feedback(roll),
         audit_theorem_4_displays(),
+        audit_every_array(),
+        audit_uniqueness(),
+        audit_friction_ellipse(),
     )
 
 

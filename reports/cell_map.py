@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import math
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.partition import Cell, Partition
@@ -47,18 +47,24 @@ def cell_map(partition: Partition, suffix: str) -> bytes:
     Raises:
         SceneError: where the square is too large, too small or too far away to be drawn with floats.
     """
+    require_drawable(partition)
+    return figure_bytes(lambda: build_figure(partition), suffix)
+
+
+def figure_bytes(build: Callable[[], Figure], suffix: str) -> bytes:
+    """A figure as the bytes of a file; ``suffix`` is one of FORMATS.  Equal input gives equal bytes."""
     import matplotlib as mpl
 
-    _require_drawable(partition)
     stamps = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
     stream = io.BytesIO()
     with mpl.rc_context({"svg.hashsalt": "nonsmooth", "font.size": LABEL}), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a scene's name may use any script
-        build_figure(partition).savefig(stream, format=suffix[1:], dpi=150, metadata=stamps[suffix])
+        build().savefig(stream, format=suffix[1:], dpi=150, metadata=stamps[suffix])
     return stream.getvalue()
 
 
-def _require_drawable(partition: Partition) -> None:
+def require_drawable(partition: Partition) -> None:
+    """Refuse squares that floats cannot draw faithfully."""
     scene = partition.scene
     radius, far = abs(float(scene.check.radius)), max(abs(float(x)) for x in scene.check.equilibrium)
     if not (1 / LARGEST <= radius <= LARGEST and far * RESOLUTION <= radius):

@@ -28,6 +28,8 @@ from nonsmooth.reports.console import (
 )
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from nonsmooth.symbolic.scene import Scene
 
 UNDECIDED = 3
@@ -124,6 +126,7 @@ def partition(
     rule: Rule = None,
     radius: Radius = None,
     at: At = None,
+    compare: Annotated[bool, typer.Option("--compare", help="Compare the three contact rules instead.")] = False,
     json: Json = False,
 ) -> int:
     """List or draw the cells of the plane, each with its contact state and twist."""
@@ -137,6 +140,8 @@ def partition(
         from nonsmooth.reports.files import output_path, write_whole
 
         path = output_path(output, FORMATS)
+    if compare:
+        return _compare(loaded, path, json=json)
     with _refusals_named(loaded):
         cells = build_partition(loaded)
     if path is not None:
@@ -151,6 +156,25 @@ def partition(
         from nonsmooth.reports.terminal import partition_view
 
         write_views([partition_view(cells)])
+    return 0
+
+
+def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
+    """The three contact rules side by side."""
+    from nonsmooth.analysis.agreement import compare_rules
+    from nonsmooth.reports.agreement_views import agreement_map, agreement_record, agreement_view
+    from nonsmooth.reports.files import write_whole
+
+    with _refusals_named(scene):
+        agreement = compare_rules(scene)
+    if path is not None:
+        write_whole(path, agreement_map(agreement, path.suffix.lower()))
+    if json:
+        write_json(agreement_record(agreement))
+    elif path is not None:
+        write(f"{path}: rules nearest and box agree on a share of {agreement.shared.share}\n")
+    else:
+        write_views([agreement_view(agreement)])
     return 0
 
 

@@ -54,7 +54,7 @@ def check_record(result: Check) -> Record:
         "scene": scene.name,
         "wheels": len(scene.wheels),
         "rule": str(scene.contact.rule),
-        **_with_exact({"radius": scene.check.radius}),
+        **with_exact({"radius": scene.check.radius}),
         "contact_states": _census_record(result),
         "equilibrium": _equilibrium_record(result),
         "translation": _translation_record(result.translation),
@@ -79,17 +79,17 @@ def partition_record(partition: Partition) -> Record:
         "rule": str(partition.rule),
         "cells": [
             {
-                **_with_exact(
+                **with_exact(
                     {"twist": cell.states[0].twist, "polygon": cell.polygon.vertices, "area": cell.polygon.area}
                 ),
                 "rows": row_names(cell.states[0]),
                 "alternatives": [
-                    {**_with_exact({"twist": state.twist}), "rows": row_names(state)} for state in cell.states[1:]
+                    {**with_exact({"twist": state.twist}), "rows": row_names(state)} for state in cell.states[1:]
                 ],
             }
             for cell in partition.cells
         ],
-        **_with_exact({"domain": partition.domain.vertices}),
+        **with_exact({"domain": partition.domain.vertices}),
         "area_error": real_text(partition.area_error) if partition.complete else None,
     }
 
@@ -99,7 +99,7 @@ def states_record(partition: Partition) -> list[Record]:
     return [
         {
             "rows": row_names(state),
-            **_with_exact({"twist": state.twist}),
+            **with_exact({"twist": state.twist}),
             "control_fields": None if len(state.rows) > 3 else _control_fields_record(state),
         }
         for state in partition.states
@@ -108,7 +108,7 @@ def states_record(partition: Partition) -> list[Record]:
 
 def _control_fields_record(state: ContactState) -> list[Record]:
     fields = sorted(state.control_fields.items())
-    return [{"wheel": wheel, **_with_exact({"field": field})} for wheel, field in fields]
+    return [{"wheel": wheel, **with_exact({"field": field})} for wheel, field in fields]
 
 
 def scenes_record(descriptions: dict[str, str]) -> Record:
@@ -150,10 +150,10 @@ def other_equilibria(result: Check) -> list[FoundEquilibrium] | None:
 
 def _equilibrium_record(result: Check) -> Record:
     found = other_equilibria(result)
-    others = [{"place": str(e.place), **_with_exact({"points": e.points}), "cells": list(e.cells)} for e in found or ()]
+    others = [{"place": str(e.place), **with_exact({"points": e.points}), "cells": list(e.cells)} for e in found or ()]
     return {
         "verdict": str(result.equilibrium.verdict),
-        **_with_exact({"at": result.scene.check.equilibrium}),
+        **with_exact({"at": result.scene.check.equilibrium}),
         "others": None if found is None else others,
         "reason": result.equilibrium.reason,
     }
@@ -161,7 +161,7 @@ def _equilibrium_record(result: Check) -> Record:
 
 def _translation_record(translation: TranslationResult | EllipseTranslation) -> Record:
     radius = translation.region_radius
-    rate = _with_exact({"worst_rate": translation.worst_rate})
+    rate = with_exact({"worst_rate": translation.worst_rate})
     sampled = translation.sampled if isinstance(translation, EllipseTranslation) else None
     if sampled is not None:
         rate = {"worst_rate": sampled.largest_relative, "exact": {}}
@@ -170,7 +170,7 @@ def _translation_record(translation: TranslationResult | EllipseTranslation) -> 
         "lyapunov": LYAPUNOV,
         **rate,
         "samples": None if sampled is None else sampled.samples,
-        "region": None if radius is None else {"shape": "disc", **_with_exact({"radius": radius})},
+        "region": None if radius is None else {"shape": "disc", **with_exact({"radius": radius})},
         "witness": _witness_record(translation.witness, "value"),
         "reason": translation.reason,
     }
@@ -180,7 +180,7 @@ def _rotation_record(rotation: RotationResult) -> Record:
     drift = rotation.drift
     return {
         "verdict": str(rotation.verdict),
-        **_with_exact({"drift": None if drift is None else drift.interval}),
+        **with_exact({"drift": None if drift is None else drift.interval}),
         "weights": None if drift is None else _weights_record(drift),
         "reason": rotation.reason,
     }
@@ -189,7 +189,7 @@ def _rotation_record(rotation: RotationResult) -> Record:
 def _weights_record(drift: Drift) -> Record:
     """The convex weights that rest in (x, y) and turn at the lowest and highest rate."""
     return {
-        end: [_with_exact({"twist": drift.twists[k], "weight": w}) for k, w in mixture.weights.items()]
+        end: [with_exact({"twist": drift.twists[k], "weight": w}) for k, w in mixture.weights.items()]
         for end, mixture in (("lowest", drift.lowest), ("highest", drift.highest))
     }
 
@@ -206,7 +206,7 @@ def _feedback_record(result: Check) -> Record:
         "printed_sign_fails": list(feedback.printed_sign_fails) if isinstance(feedback, FeedbackResult) else [],
         "cells": [_input_cell_record(data) for data in cells],
         "sampled": _samples_record(feedback) if isinstance(feedback, SampledFeedback) else [],
-        "authority": {"rank": authority.rank, **_with_exact({"missing": authority.missing})},
+        "authority": {"rank": authority.rank, **with_exact({"missing": authority.missing})},
     }
 
 
@@ -236,10 +236,10 @@ def _samples_record(feedback: SampledFeedback) -> list[Record]:
 def _witness_record(witness: Witness | None, value: str) -> Record | None:
     if witness is None:
         return None
-    return {**_with_exact({"point": witness.point, value: witness.value}), "meaning": witness.meaning}
+    return {**with_exact({"point": witness.point, value: witness.value}), "meaning": witness.meaning}
 
 
-def _with_exact(values: Record) -> Record:
+def with_exact(values: Record) -> Record:
     """The values as floats, and their exact texts under ``exact``."""
     exact = {key: _texts(value) for key, value in values.items() if value is not None}
     return {**{key: _floats(value) for key, value in values.items()}, "exact": exact}

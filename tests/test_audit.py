@@ -11,11 +11,12 @@ import sympy
 
 from nonsmooth.proofs.feedback import FeedbackResult
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells
-from nonsmooth.reports import audit_kinematics, audit_stability
+from nonsmooth.reports import audit_functional, audit_kinematics, audit_stability
 from nonsmooth.reports.audit import audit_paper, is_paper_array
 from nonsmooth.reports.audit_feedback import CorrectedLaw, audit_feedback, corrected_law
 from nonsmooth.reports.audit_kinematics import audit_equations_3_and_4, compare_cells, theorem_4_identities
 from nonsmooth.reports.audit_stability import audit_translation, missing_factor, rate_is, rays, rests, sign_sets
+from nonsmooth.reports.document import Inline, Math, Table
 from nonsmooth.reports.finding import Outcome
 from nonsmooth.symbolic.printed_equations import equation_3, equation_4, theorem_4_kinematics
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
@@ -53,6 +54,10 @@ def test_outcomes() -> None:
         3: Outcome.STRENGTHENED,
         5: Outcome.CORRECTED,
         6: Outcome.CORRECTED,
+        4: Outcome.REFUTED,
+        7: Outcome.REFUTED,
+        8: Outcome.CORRECTED,
+        9: Outcome.REFUTED,
     }
 
 
@@ -189,3 +194,29 @@ def test_a_changed_display_is_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
     changed[0] = -changed[0]
     monkeypatch.setattr(audit_kinematics, "theorem_4_kinematics", lambda: changed)
     assert audit_kinematics.audit_theorem_4_displays().outcome is Outcome.REFUTED
+
+
+# ---- items 4, 7, 8, 9: the functional ------------------------------------------------------------
+
+
+def test_the_shares_of_the_paper_rule_are_one_minus_twice_the_ratio() -> None:
+    """The rule's twists minimize D beyond the strips |x| <= mu or |y| <= mu: 1 - 2 mu_S/mu_R, for ratios up to 1/2."""
+    (shown,) = (block for block in audit_functional.audit_largest_weights().computed if isinstance(block, Table))
+    for row in shown.rows:
+        ratio, cells, share, rest = (entry[0] for entry in row)
+        value = Fraction(plain_of(ratio))
+        assert Fraction(plain_of(share)) == max(Fraction(0), 1 - 2 * value)
+        assert Fraction(plain_of(rest)) == (2 * value**2 if value <= Fraction(1, 2) else 1)
+        assert int(plain_of(cells)) == (1 if value >= 1 else 5 if value == Fraction(1, 2) else 13)
+
+
+def test_the_counterexamples_are_what_the_check_says() -> None:
+    (shown,) = audit_functional.audit_every_array().computed
+    assert isinstance(shown, Table)
+    verdicts = {plain_of(row[0][0]): plain_of(row[1][0]) for row in shown.rows}
+    assert verdicts == {name: str(check_cells(load_scene(name)).verdict) for name in audit_functional.COUNTEREXAMPLES}
+    assert {"fails", "hypotheses not met"} <= set(verdicts.values())
+
+
+def plain_of(inline: Inline) -> str:
+    return inline.plain if isinstance(inline, Math) else inline if isinstance(inline, str) else inline.text
