@@ -48,7 +48,7 @@ MALFORMED = [
     (f"name = 3\n{FRICTION}{TWO}", "name", "text"),
     (f'name = "a\\nb"\n{FRICTION}{TWO}', "name", "printable"),
     (f'name = "{"x" * 300}"\n{FRICTION}{TWO}', "name", "200 characters"),
-    ('[system]\nstates = ["x"]\nrhs = ["-sign(x)"]', "system", "not supported yet"),
+    ('[system]\nstates = ["x"]\nrhs = ["-sign(x)"]', "system", "an array of wheels"),
     # how many wheels, and where
     (FRICTION, "wheel", "one of"),
     (f"wheel = []\n{FRICTION}", "wheel", "two wheels"),
