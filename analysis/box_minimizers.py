@@ -92,7 +92,7 @@ class BoxEnumeration:
             if not loaded.any():
                 raise ValueError(f"required three independent loaded rows, received loads {load}")
             best = _best(model, load, candidates[loaded])
-            twists[k], forces[k] = best[0], _forces_at(model, load, best.mean(axis=0))
+            twists[k], forces[k] = best[0], forces_at(model, load, best.mean(axis=0))
             if len(best) > 1:
                 faces[k] = best
         forces = balance_forces(self.functional, model, normal, forces)
@@ -126,7 +126,7 @@ def _best(model: ContactRows, loads: Floats, candidates: Floats) -> Floats:
     return best[distinct(slips, SAME_VERTEX * float(np.abs(slips).max()))]
 
 
-def _forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
+def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
     """Balanced forces at a minimizer: minus the limit times the slip's sign, free where a row does not slip."""
     from scipy.optimize import lsq_linear
 

@@ -9,7 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.box_minimizers import forces_at
+from nonsmooth.analysis.contact_model import contact_model
+from nonsmooth.analysis.dissipation import Functional
+from nonsmooth.analysis.float_loads import loads_at
+from nonsmooth.analysis.force_balance import balance_forces
+from nonsmooth.analysis.minimum import Minima
 from nonsmooth.analysis.partition import Partition
+from nonsmooth.symbolic.scene import Rule
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.
@@ -56,3 +63,17 @@ class PointLocator:
         """Twist (vx, vy, omega) of each point's cell, NaN outside the square."""
         found = self.locate(points)
         return np.where((found != OUTSIDE)[:, None], self._twists[found], np.nan)
+
+    def minima(self, points: NDArray[np.float64]) -> Minima:
+        """The explicit minimizer of rule ``box`` at points (m, 2), with the forces that prove it.
+
+        Raises:
+            ValueError: for a point outside the square, or a partition of another rule.
+        """
+        twists = self.twists(points)
+        if self.partition.rule is not Rule.BOX or np.isnan(twists).any():
+            raise ValueError("required points inside the checked square of a partition of rule box")
+        model = contact_model(self.partition.scene)
+        loads = loads_at(model, points)
+        forces = np.array([forces_at(model, load, twist) for load, twist in zip(loads, twists, strict=True)])
+        return Minima(Functional.BOX, model, loads, twists, balance_forces(Functional.BOX, model, loads, forces))

@@ -14,11 +14,13 @@ from nonsmooth.analysis.box import build_box_partition, rest_cells
 from nonsmooth.analysis.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.partition import AREA_ROOTS, Partition, RefusalError
+from nonsmooth.analysis.point_location import PointLocator
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Contact, LoadTable, Rule, Scene
+from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -210,3 +212,11 @@ def test_wheels_that_almost_coincide(arrays: Arrays) -> None:
 def test_arrays_without_enough_friction_are_refused(arrays: Arrays) -> None:
     with pytest.raises(RefusalError, match="not determined"):
         build_box_partition(arrays.four_wheel((1, 0)))
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "elliptic", "grid-4x4"])
+def test_the_explicit_minimizer_proves_itself_at_random_points(name: str) -> None:
+    """Forces at the located twist: inside the box, in balance, and without a duality gap."""
+    scene = load_scene(name, rule="box", radius="1/4")
+    points = np.random.default_rng(0).uniform(-0.25, 0.25, (60, 2))
+    assert PointLocator(build_box_partition(scene)).minima(points).check().all()
