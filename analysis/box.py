@@ -22,11 +22,8 @@ from nonsmooth.analysis.partition import Cell, Partition, RefusalError
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.lazy import Lazy
+from nonsmooth.symbolic.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.scene import Rule, Scene
-
-# With more independent square roots than this, vertices stay unevaluated quotients (see nonsmooth.symbolic.lazy).
-FEW_ROOTS = 2
 
 
 def build_box_partition(scene: Scene) -> Partition:

@@ -3,7 +3,8 @@
 ``maximize sum_k prices_k w_k  subject to  sum_k w_k columns_k = target, w >= 0`` with a handful of rows.
 Primal simplex with Bland's rule (it cannot cycle) over the scene's field: the optimum is exact and comes with
 its own proof, the multipliers ``y`` with ``y . columns_k >= prices_k`` for all k and ``y . target`` equal to the value.
-A float solver could only propose this; with three rows the exact pivots cost less than starting one.
+With three rows the exact pivots cost less than starting a float solver; only over many square roots, where a pivot
+divides by long sums, a float solver proposes the basis and exact signs confirm it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+
+from nonsmooth.symbolic.constraints import Triple, independent, inner, outer
+from nonsmooth.symbolic.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.number_field import Number
 
 Column: TypeAlias = Sequence[Number]
@@ -56,6 +61,10 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
         ValueError: if the program is unbounded.
     """
     one = _one_like(columns, target)
+    if len(one.field.radicands) > FEW_ROOTS:
+        proposed = _verified_proposal(columns, target, prices)
+        if proposed is not None:
+            return proposed
     zero = one - one
     rows = len(target)
     flips = [-1 if t.sign() < 0 else 1 for t in target]
@@ -74,6 +83,55 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
     weights = {k: w for k, w in zip(tableau.basis, tableau.levels, strict=True) if k < real and w}
     multipliers = [flip * y for flip, y in zip(flips, tableau.multipliers([*prices, *[zero] * rows]), strict=True)]
     return Mixture(weights, _sum([prices[k] * w for k, w in weights.items()], zero), tuple(multipliers))
+
+
+def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
+    """The optimum, if floats find its basis and exact signs confirm it; None where they do not.
+
+    With many square roots an exact pivot divides by long sums.  For three rows the basis B alone decides: with
+    ``det = det B``, the weights are ``det(B with the target in place of column k)/det`` and the multipliers
+    ``y = prices_B B^-1``; all signs are those of numerators times that of det.
+    """
+    basis = _float_basis(columns, target, prices)
+    if basis is None:
+        return None
+    chosen = [_triple(columns[k]) for k in basis]
+    cofactors = (outer(chosen[1], chosen[2]), outer(chosen[2], chosen[0]), outer(chosen[0], chosen[1]))
+    det = inner(chosen[0], cofactors[0])
+    side = det.sign()
+    tops = [inner(_triple(target), row) for row in cofactors]
+    if not side or any(top.sign() * side < 0 for top in tops):
+        return None
+    rows = list(zip(*cofactors, strict=True))
+    multipliers = [_sum(prices[k] * c for k, c in zip(basis, row, strict=True)) for row in rows]
+    for column, price in zip(columns, prices, strict=True):
+        if (_sum(y * c for y, c in zip(multipliers, column, strict=True)) - price * det).sign() * side < 0:
+            return None
+    value = _sum(prices[k] * top for k, top in zip(basis, tops, strict=True))
+    weights = {k: divided(top, det) for k, top in zip(basis, tops, strict=True) if top}
+    return Mixture(weights, divided(value, det), tuple(divided(y, det) for y in multipliers))
+
+
+def _float_basis(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> list[int] | None:
+    """Columns of an optimal vertex according to HiGHS, completed to three."""
+    from scipy.optimize import linprog
+
+    matrix = np.array([[float(x) for x in column] for column in columns]).T
+    costs = np.array([float(price) for price in prices])
+    result = linprog(-costs, A_eq=matrix, b_eq=[float(t) for t in target], method="highs-ds")
+    if result.status != 0 or len(target) != 3:
+        return None
+    slack = matrix.T @ -result.eqlin.marginals - costs
+    order = np.lexsort((slack, -result.x))  # columns in use first, then those that would cost least
+    basis: list[int] = []
+    for k in order.tolist():
+        if len(independent([_triple(columns[i]) for i in [*basis, k]])) > len(basis):
+            basis.append(k)
+    return basis if len(basis) == 3 else None
+
+
+def _triple(column: Column) -> Triple:
+    return column[0], column[1], column[2]
 
 
 class _Tableau:

@@ -17,6 +17,9 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.number_field import Number, NumberField
 
+# With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
+FEW_ROOTS = 2
+
 _PRECISION = 256
 _FLOAT_BITS = 53
 
@@ -224,3 +227,10 @@ def _multiply(left: Quotient, right: Quotient) -> Quotient:
     if b == c:
         return a, d
     return a * c, b * d
+
+
+def divided(numerator: Number, denominator: Number) -> Any:
+    """The quotient: a field element over few square roots, late otherwise."""
+    if len(numerator.field.radicands) > FEW_ROOTS:
+        return Lazy.of(numerator) / Lazy.of(denominator)
+    return numerator / denominator

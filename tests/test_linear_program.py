@@ -187,3 +187,26 @@ def test_a_feasible_but_suboptimal_mixture_is_refused(seed: int) -> None:
     cheapest = Mixture(worst.weights, -worst.value, best.multipliers)
     assert not cheapest.check(columns, target, prices)
     assert not replace(cheapest, multipliers=tuple(-y for y in worst.multipliers)).check(columns, target, prices)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_proposals_over_many_roots_are_verified_and_equal_the_exact_optimum(seed: int) -> None:
+    """Columns over six square roots: the value agrees with HiGHS, and the certificate verifies exactly."""
+    rng = np.random.default_rng(seed)
+    field = NumberField()
+    roots = [field.sqrt(n) for n in (2, 3, 5, 7, 11, 13)]
+    count = int(rng.integers(3, 12))
+
+    def entry() -> Number:
+        return roots[rng.integers(6)] * int(rng.integers(-3, 4))
+
+    columns = [(entry(), entry(), field.one) for _ in range(count)]
+    prices = [entry() for _ in range(count)]
+    target = (field.zero, field.zero, field.one)
+    found = best_mixture(columns, target, prices)
+    matrix = np.array([[float(x) for x in column] for column in columns]).T
+    reference = linprog([-float(p) for p in prices], A_eq=matrix, b_eq=[0, 0, 1])
+    assert (found is None) == (reference.status == 2)
+    if found is not None:
+        assert found.check(columns, target, prices)
+        assert float(found.value) == pytest.approx(-reference.fun, abs=1e-9)
