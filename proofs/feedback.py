@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import Point
+from nonsmooth.proofs.feedback_rate import FeedbackRate, certified_rate
 from nonsmooth.proofs.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
@@ -98,6 +99,7 @@ class FeedbackResult:
         local: numbers of the cells whose closure holds the equilibrium; these decide.
         witness: a nonzero c with its theta (the value) at which no input changes V.
         reason: one sentence for people.
+        rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
     """
 
     verdict: Feedback
@@ -105,6 +107,7 @@ class FeedbackResult:
     local: frozenset[int]
     witness: Witness | None
     reason: str
+    rate: FeedbackRate | None = None
 
     @property
     def law(self) -> str | None:
@@ -123,7 +126,8 @@ class FeedbackResult:
         local = [data for data in self.cells if _is_local(data.cell)]
         genuine = bool(local) and all(data == _input_cell(data.cell, data.state) for data in local)
         if self.verdict is Feedback.STABILIZABLE:
-            return genuine and all(data.lever is not None and _one_strict_sign(data) for data in local)
+            decreasing = all(data.lever is not None and _one_strict_sign(data) for data in local)
+            return genuine and decreasing and (self.rate is None or self.rate.check())
         return genuine and self.witness is not None and any(_is_idle(data, self.witness) for data in local)
 
 
@@ -154,7 +158,7 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
             )
             return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
-    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason)
+    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition))
 
 
 def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:

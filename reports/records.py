@@ -200,7 +200,7 @@ def _feedback_record(result: Check) -> Record:
     return {
         "verdict": str(feedback.verdict),
         "law": feedback.law,
-        "rate": None,  # no rate is proved yet
+        **_rate_record(feedback),
         "witness": _witness_record(feedback.witness, "theta"),
         "reason": feedback.reason,
         "printed_sign_fails": list(feedback.printed_sign_fails) if isinstance(feedback, FeedbackResult) else [],
@@ -208,6 +208,14 @@ def _feedback_record(result: Check) -> Record:
         "sampled": _samples_record(feedback) if isinstance(feedback, SampledFeedback) else [],
         "authority": {"rank": authority.rank, **with_exact({"missing": authority.missing})},
     }
+
+
+def _rate_record(feedback: FeedbackResult | SampledFeedback) -> Record:
+    """The certified rate: ``V' <= -rate k V`` near the equilibrium."""
+    rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
+    if rate is None:
+        return {"rate": None}
+    return {"rate": float(2 * rate.kappa), "exact": {"rate": str(2 * rate.kappa)}}
 
 
 def _input_cell_record(data: InputCell) -> Record:
