@@ -13,9 +13,13 @@ rotation rate omega.  With exact kinematics ``c' = v + omega J c`` a Filippov so
   one contracts, exactly one is left undecided (second-order terms decide).
 
 If nothing is unstable and nothing rests, every chain ends in an inward slide or contracts, so the equilibrium is
-asymptotically stable; with rest it is stable, not asymptotically.  The overshoot is the largest growth of the
-distance along a chain, from a start anywhere in a cone.  (Filippov 1988, sec. 15-16, for the piecewise constant
-field; the linear terms are the pose's own.)
+asymptotically stable; with rest it is stable, not asymptotically.  Where several motions tie in a cone, any of
+their mixtures may be followed.  With normal and radial parts (n, rho) the growth per angle ``rho/n`` of a mixture lies
+between those of the two, whose order ``rho_1 n_2 - rho_2 n_1 = +-v_1 x v_2`` is the same at every angle: so the largest
+gain is that of one of them, and turning back and forth between them where n changes sign grows the distance only
+if their mixture slides outward, which shows at a ray of the cone.  The overshoot is the largest growth of the
+distance along a chain, from a start anywhere in a cone (not bounded here where motions tie).  (Filippov 1988,
+sec. 15-16, for the piecewise constant field; the linear terms are the pose's own.)
 """
 
 from __future__ import annotations
@@ -107,7 +111,8 @@ class FanResult:
         cones: the fan, counterclockwise.
         evidence: what is unstable, at rest, or tied (empty for asymptotic stability).
         gains: product of gains of a full turn, by sense (1 counterclockwise, -1 clockwise), where one exists.
-        squared_overshoot: square of the largest growth of the distance along a chain of cones (at least one).
+        squared_overshoot: square of the largest growth of the distance along a chain of cones (at least one);
+            None where several motions tie in a cone.
     """
 
     verdict: Translation
@@ -260,10 +265,6 @@ def slide_speed(ray: Point, first: Twist, second: Twist) -> Any | None:
 def _ties(fan: Sequence[Cone]) -> Iterator[Evidence]:
     """Cones whose behaviour the leading terms do not decide."""
     for cone in fan:
-        if len(cone.twists) > 1:
-            crossing = any(_may_cross(cone, t, s) for t in cone.twists for s in (1, -1))
-            if crossing:
-                yield Evidence(Move.TIE, cone.start, cone.twists, "several motions in one cone that may be crossed")
         for twist in cone.twists:
             if not any(twist.velocity) and twist.omega:
                 yield Evidence(Move.TIE, cone.start, (twist,), "the body turns about the equilibrium itself")
@@ -307,7 +308,7 @@ def _turns(fan: Sequence[Cone]) -> tuple[dict[int, Any], Any]:
             gains[sense] = gain
         firsts = [_departure(cone, sense) for cone in (fan if sense > 0 else fan[::-1])]
         overshoot = max(overshoot, _largest_chain(firsts, steps))
-    return gains, overshoot
+    return gains, None if any(len(cone.twists) > 1 for cone in fan) else overshoot
 
 
 def _step(cone: Cone, sense: int) -> tuple[Any, Any] | None:

@@ -108,7 +108,12 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
     if not moving or not partition.complete:
         return None
     rate = max(derivative.relative() for derivative in moving).value
-    return 2 * max(abs(d.twist.omega) for d in moving) / -rate if rate.sign() < 0 else None
+    if rate.sign() < 0:
+        return 2 * max(abs(d.twist.omega) for d in moving) / -rate
+    if translation.quadratic is None:
+        return None
+    near = [abs(t.omega) for cone in translation.quadratic.cones for t in cone.twists]
+    return max(near) * translation.quadratic.arrival_per_distance  # from starts in its region
 
 
 def _constants(twists: tuple[Twist, ...]) -> tuple[Number, Number]:

@@ -25,6 +25,7 @@ from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import HalfPlane, Point
 from nonsmooth.proofs.cocircular import CocircularArray
 from nonsmooth.proofs.fan import FanResult, decide_fan
+from nonsmooth.proofs.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
@@ -55,6 +56,7 @@ class TranslationResult:
         reason: one sentence for people.
         fan: the decision by cones, where V leaves the question open.
         lemma: the certificate of V* <= 0 that spares the other cells, where there is one.
+        quadratic: another Lyapunov function, with rate and region, where the fan attracts and |c|^2 is no certificate.
     """
 
     verdict: Translation
@@ -65,6 +67,7 @@ class TranslationResult:
     reason: str
     fan: FanResult | None = None
     lemma: CocircularArray | None = None
+    quadratic: QuadraticCertificate | None = None
 
     @property
     def worst_rate(self) -> Number:
@@ -90,6 +93,10 @@ class TranslationResult:
         if not rates or not exact or not bounded:
             return False
         if self.lemma is not None and not self.lemma.check():
+            return False
+        if self.quadratic is not None and not (self.fan and self.quadratic.cones == self.fan.cones):
+            return False
+        if self.quadratic is not None and not self.quadratic.check():
             return False
         highest = max(rate.sign() for _, rate in rates)
         if highest > 0:  # V is refuted and the fan decides alone
@@ -138,7 +145,8 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
         fan = decide_fan(partition)
         witness = Witness(point, highest, "V* > 0")
         reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {brief_text(highest)} > 0 at {_place(point)}"
-        return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan)
+        quadratic = find_quadratic(fan.cones) if fan.verdict is Translation.ASYMPTOTICALLY_STABLE else None
+        return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic)
     strict = highest.sign() < 0
     radius = _region_radius(partition, derivatives, strict=strict)
     if strict:
@@ -147,9 +155,10 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
     rest = _equilibrium_ray(derivatives)
     fan = decide_fan(partition)
     attracts = fan.verdict is Translation.ASYMPTOTICALLY_STABLE
+    quadratic = find_quadratic(fan.cones) if attracts else None
     verdict = Translation.ASYMPTOTICALLY_STABLE if attracts else Translation.STABLE
     reason = _weak_reason(partition, rest, fan, lemma)
-    return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma)
+    return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma, quadratic)
 
 
 def _weak_reason(partition: Partition, rest: Witness | None, fan: FanResult, lemma: CocircularArray | None) -> str:

@@ -168,12 +168,21 @@ def _translation_record(translation: TranslationResult | EllipseTranslation) -> 
     return {
         "verdict": str(translation.verdict),
         "lyapunov": LYAPUNOV,
+        "quadratic": _quadratic_record(translation),
         **rate,
         "samples": None if sampled is None else sampled.samples,
         "region": None if radius is None else {"shape": "disc", **with_exact({"radius": radius})},
         "witness": _witness_record(translation.witness, "value"),
         "reason": translation.reason,
     }
+
+
+def _quadratic_record(translation: TranslationResult | EllipseTranslation) -> Record | None:
+    """The Lyapunov function ``c^T P c`` that serves where |c|^2 does not: its decay ``V* <= -decay |c|`` and region."""
+    found = translation.quadratic if isinstance(translation, TranslationResult) else None
+    if found is None:
+        return None
+    return {"lyapunov": str(found), "decay": float(2 * found.decay), **with_exact({"level": found.level})}
 
 
 def _rotation_record(rotation: RotationResult) -> Record:

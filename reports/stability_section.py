@@ -137,6 +137,8 @@ def _fan_blocks(fan: FanResult) -> list[Block]:
     words = (
         "The fan of the {} cones that meet at the point says: {}. Near the point a solution moves away at most {}-fold."
     )
+    if fan.squared_overshoot is None:  # several motions tie in a cone
+        return [paragraph("The fan of the {} cones that meet at the point says: {}.", str(len(fan.cones)), fan.reason)]
     growth = f"{math.sqrt(float(fan.squared_overshoot)):.6g}"
     return [paragraph(words, str(len(fan.cones)), fan.reason, growth)]
 

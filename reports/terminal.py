@@ -146,6 +146,10 @@ def _translation_evidence(translation: TranslationResult | EllipseTranslation) -
         )
     elif translation.worst_rate is not None:
         lines.append(f"max V*/|c| = {brief(translation.worst_rate)} on the square")
+    quadratic = translation.quadratic if isinstance(translation, TranslationResult) else None
+    if quadratic is not None:
+        lines.append(f"V = {quadratic} decreases: V* <= -{float(2 * quadratic.decay):.4g} |c|")
+        lines.append(f"region: V < {brief(quadratic.level)}")
     if translation.region_radius is not None:
         lines.append(f"region: disc of radius {brief(translation.region_radius)}")
     return lines

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
@@ -205,3 +206,67 @@ def test_the_fan_of_an_array_covers_every_direction(arrays: Arrays) -> None:
 def _angle(cone: Cone) -> tuple[float, float]:
     (a, b), (c, d) = ((float(v[0]), float(v[1])) for v in (cone.start, cone.end))
     return a * d - b * c, a * c + b * d
+
+
+# ---- several motions in one cone -----------------------------------------------------------------
+
+
+def tied_cones(seed: int) -> list[Cone]:
+    """A random fan with two motions in every cone."""
+    rays, motions = random_fan(seed)
+    _, others = random_fan(seed + 1000)
+    cones = fan_of(rays, motions)
+    tied = []
+    for k, cone in enumerate(cones):
+        second = others[k % len(others)]
+        twist_of_second = Twist(FIELD(second[0]), FIELD(second[1]), FIELD.zero)
+        states = (*cone.cell.states, ContactState((), twist_of_second))
+        tied.append(replace(cone, cell=replace(cone.cell, states=states)))
+    return tied
+
+
+def simulate_mixtures(cones: list[Cone], rng: np.random.Generator) -> tuple[float, float]:
+    """Largest and final distance of Euler steps that follow random mixtures, for a random while each."""
+    rays = np.array([[float(x) for x in cone.start] for cone in cones])
+    angles = np.arctan2(rays[:, 1], rays[:, 0]) % math.tau
+    order = np.argsort(angles)
+    velocities = np.array([[[float(t.vx), float(t.vy)] for t in cone.twists] for cone in cones]) / 40
+    start = rng.uniform(0, math.tau)
+    point, far, weight = np.array([math.cos(start), math.sin(start)]), 1.0, 0.5
+    for step in range(4000):
+        if step % 25 == 0:
+            weight = float(rng.choice([0.0, 1.0, rng.uniform()]))
+        k = order[np.searchsorted(angles[order], math.atan2(point[1], point[0]) % math.tau, side="right") - 1]
+        distance = float(np.hypot(*point))
+        far = max(far, distance)
+        if distance < 0.05 or distance > 60:
+            break
+        point = point + 0.004 * max(distance, 0.3) * (weight * velocities[k][0] + (1 - weight) * velocities[k][1])
+    return far, float(np.hypot(*point))
+
+
+def test_mixtures_of_tied_motions_never_refute_a_verdict() -> None:
+    """Where the fan says asymptotically stable, no random mixture runs away."""
+    rng, stable = np.random.default_rng(0), 0
+    for seed in range(900):
+        if gap_is_too_wide(random_fan(seed)[0]):
+            continue
+        cones = tied_cones(seed)
+        result = decide_cones(cones)
+        assert result.squared_overshoot is None
+        if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
+            stable += 1
+            for _ in range(4):
+                far, last = simulate_mixtures(cones, rng)
+                assert far < 60
+                assert last < max(1.0, far)
+    assert stable >= 5
+
+
+def test_tied_motions_of_an_array_are_decided(arrays: Arrays) -> None:
+    from nonsmooth.analysis.nearest import build_nearest_partition
+    from nonsmooth.proofs.translation import decide_translation
+
+    verdicts = {decide_translation(build_nearest_partition(arrays.cocircular(s, (1, 1)))).verdict for s in range(40)}
+    assert Translation.UNDECIDED not in verdicts
+    assert len(verdicts) > 1
