@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from nonsmooth.analysis.box import build_box_partition, build_rest_partition
-from nonsmooth.analysis.equilibria import Equilibrium as FoundEquilibrium
 from nonsmooth.analysis.equilibria import find_equilibria
 from nonsmooth.analysis.filippov import filippov_twists
 from nonsmooth.analysis.nearest import build_nearest_partition
@@ -24,6 +23,7 @@ from nonsmooth.proofs.ellipse_clauses import EllipseEquilibrium, EllipseTranslat
 from nonsmooth.proofs.equilibrium import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.fan import build_fan
 from nonsmooth.proofs.feedback import FeedbackResult, decide_feedback, side_friction_rules
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.rotation import RotationResult, decide_rotation, rotation_bound
 from nonsmooth.proofs.sampled_feedback import SampledFeedback, sample_feedback
 from nonsmooth.proofs.translation import TranslationResult, decide_translation
@@ -80,14 +80,15 @@ class CellCheck(Theorem4Result):
         equilibrium: clause 1.
         translation: clause 2.
         feedback: clause 4; sampled under rule ``box``.
-        others: all equilibria of the square, about the checked point; None where they were not searched for.
+        others: all equilibria of the square, about the checked point, with their own verdicts; None where they
+            were not searched for.
     """
 
     partition: Partition
     equilibrium: EquilibriumResult
     translation: TranslationResult
     feedback: FeedbackResult | SampledFeedback
-    others: tuple[FoundEquilibrium, ...] | None
+    others: tuple[JudgedEquilibrium, ...] | None
 
     def check(self) -> bool:
         """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
@@ -295,9 +296,9 @@ def _box_cells(work: _Work, lemma: CocircularArray | None) -> Partition:
     return rest
 
 
-def _equilibria(work: _Work, partition: Partition) -> tuple[FoundEquilibrium, ...] | None:
+def _equilibria(work: _Work, partition: Partition) -> tuple[JudgedEquilibrium, ...] | None:
     if partition.complete:
-        return find_equilibria(partition)
+        return judge_equilibria(work.centred, find_equilibria(partition))
     work.skip("search for other equilibria", 1, "cells away from the point were not built")
     return None
 

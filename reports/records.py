@@ -13,10 +13,10 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.analysis.equilibria import Equilibrium as FoundEquilibrium
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
 from nonsmooth.proofs.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.rotation import Drift, RotationResult
 from nonsmooth.proofs.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
@@ -141,16 +141,25 @@ def minimizing_states(result: Check) -> int | None:
     return None
 
 
-def other_equilibria(result: Check) -> list[FoundEquilibrium] | None:
+def other_equilibria(result: Check) -> list[JudgedEquilibrium] | None:
     """Equilibria of the square beside the checked point; None where they were not searched for."""
     if not isinstance(result, CellCheck) or result.others is None:
         return None
-    return [e for e in result.others if len(e.points) > 1 or any(e.points[0])]
+    return [e for e in result.others if len(e.found.points) > 1 or any(e.found.points[0])]
 
 
 def _equilibrium_record(result: Check) -> Record:
     found = other_equilibria(result)
-    others = [{"place": str(e.place), **with_exact({"points": e.points}), "cells": list(e.cells)} for e in found or ()]
+    others = [
+        {
+            "place": str(e.found.place),
+            **with_exact({"points": e.found.points}),
+            "cells": list(e.found.cells),
+            "translation": None if e.translation is None else str(e.translation),
+            "rotation": None if e.rotation is None else str(e.rotation),
+        }
+        for e in found or ()
+    ]
     return {
         "verdict": str(result.equilibrium.verdict),
         **with_exact({"at": result.scene.check.equilibrium}),

@@ -73,11 +73,20 @@ def equilibria_section(result: CellCheck) -> Section:
     if not result.others:
         return Section("Equilibria of the square", (paragraph("There is none."),))
     rows: list[tuple[Entry, ...]] = [
-        (str(e.place), listed([point(p) for p in e.points]), ", ".join(str(cell) for cell in e.cells))
-        for e in result.others
+        (
+            str(judged.found.place),
+            listed([point(p) for p in judged.found.points]),
+            ", ".join(str(cell) for cell in judged.found.cells),
+            "" if judged.translation is None else str(judged.translation),
+            "" if judged.rotation is None else str(judged.rotation),
+        )
+        for judged in result.others
     ]
     words = paragraph("Points with zero velocity in the Filippov set of the exact kinematics, all of them:")
-    return Section("Equilibria of the square", (words, table(("where", "points", "cells"), rows, (2, 5, 3))))
+    return Section(
+        "Equilibria of the square",
+        (words, table(("where", "points", "cells", "(x, y)", "theta"), rows, (2, 3, 2, 2, 2))),
+    )
 
 
 def theorem_section(result: Check) -> Section:

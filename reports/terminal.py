@@ -16,6 +16,7 @@ from rich.text import Text
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
 from nonsmooth.proofs.feedback import FeedbackResult
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.rotation import RotationResult
 from nonsmooth.proofs.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.translation import TranslationResult
@@ -127,10 +128,15 @@ def _equilibrium_evidence(result: Check) -> list[str]:
     lines = [result.equilibrium.reason]
     others = other_equilibria(result)
     if others is not None:
-        shown = [f"{e.place} at {', '.join(_point(p) for p in e.points)}" for e in others[:MOST_EQUILIBRIA]]
+        shown = [_equilibrium(e) for e in others[:MOST_EQUILIBRIA]]
         more = [f"and {len(others) - MOST_EQUILIBRIA} more"] * (len(others) > MOST_EQUILIBRIA)
         lines.append(f"other equilibria in the square: {'; '.join(shown + more) or 'none'}")
     return lines
+
+
+def _equilibrium(judged: JudgedEquilibrium) -> str:
+    place = f"{judged.found.place} at {', '.join(_point(p) for p in judged.found.points)}"
+    return place if judged.translation is None else f"{place} ({judged.translation})"
 
 
 def _point(point: tuple[Real, Real]) -> str:

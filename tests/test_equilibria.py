@@ -13,6 +13,7 @@ from nonsmooth.analysis.equilibria import Equilibrium, Place, find_equilibria, s
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.analysis.polygon import Point
+from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Twist
 
 if TYPE_CHECKING:
@@ -125,3 +126,27 @@ def test_equilibria_on_sides_against_a_scan(arrays: Arrays, seed: int) -> None:
         cross, product = opposed_rates(a, b, point)
         assert abs(cross) < 1e-9 * max(1, abs(at_start), abs(at_end))  # linear along the side
         assert any(np.hypot(*(point - p)) < 1e-9 for p in found) == (product < 0)
+
+
+# ---- verdicts of their own -----------------------------------------------------------------------
+
+
+def test_each_isolated_equilibrium_is_judged_about_its_own_point(arrays: Arrays) -> None:
+    """Checked beside its middle, the four-wheel array has its one equilibrium where a direct check has it."""
+    scene = arrays.four_wheel()
+    beside = replace(scene, check=replace(scene.check, equilibrium=(scene.field(1) / 8, scene.field(1) / 16)))
+    (other,) = check_cells(beside).others or ()
+    direct = check_cells(scene)
+    assert other.found.points == ((-scene.field(1) / 8, -scene.field(1) / 16),)
+    assert (other.translation, other.rotation) == (direct.translation.verdict, direct.rotation.verdict)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_judged_verdicts_equal_a_check_at_the_point(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 5)
+    for judged in check_cells(scene).others or ():
+        if judged.translation is not None:
+            x, y = judged.found.points[0]
+            at = (scene.check.equilibrium[0] + x, scene.check.equilibrium[1] + y)
+            there = check_cells(replace(scene, check=replace(scene.check, equilibrium=at)))
+            assert (judged.translation, judged.rotation) == (there.translation.verdict, there.rotation.verdict)

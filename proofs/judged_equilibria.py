@@ -1,0 +1,58 @@
+"""The verdicts at every isolated equilibrium of the square, each about its own point.
+
+The clauses are local: they look at the cells whose closure holds the point.  So each point is checked in a square of
+its own, small enough to stay inside the checked one.  Segments and areas of equilibria are stable sets at most and
+are reported as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from nonsmooth.analysis.box import build_box_partition
+from nonsmooth.analysis.equilibria import Equilibrium
+from nonsmooth.analysis.nearest import build_nearest_partition
+from nonsmooth.analysis.partition import RefusalError
+from nonsmooth.proofs.rotation import decide_rotation
+from nonsmooth.proofs.translation import decide_translation
+from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.symbolic.lazy import Lazy
+from nonsmooth.symbolic.scene import Check, Rule, Scene
+
+MOST = 16  # points that are judged: each costs a partition of its own
+SHARE = 8  # the square about a point is this many times smaller than the checked one
+
+
+@dataclass(frozen=True)
+class JudgedEquilibrium:
+    """An equilibrium with its local verdicts; None where the point was not judged."""
+
+    found: Equilibrium
+    translation: Translation | None = None
+    rotation: Rotation | None = None
+
+
+def judge_equilibria(scene: Scene, found: tuple[Equilibrium, ...]) -> tuple[JudgedEquilibrium, ...]:
+    """Verdicts for the equilibria of a scene whose coordinates are those of the points.
+
+    Points whose coordinates are unevaluated quotients, and those beyond :data:`MOST`, are left unjudged.
+    """
+    judged, budget = [], MOST
+    for equilibrium in found:
+        point = equilibrium.points[0]
+        if len(equilibrium.points) > 1 or not budget or any(isinstance(x, Lazy) for x in point):
+            judged.append(JudgedEquilibrium(equilibrium))
+            continue
+        budget -= 1
+        judged.append(_judged(scene, equilibrium))
+    return tuple(judged)
+
+
+def _judged(scene: Scene, equilibrium: Equilibrium) -> JudgedEquilibrium:
+    own = replace(scene, check=Check(equilibrium.points[0], scene.check.radius / SHARE)).recentred()
+    try:
+        partition = build_nearest_partition(own) if own.contact.rule is Rule.NEAREST else build_box_partition(own)
+    except RefusalError:  # the small square leaves the support polygon
+        return JudgedEquilibrium(equilibrium)
+    translation = decide_translation(partition)
+    return JudgedEquilibrium(equilibrium, translation.verdict, decide_rotation(partition, translation).verdict)
