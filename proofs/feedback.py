@@ -136,7 +136,7 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     scene = partition.scene
     blocked = side_friction_rules(_acting_wheels(scene, partition))
     if blocked:
-        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), None, blocked)
+        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), _single_input(partition), blocked)
     cells = tuple(_input_cell(cell, state) for cell in partition.cells for state in cell.states)
     local = frozenset(cell.index for cell in partition.cells if _is_local(cell))
     for data in cells:
@@ -159,6 +159,17 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
             return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
     return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition))
+
+
+def _single_input(partition: Partition) -> Witness | None:
+    """Where a side row in third place leaves one input alone at the equilibrium: the plane on which V' vanishes."""
+    for cell in partition.cells:
+        if _is_local(cell):
+            for state in cell.states:
+                data = _input_cell(cell, state)
+                if data.lever is None:
+                    return data.idle_plane()
+    return None
 
 
 def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:

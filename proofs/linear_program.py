@@ -117,7 +117,10 @@ def _float_basis(columns: Sequence[Column], target: Column, prices: Sequence[Num
     from scipy.optimize import linprog
 
     matrix = np.array([[float(x) for x in column] for column in columns]).T
-    costs = np.array([float(price) for price in prices])
+    largest = max(abs(price) for price in prices)
+    costs = np.array([float(divided(price, largest)) if largest else 0.0 for price in prices])
+    if not np.isfinite(matrix).all():
+        return None
     result = linprog(-costs, A_eq=matrix, b_eq=[float(t) for t in target], method="highs-ds")
     if result.status != 0 or len(target) != 3:
         return None

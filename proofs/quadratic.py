@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.fan import Cone
@@ -99,10 +100,10 @@ def _propose(cones: tuple[Cone, ...]) -> tuple[Fraction, Fraction] | None:
     shape, margin = cp.Variable(2), cp.Variable()
     constraints: list[cp.Constraint] = [cp.SOC(cp.Constant(_INSIDE), shape)]
     for ray, velocity in _pairs(cones):
-        r, v = (np.array([float(x) for x in pair]) for pair in (ray, velocity))
-        size = np.hypot(*r) * np.hypot(*v)
-        if not size > 0:
+        r, v = _direction(ray), _direction(velocity)
+        if r is None or v is None:
             return None
+        size = np.hypot(*r) * np.hypot(*v)
         slope = np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]]) / size
         constraints.append(slope @ shape + r @ v / size <= -margin)
     cp.Problem(cp.Maximize(margin), constraints).solve()
@@ -110,6 +111,12 @@ def _propose(cones: tuple[Cone, ...]) -> tuple[Fraction, Fraction] | None:
         return None
     a, b = (Fraction(round(float(x) * DENOMINATOR), DENOMINATOR) for x in shape.value)
     return a, b
+
+
+def _direction(vector: Point) -> NDArray[np.float64] | None:
+    """A vector in floats of order one, whatever its unit; None for zero."""
+    largest = max(abs(vector[0]), abs(vector[1]))
+    return np.array([float(x / largest) for x in vector]) if largest else None
 
 
 def _falls(certificate: QuadraticCertificate, ray: Point, velocity: Vector, decay: Fraction) -> bool:

@@ -33,6 +33,11 @@ def feedback_blocks(feedback: FeedbackResult | SampledFeedback, authority: Autho
 
 def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
     blocks: list[Block] = []
+    if feedback.rate is not None:
+        kappa = feedback.rate.kappa
+        bound = f"-{float(2 * kappa):.4g}"
+        formula = Math(rf"\dot V \le {bound}\, k V", f"V' <= {bound} k V")
+        blocks.append(paragraph("Certified on every closed cone at the equilibrium: {}.", formula))
     if feedback.cells:
         blocks.append(_cell_table(feedback))
     failing = ", ".join(str(index) for index in feedback.printed_sign_fails)

@@ -16,6 +16,7 @@ from flint import arb
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
 from nonsmooth.proofs.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.input_ranks import input_ranks
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.rotation import Drift, RotationResult
 from nonsmooth.proofs.sampled_feedback import SampledFeedback
@@ -25,6 +26,7 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import real_text
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.scene import Rule
 
 CHECK_SCHEMA = "nonsmooth-check/1"
 CHECKS_SCHEMA = "nonsmooth-checks/1"
@@ -219,12 +221,25 @@ def _feedback_record(result: Check) -> Record:
         "verdict": str(feedback.verdict),
         "law": feedback.law,
         **_rate_record(feedback),
+        "ranks": _ranks_record(result),
         "witness": _witness_record(feedback.witness, "theta"),
         "reason": feedback.reason,
         "printed_sign_fails": list(feedback.printed_sign_fails) if isinstance(feedback, FeedbackResult) else [],
         "cells": [_input_cell_record(data) for data in cells],
         "sampled": _samples_record(feedback) if isinstance(feedback, SampledFeedback) else [],
         "authority": {"rank": authority.rank, **with_exact({"missing": authority.missing})},
+    }
+
+
+def _ranks_record(result: Check) -> Record | None:
+    """Independent inputs by cell, by pair of neighbouring cells and at the checked point (rule ``nearest``)."""
+    if not isinstance(result, CellCheck) or result.partition.rule is not Rule.NEAREST:
+        return None
+    ranks = input_ranks(result.partition)
+    return {
+        "cells": [{"cell": cell, "rank": rank} for cell, rank in ranks.cells.items()],
+        "sides": [{"cells": list(pair), "rank": rank} for pair, rank in ranks.sides.items()],
+        "equilibrium": ranks.equilibrium,
     }
 
 
