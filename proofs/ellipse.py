@@ -111,7 +111,7 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     def point(situation: Situation, reason: str, twist: Twist | None = None) -> EllipsePoint:
         return EllipsePoint(scene, region, situation, twist, balance, None, reason)
 
-    carried = common_twist(scene)
+    carried = common_twist(scene, region)
     if carried is not None:
         return point(Situation.CARRIED, f"the twist {_text(carried)} satisfies every row of every wheel", carried)
     if balance.strict and balance.holds:
@@ -144,13 +144,14 @@ def _smooth_point(
     )
 
 
-def common_twist(scene: Scene) -> Twist | None:
-    """The twist that satisfies every row with friction of every wheel, if there is exactly one."""
+def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
+    """The twist that satisfies every row with friction of every wheel, where the wheels loaded at the point fix it."""
     rows = [row for row in scene_rows(scene) if friction_of(row)]
-    basis = independent([row.normal for row in rows])
+    loaded = [row for row in rows if region.forces[row.wheel.index - 1][0]]
+    basis = independent([row.normal for row in loaded])
     if len(basis) < 3:
         return None
-    state = solve_rows((rows[basis[0]], rows[basis[1]], rows[basis[2]]))
+    state = solve_rows((loaded[basis[0]], loaded[basis[1]], loaded[basis[2]]))
     if state is None or any(row.residual(state.twist) for row in rows):
         return None
     return state.twist

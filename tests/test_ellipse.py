@@ -93,7 +93,7 @@ def test_tangential_rims_carry_the_body() -> None:
 def test_a_common_translation_is_no_equilibrium(arrays: Arrays) -> None:
     """Four parallel rims of equal speed: the body moves with them everywhere."""
     scene = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])])
-    assert [str(x) for x in common_twist(scene) or ()] == ["1", "0", "0"]
+    assert [str(x) for x in common_twist(scene, load_regions(scene)[0]) or ()] == ["1", "0", "0"]
     point = point_of(scene)
     assert (point.situation, point.equilibrium) == (Situation.CARRIED, Equilibrium.FAILS)
 
