@@ -1,0 +1,84 @@
+"""Small problems about convex hulls: basic solutions of ``sum l_k w_k = 0`` and the point of least norm.
+
+The hulls have few vertices (cells around a point), so all basic solutions are listed at once; the point of least norm
+of their hull is a non-negative least-squares problem (Lawson & Hanson 1974, ch. 23).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Relative to the largest vector: singular values below belong to directions in which nothing points.
+RANK_SLACK = 1e-10
+# Weights this much below zero are zero: the systems solved have entries of size one.
+WEIGHT_SLACK = 1e-10
+
+
+def basic_weights(vectors: Array) -> Array:
+    """All basic solutions of ``l @ vectors = 0, sum l = 1, l >= 0``, one per row.
+
+    Every solution is a convex combination of these; none means that the hull of the vectors does not hold zero.
+    """
+    count = len(vectors)
+    scale = float(np.abs(vectors).max(initial=0.0))
+    if not scale:
+        return np.eye(count)
+    _, values, directions = np.linalg.svd(vectors / scale, full_matrices=False)
+    reduced = (vectors / scale) @ directions[values > RANK_SLACK * values[0]].T
+    rank = reduced.shape[1]
+    if count < rank + 1:
+        return np.zeros((0, count))
+    subsets = np.array(list(combinations(range(count), rank + 1)))
+    systems = np.concatenate([reduced[subsets], np.ones((*subsets.shape, 1))], axis=2).transpose(0, 2, 1)
+    regular = np.abs(np.linalg.det(systems)) > RANK_SLACK
+    subsets, systems = subsets[regular], systems[regular]
+    right = np.zeros((len(systems), rank + 1, 1))
+    right[:, -1] = 1.0
+    solutions = np.linalg.solve(systems, right)[:, :, 0]
+    possible = (solutions >= -WEIGHT_SLACK).all(axis=1)
+    weights = np.zeros((int(possible.sum()), count))
+    np.put_along_axis(weights, subsets[possible], np.maximum(solutions[possible], 0.0), axis=1)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def least_norm_weights(points: Array) -> Array:
+    """Convex weights of the point of least norm in the hull of some points.
+
+    With ``mu >= 0`` minimizing ``|mu @ points|^2 + (sum mu - 1)^2`` the weights are ``mu / sum mu``: for a fixed sum
+    the first term alone decides.
+    """
+    if len(points) == 1:
+        return np.ones(1)
+    from scipy.optimize import nnls
+
+    scale = float(np.abs(points).max(initial=0.0)) or 1.0
+    system = np.vstack([points.T / scale, np.ones(len(points))])
+    right = np.zeros(len(system))
+    right[-1] = 1.0
+    solution, _ = nnls(system, right)
+    return np.asarray(solution / solution.sum())
+
+
+def origin_distance(points: Array) -> float:
+    """Distance of the hull of some points from the origin."""
+    return float(np.linalg.norm(least_norm_weights(points) @ points))
+
+
+def least_mix(first: Sequence[Any], second: Sequence[Any]) -> Any:
+    """Weight of the first vector in the shortest convex combination of two (one half where they are equal).
+
+    Exact for exact numbers.
+    """
+    gap = [p - q for p, q in zip(first, second, strict=True)]
+    square = sum(g * g for g in gap)
+    if not square:
+        return (square + 1) / 2
+    share = -sum(g * q for g, q in zip(gap, second, strict=True)) / square
+    return min(max(share, square * 0), square * 0 + 1)

@@ -1,0 +1,210 @@
+"""What a simulation hands back: samples, events, pieces and how it ended; ready for JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+State: TypeAlias = tuple[Any, ...]
+
+
+class TrajectoryError(RuntimeError):
+    """A simulation that cannot go on: a fault of this program or a field outside its assumptions."""
+
+
+class EventKind(StrEnum):
+    """What happens at an event."""
+
+    CROSS = "cross"
+    SLIDE = "slide"
+    LEAVE = "leave"
+    REST = "rest"
+    NONUNIQUE = "nonunique"
+
+
+class EndReason(StrEnum):
+    """Why a trajectory ends."""
+
+    TIME = "the time is over"
+    REST = "the body rests"
+    TURNING = "the body turns in place forever"
+    APPROACH = "an equilibrium is approached and never reached"
+    CIRCLES = "the body follows a closed orbit forever"
+    OUTSIDE = "the body leaves the checked domain"
+    EVENTS = "the largest number of events is reached"
+
+
+@dataclass(frozen=True)
+class Event:
+    """A switch, a stop or a branching.
+
+    Attributes:
+        t: time.
+        state: state at that time.
+        kind: what happens.
+        surface: the edge, corner or switching functions concerned.
+        weights: convex weights by cell, where the motion mixes several (equivalent control).
+        rates: interval of possible rotation rates at rest, where it is known.
+        note: what else there is to say: the choices and the rule that was followed, accumulating switches.
+    """
+
+    t: Any
+    state: State
+    kind: EventKind
+    surface: str
+    weights: tuple[tuple[str, Any], ...] = ()
+    rates: tuple[Any, Any] | None = None
+    note: str = ""
+
+    def record(self) -> dict[str, Any]:
+        """JSON-ready."""
+        entry: dict[str, Any] = {"t": _float(self.t), "state": _floats(self.state), "kind": self.kind.value}
+        entry["surface"] = self.surface
+        if self.weights:
+            entry["weights"] = {name: _float(weight) for name, weight in self.weights}
+        if self.rates is not None:
+            entry["rates"] = [_float(rate) for rate in self.rates]
+        if self.note:
+            entry["note"] = self.note
+        return entry
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of smooth motion.
+
+    Attributes:
+        start: time at which it begins.
+        end: time at which it ends (None: never).
+        place: the cell, edge or corner it keeps to.
+        cells: the cells whose motions it mixes.
+        state: state as a function of the time since ``start``.
+        times: sample times within the piece, its start and (finite) end included.
+    """
+
+    start: Any
+    end: Any | None
+    place: str
+    cells: tuple[str, ...]
+    state: Callable[[Any], State] = field(repr=False, compare=False)
+    times: tuple[Any, ...]
+
+    def record(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {"start": _float(self.start), "end": _float(self.end), "place": self.place, "cells": list(self.cells)}
+
+
+@dataclass(frozen=True)
+class End:
+    """Last state, when and why; an infinite time is ``inf``, a state without limit is not a number."""
+
+    t: Any
+    state: State
+    reason: EndReason
+
+    def record(self) -> dict[str, Any]:
+        """JSON-ready, with the exact numbers beside the floats."""
+        entry: dict[str, Any] = {"t": _float(self.t), "state": _floats(self.state), "reason": self.reason.value}
+        if not any(isinstance(value, float) for value in (self.t, *self.state)):
+            entry["exact"] = {"t": str(self.t), "state": [str(value) for value in self.state]}
+        return entry
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A Filippov solution.
+
+    Attributes:
+        kinematics: ``exact`` or ``leading`` for arrays, ``given`` for plain systems.
+        method: ``events``, ``hysteresis`` or ``smoothed``.
+        times: sample times, ascending (equal where a switch takes no time).
+        states: one state per time.
+        events: what happened, in order.
+        end: last state and reason.
+        unique: whether no other solution branches off along the way; None where the method does not look.
+        pieces: the smooth stretches.
+    """
+
+    kinematics: str
+    method: str
+    times: tuple[Any, ...]
+    states: tuple[State, ...]
+    events: tuple[Event, ...]
+    end: End
+    unique: bool | None
+    pieces: tuple[Piece, ...] = ()
+
+    def at(self, time: Any) -> State:
+        """State at a time; before the start the first state, after the end the last.
+
+        An exact trajectory reads a float as the binary fraction that it is, and answers exactly.
+
+        Raises:
+            ValueError: for a trajectory without pieces (comparison methods keep samples only).
+        """
+        if not self.pieces:
+            raise ValueError(f"required a trajectory with pieces, received method {self.method}")
+        if not isinstance(self.pieces[0].start, float):
+            time = Fraction(float(time)) if isinstance(time, float | int) else time
+        piece = next((p for p in reversed(self.pieces) if p.start <= time), self.pieces[0])
+        if piece.end is not None and time >= piece.end:
+            return self.end.state if piece is self.pieces[-1] else piece.state(piece.end - piece.start)
+        return piece.state(max(time - piece.start, 0 * time))
+
+    def sample(self, times: Iterable[float]) -> NDArray[np.float64]:
+        """States (m, n) at many times, as floats."""
+        return np.array([_floats(self.at(time)) for time in times])
+
+    @property
+    def array(self) -> NDArray[np.float64]:
+        """Sampled states (m, n) as floats."""
+        return np.array([_floats(state) for state in self.states])
+
+    def record(self) -> dict[str, Any]:
+        """JSON-ready: ``kinematics, method, t, state, events, pieces, end, unique``."""
+        return {
+            "kinematics": self.kinematics,
+            "method": self.method,
+            "t": _floats(self.times),
+            "state": [_floats(state) for state in self.states],
+            "events": [event.record() for event in self.events],
+            "pieces": [piece.record() for piece in self.pieces],
+            "end": self.end.record(),
+            "unique": self.unique,
+        }
+
+
+def samples(pieces: Sequence[Piece], end: End) -> tuple[tuple[Any, ...], tuple[State, ...]]:
+    """Sample times and states of pieces that follow each other; a shared end is listed once."""
+    times: list[Any] = []
+    states: list[State] = []
+    for piece in pieces:
+        for time in piece.times:
+            if not times or time != times[-1]:
+                times.append(time)
+                states.append(piece.state(time - piece.start))
+    if not times or (times[-1] != end.t and end.t != math.inf):
+        times.append(end.t)
+        states.append(end.state)
+    elif times[-1] == end.t:
+        states[-1] = end.state
+    return tuple(times), tuple(states)
+
+
+def _float(value: Any) -> float | None:
+    """A JSON number, or None where it is not finite."""
+    if value is None:
+        return None
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def _floats(values: Iterable[Any]) -> list[float | None]:
+    return [_float(value) for value in values]
