@@ -1,0 +1,176 @@
+"""Formulas with ``sign`` and ``Abs``: polynomials that change where an inner expression changes its sign.
+
+Text is parsed and walked like that of :mod:`nonsmooth.symbolic.expression`, never evaluated; every part without a
+state is handed to that module, so numbers, roots and cosines are its own.  Given the sign of every inner expression, a
+formula is a polynomial (:meth:`PiecewiseExpression.polynomial`); who asks decides where each sign holds.
+"""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from typing import TypeAlias
+
+from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, turn_of
+from nonsmooth.symbolic.polynomial import Polynomial
+from nonsmooth.symbolic.scene_error import shown
+
+MAX_TEXT = 2_000  # characters
+MAX_DEPTH = 60  # nested operations
+MAX_DEGREE = 16  # of a smooth piece
+
+SWITCHES = ("sign", "Abs")
+_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
+
+SignOf: TypeAlias = Callable[[Polynomial], int]
+
+
+@dataclass(frozen=True)
+class PiecewiseExpression:
+    """A checked formula in named states."""
+
+    text: str
+    tree: ast.expr
+    states: frozenset[str]
+
+    def polynomial(self, values: Mapping[str, Polynomial], sign_of: SignOf) -> Polynomial:
+        """The smooth piece for the given signs.
+
+        Args:
+            values: a polynomial for each state.
+            sign_of: sign of an inner expression on the piece; not asked about constants.
+
+        Raises:
+            ExpressionError: where a piece is no polynomial, divides by zero or is of too high a degree.
+        """
+        return _polynomial(self.tree, self, values, sign_of)
+
+    def turns(self) -> Iterator[Fraction]:
+        """Every angle ``pi * turn`` under a sine or cosine."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("sin", "cos"):
+                yield turn_of(node.args[0], self.text)
+
+    def is_constant(self, node: ast.expr) -> bool:
+        """Whether a part mentions no state and switches nothing."""
+        return not any(isinstance(n, ast.Name) and n.id in {*self.states, *SWITCHES} for n in ast.walk(node))
+
+
+def parse_piecewise(value: object, states: Collection[str]) -> PiecewiseExpression:
+    """Check a formula of the states.
+
+    Raises:
+        ExpressionError: for anything outside the whitelist.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
+        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
+    if not isinstance(value, str):
+        parse(value)
+    text = str(value).strip()
+    if len(text) > MAX_TEXT:
+        raise ExpressionError(f"required at most {MAX_TEXT} characters, received {len(text)}")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
+            tree = ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        raise ExpressionError(f'required a formula such as "-sign(x)", received {shown(value)}') from None
+    expression = PiecewiseExpression(text, tree, frozenset(states))
+    _check(tree, expression, MAX_DEPTH)
+    return expression
+
+
+def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
+    """Refuse every construct outside the whitelist."""
+    if not depth:
+        raise ExpressionError(f"required at most {MAX_DEPTH} nested operations, received {shown(whole.text)}")
+    if whole.is_constant(node):
+        _constant(node, whole)
+        return
+    match node:
+        case ast.Name(id=name) if name in whole.states:
+            pass
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+            _check(node.operand, whole, depth - 1)
+        case ast.BinOp(op=ast.Pow()):
+            _check(node.left, whole, depth - 1)
+            _exponent(node.right, whole)
+        case ast.BinOp() if isinstance(node.op, _OPERATORS):
+            _check(node.left, whole, depth - 1)
+            _check(node.right, whole, depth - 1)
+        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in SWITCHES:
+            _check(argument, whole, depth - 1)
+        case _:
+            allowed = ", ".join(
+                [*sorted(whole.states), "numbers", "+ - * / **", *SWITCHES, "sqrt, sin, cos of numbers"]
+            )
+            raise ExpressionError(f"required a formula of {allowed}, received {shown(whole.text)}")
+
+
+def _constant(node: ast.expr, whole: PiecewiseExpression) -> Expression:
+    """A part without states, checked by the parser of numbers."""
+    segment = ast.get_source_segment(whole.text, node) or ""
+    return parse(segment.replace("\n", " "))
+
+
+def _exponent(node: ast.expr, whole: PiecewiseExpression) -> int:
+    value = node.value if isinstance(node, ast.Constant) else None
+    if not isinstance(value, int) or isinstance(value, bool) or value > MAX_DEGREE:
+        raise ExpressionError(f"required an integer exponent from 0 to {MAX_DEGREE}, received {shown(whole.text)}")
+    return value
+
+
+def _polynomial(
+    node: ast.expr, whole: PiecewiseExpression, values: Mapping[str, Polynomial], sign_of: SignOf
+) -> Polynomial:
+    some = next(iter(values.values()))
+    if whole.is_constant(node):
+        number = _constant(node, whole).value(some.field)
+        return Polynomial.constant(some.field, some.variables, number)
+    match node:
+        case ast.Name(id=name):
+            return values[name]
+        case ast.UnaryOp():
+            operand = _polynomial(node.operand, whole, values, sign_of)
+            return -operand if isinstance(node.op, ast.USub) else operand
+        case ast.BinOp(op=ast.Pow()):
+            exponent = _exponent(node.right, whole)
+            base = _polynomial(node.left, whole, values, sign_of)
+            _bounded(base.degree * exponent, whole)
+            return base**exponent
+        case ast.BinOp():
+            left = _polynomial(node.left, whole, values, sign_of)
+            right = _polynomial(node.right, whole, values, sign_of)
+            return _combined(node.op, left, right, whole)
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            inner = _polynomial(argument, whole, values, sign_of)
+            constant = inner.constant_value
+            sign = sign_of(inner) if constant is None else constant.sign()
+            return inner * sign if name == "Abs" else Polynomial.constant(some.field, some.variables, sign)
+    raise ExpressionError(f"required a formula, received {shown(whole.text)}")
+
+
+def _combined(operator: ast.operator, left: Polynomial, right: Polynomial, whole: PiecewiseExpression) -> Polynomial:
+    match operator:
+        case ast.Add():
+            return left + right
+        case ast.Sub():
+            return left - right
+        case ast.Mult():
+            _bounded(left.degree + right.degree, whole)
+            return left * right
+    divisor = right.constant_value
+    if divisor is None:
+        raise ExpressionError(f"required polynomials (no division by a state), received {shown(whole.text)}")
+    if not divisor:
+        raise ExpressionError(f"required a finite number, received a division by zero in {shown(whole.text)}")
+    return left * divisor.inverse()
+
+
+def _bounded(degree: int, whole: PiecewiseExpression) -> None:
+    if degree > MAX_DEGREE:
+        raise ExpressionError(f"required polynomials of degree up to {MAX_DEGREE}, received {shown(whole.text)}")

@@ -1,0 +1,81 @@
+"""Plain switched systems in the plane: right-hand sides with ``sign`` and ``Abs``, and what is to be checked of them.
+
+``x' = f(x)`` with f polynomial on each cell that the switching surfaces cut; on the surfaces the values of f are
+ignored (Filippov 1988, sec. 4).  Inside, the states are the displacements (x, y) from the checked equilibrium.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.polynomial import Polynomial
+from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.scene_values import requirement
+
+PLANE = ("x", "y")
+
+
+@dataclass(frozen=True)
+class SystemCheck:
+    """What is checked: the equilibrium ``c*``, and the square ``|x - x*|, |y - y*| <= radius`` about it.
+
+    ``lyapunov`` is V in the displacement from ``c*``, written with the states' names.
+    """
+
+    equilibrium: Vector
+    radius: Number
+    lyapunov: PiecewiseExpression
+
+
+@dataclass(frozen=True)
+class SystemScene:
+    """A switched system with everything a check needs; numbers live in one field.
+
+    Attributes:
+        name: of the scene.
+        field: the number field.
+        states: the two names.
+        rhs: the two right-hand sides.
+        check: what is checked.
+        source: where it came from (a file or a built-in name).
+    """
+
+    name: str
+    field: NumberField
+    states: tuple[str, str]
+    rhs: tuple[PiecewiseExpression, PiecewiseExpression]
+    check: SystemCheck
+    source: str = ""
+
+    def velocity(self, sign_of: SignOf) -> tuple[Polynomial, Polynomial]:
+        """The smooth field for the given signs of the inner expressions, in the displacement (x, y).
+
+        Raises:
+            SceneError: where a piece is no polynomial.
+        """
+        plane = self._plane()
+        values = {name: v + c for name, v, c in zip(self.states, plane, self.check.equilibrium, strict=True)}
+        pieces: list[Polynomial] = []
+        for k, formula in enumerate(self.rhs, 1):
+            try:
+                pieces.append(formula.polynomial(values, sign_of))
+            except ExpressionError as error:
+                expected = requirement(error)
+                raise SceneError(self.source or self.name, f"system.rhs[{k}]", expected, formula.text) from None
+        return pieces[0], pieces[1]
+
+    def potential(self, lyapunov: PiecewiseExpression, sign_of: SignOf) -> Polynomial:
+        """A smooth piece of V in the displacement (x, y).
+
+        Raises:
+            ExpressionError: where it is no polynomial.
+        """
+        return lyapunov.polynomial(dict(zip(self.states, self._plane(), strict=True)), sign_of)
+
+    def _plane(self) -> tuple[Polynomial, Polynomial]:
+        x, y = (Polynomial.variable(self.field, PLANE, name) for name in PLANE)
+        return x, y
