@@ -34,6 +34,7 @@ from nonsmooth.proofs.balance import (
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
+from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Scene
 
@@ -133,8 +134,11 @@ def _smooth_point(
     linear = linearize(scene, region, rate)
     zero = scene.field.zero
     if linear is None or not linear.is_positive_definite:
-        reason = "the gradient of D vanishes but its Hessian is singular: the motion is not determined to first order"
-        return EllipsePoint(scene, region, Situation.OPEN, None, balance, None, reason)
+        reason = (
+            f"the twist (0, 0, {brief_text(rate)}) minimizes D, but its Hessian is singular there: "
+            "the motion near the point is not determined to first order"
+        )
+        return EllipsePoint(scene, region, Situation.OPEN, Twist(zero, zero, rate), balance, None, reason)
     what = f"the body spins at {rate}" if rate else "rest"
     reason = f"the gradient of D vanishes at {what} and its Hessian is positive definite"
     if kinked:

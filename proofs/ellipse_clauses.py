@@ -84,12 +84,15 @@ class EllipseTranslation:
         return self.point.check() and (self.lemma is None or self.lemma.check())
 
 
-def decide_ellipse(scene: Scene, *, samples: int) -> tuple[EllipseEquilibrium, EllipseTranslation, RotationResult]:
+def decide_ellipse(
+    scene: Scene, *, samples: int, always: bool = False
+) -> tuple[EllipseEquilibrium, EllipseTranslation, RotationResult]:
     """The first three clauses for a centred scene.
 
     Args:
         scene: the array.
         samples: random points at which V* is evaluated where the lemma does not apply; 0 for none.
+        always: sample also where the lemma applies.
 
     Raises:
         nonsmooth.analysis.loads.LoadError: where the loads do not exist.
@@ -97,7 +100,7 @@ def decide_ellipse(scene: Scene, *, samples: int) -> tuple[EllipseEquilibrium, E
     point = ellipse_point(scene, load_regions(scene))
     lemma = cocircular_array(scene)
     sampled = None
-    if lemma is None and samples:
+    if samples and (lemma is None or always):
         from nonsmooth.analysis.sampling import sample_ellipse_derivative
 
         sampled = sample_ellipse_derivative(scene, samples)
@@ -106,7 +109,7 @@ def decide_ellipse(scene: Scene, *, samples: int) -> tuple[EllipseEquilibrium, E
 
 def _rotation(point: EllipsePoint) -> RotationResult:
     """Clause 3: a spin is drift; without one theta follows the translation and stays where it is left."""
-    if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
+    if point.equilibrium is not Equilibrium.HOLDS or point.twist is None or point.situation is Situation.OPEN:
         return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium is proved, so nothing rests there")
     drift = drift_at_rest((point.twist,))
     if point.twist.omega:

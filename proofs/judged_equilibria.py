@@ -1,8 +1,8 @@
 """The verdicts at every isolated equilibrium of the square, each about its own point.
 
 The clauses are local: they look at the cells whose closure holds the point.  So each point is checked in a square of
-its own, small enough to stay inside the checked one.  Segments and areas of equilibria are stable sets at most and
-are reported as they are.
+its own, small enough to stay inside the checked one.  Segments and areas of equilibria are reported
+without verdicts.
 """
 
 from __future__ import annotations

@@ -3,15 +3,17 @@
 On a cone with rays ``r_1, r_2`` and velocity v the derivative ``2 c^T P v`` is linear in c, so ``V* < 0`` off the
 equilibrium iff ``r^T P v < 0`` at both rays of every cone: linear in P.  A small conic program (CVXPY) proposes
 ``P = [[1 + a, b], [b, 1 - a]]``, a and b are rounded to rationals, and the inequalities are verified exactly.  With
-``-r^T P v >= m |r|`` on all rays one gets ``V* <= -2 m |c|``; since P has trace 2, the body arrives within
-``2 |c_0|/m``.
+``-r^T P v >= m |r|`` on all rays the velocities alone give ``-2 m |c|``.  Exact kinematics add ``2 omega c^T P J c``,
+at most ``2 |omega| rho |c|^2`` with ``rho^2 = a^2 + b^2``; where ``|c| <= m/(2 |omega| rho)`` that is at most half as
+much, so ``V* <= -m |c|`` on the region; since P has trace 2, the body arrives within ``4 |c_0|/m``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import isqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +34,8 @@ class QuadraticCertificate:
 
     Attributes:
         shape: (a, b) of ``P = [[1 + a, b], [b, 1 - a]]``.
-        decay: m > 0 with ``V* <= -2 m |c|`` near the equilibrium.
-        level: the region ``V < level`` lies in the cells of the fan; V decreases on it.
+        decay: m > 0 with ``V* <= -m |c|`` on the region, under exact and leading-order kinematics.
+        level: the region ``V < level`` lies in the cells of the fan.
         cones: the fan.
     """
 
@@ -48,8 +50,8 @@ class QuadraticCertificate:
 
     @property
     def arrival_per_distance(self) -> Fraction:
-        """Bound on the arrival time per unit of |c_0|: ``2/m``."""
-        return 2 / self.decay
+        """Bound on the arrival time per unit of |c_0|: ``4/m``."""
+        return 4 / self.decay
 
     def value(self, c: Point) -> Number:
         """``c^T P c``."""
@@ -60,7 +62,21 @@ class QuadraticCertificate:
         a, b = self.shape
         positive = a * a + b * b < 1 and self.decay > 0 and sign(self.level) > 0
         falling = all(_falls(self, ray, v, self.decay) for ray, v in _pairs(self.cones))
-        return positive and falling and all(self.least_on(p, q) >= self.level for p, q in _rim(self.cones))
+        return positive and falling and self.level <= self.largest_level()
+
+    def largest_level(self) -> Number:
+        """Level of the largest region: inside the fan's cells, and where turning costs at most half the decay.
+
+        ``V < level`` implies ``|c|^2 < level/(1 - rho)``; with ``rho <= r`` rational the bound is
+        ``(1 - r) m^2/(4 omega^2 r^2)``.
+        """
+        level = min(self.least_on(p, q) for p, q in _rim(self.cones))
+        fastest = max(abs(twist.omega) for cone in self.cones for twist in cone.twists)
+        r = _root_above(self.shape[0] ** 2 + self.shape[1] ** 2)
+        if not fastest or not r:
+            return level
+        turning = (1 - r) * self.decay * self.decay / (4 * r * r) / (fastest * fastest)
+        return min(level, turning)
 
     def _times(self, c: Point) -> Vector:
         a, b = self.shape
@@ -86,8 +102,8 @@ def find_quadratic(cones: tuple[Cone, ...]) -> QuadraticCertificate | None:
     decay = Fraction(1)
     for _ in range(_DECAY_STEPS):
         if all(_falls(trial, ray, v, decay) for ray, v in _pairs(cones)):
-            level = min(trial.least_on(p, q) for p, q in _rim(cones))
-            found = QuadraticCertificate(shape, decay, level, cones)
+            trial = replace(trial, decay=decay)
+            found = replace(trial, level=trial.largest_level())
             return found if found.check() else None
         decay /= 2
     return None
@@ -111,6 +127,13 @@ def _propose(cones: tuple[Cone, ...]) -> tuple[Fraction, Fraction] | None:
         return None
     a, b = (Fraction(round(float(x) * DENOMINATOR), DENOMINATOR) for x in shape.value)
     return a, b
+
+
+def _root_above(square: Fraction) -> Fraction:
+    """A rational at least the square root, below one for squares below one."""
+    scaled = square * DENOMINATOR**4
+    root = Fraction(isqrt(scaled.numerator // scaled.denominator) + 1, DENOMINATOR**2)
+    return min(root, (1 + square) / 2)  # the arithmetic mean of 1 and the square is above the root as well
 
 
 def _direction(vector: Point) -> NDArray[np.float64] | None:

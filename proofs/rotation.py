@@ -88,6 +88,8 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
         reason = f"the body may rest in (x, y) and turn at any rate in [{brief_text(low)}, {brief_text(high)}]"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
     per_distance = rotation_bound(partition, translation)
+    if per_distance is not None and not per_distance:
+        return RotationResult(Rotation.NEUTRAL, drift, per_distance, "no cell of the square turns the body")
     if not any(map(any, drift.twists)):
         reason = "every cell at the point is at rest: near it the body does not move at all"
         if per_distance is not None:
@@ -107,6 +109,8 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
     moving = [derivative for derivative in translation.derivatives if any(derivative.twist)]
     if not moving or not partition.complete:
         return None
+    if not any(derivative.twist.omega for derivative in moving):
+        return partition.scene.field.zero
     rate = max(derivative.relative() for derivative in moving).value
     if rate.sign() < 0:
         return 2 * max(abs(d.twist.omega) for d in moving) / -rate

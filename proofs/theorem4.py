@@ -144,7 +144,9 @@ def check_theorem4(scene: Scene, *, prune: bool = True) -> CellCheck | EllipseCh
     Raises:
         RefusalError: where the motion is not determined (loads that do not exist, frictionless wheels).
     """
-    return check_ellipse(scene) if scene.contact.rule is Rule.ELLIPSE else check_cells(scene, prune=prune)
+    if scene.contact.rule is Rule.ELLIPSE:
+        return check_ellipse(scene, prune=prune)
+    return check_cells(scene, prune=prune)
 
 
 def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
@@ -183,14 +185,14 @@ def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
     )
 
 
-def check_ellipse(scene: Scene) -> EllipseCheck:
+def check_ellipse(scene: Scene, *, prune: bool = True) -> EllipseCheck:
     """Check under rule ``ellipse``; see :func:`check_theorem4`."""
-    work = _Work(scene, prune=True)
+    work = _Work(scene, prune)
     with work.timed("contact states"):
         census = _census(work, 0)
     with work.timed("translation"):
-        equilibrium, translation, rotation = decide_ellipse(work.centred, samples=ELLIPSE_SAMPLES)
-    if translation.lemma is not None:
+        equilibrium, translation, rotation = decide_ellipse(work.centred, samples=ELLIPSE_SAMPLES, always=not prune)
+    if translation.lemma is not None and prune:
         work.skip("samples of V*", ELLIPSE_SAMPLES, f"{LEMMA}: no solver is needed")
     with work.timed("feedback"):
         feedback = _sampled_feedback(work)
@@ -247,7 +249,7 @@ def conclude(
         ("feedback", feedback, (Feedback.UNDECIDED, Feedback.NO_CERTIFICATE)),
     ):
         if clause.verdict in open_verdicts:
-            return Theorem4.UNDECIDED, f"{name} is undecided: {clause.reason}"
+            return Theorem4.UNDECIDED, f"{name}, {clause.verdict}: {clause.reason}"
     return Theorem4.HOLDS, "every clause holds"
 
 

@@ -38,14 +38,18 @@ def test_v_falls_in_its_region_at_the_stated_rate(arrays: Arrays, seed: int) -> 
     assert np.linalg.eigvalsh(p).min() > 0
     rng, inside = np.random.default_rng(seed), 0
     for cell in partition.cells:
-        for _ in range(30):
+        for _ in range(60):
             x, y = arrays.interior_point(cell.polygon, rng)
-            c = np.array([float(x), float(y)])
+            c = np.array([float(x), float(y)]) * rng.uniform(0, 1) ** 2
+            if not cell.polygon.contains((partition.scene.field.zero,) * 2):
+                c = np.array([float(x), float(y)])
             if c @ p @ c < level:
                 inside += 1
                 for twist in cell.twists:
-                    rate = 2 * c @ p @ np.array([float(twist.vx), float(twist.vy)])
-                    assert rate <= -2 * float(found.decay) * np.hypot(*c) + 1e-12
+                    turning = float(twist.omega) * np.array([-c[1], c[0]])
+                    for velocity in (np.zeros(2), turning):  # leading-order and exact kinematics
+                        rate = 2 * c @ p @ (np.array([float(twist.vx), float(twist.vy)]) + velocity)
+                        assert rate <= -float(found.decay) * np.hypot(*c) + 1e-12
     assert inside > 20
 
 

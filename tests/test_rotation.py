@@ -96,10 +96,12 @@ def test_no_equilibrium_no_statement(arrays: Arrays) -> None:
     assert result.check()
 
 
-def test_no_drift_and_no_decay_leaves_it_undecided(arrays: Arrays) -> None:
-    """Two wheels that face each other never turn the body, but (0, y) is a line of equilibria."""
+def test_a_body_that_no_cell_turns_keeps_its_heading(arrays: Arrays) -> None:
+    """Two wheels that face each other never turn the body, though (0, y) is a line of equilibria."""
     result = decide(arrays.scene(arrays.inward([(1, 0), (-1, 0)])))
-    assert result.verdict is Rotation.UNDECIDED
+    assert result.verdict is Rotation.NEUTRAL
+    assert result.rotation_per_distance == 0
+    assert result.check()
     assert result.drift is not None
     assert not any(result.drift.interval)
 

@@ -16,7 +16,7 @@ from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, CellCheck, check_cells, conc
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import possible_triples
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Rule, Scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -48,7 +48,7 @@ KNOWN: dict[str, tuple[Build, Theorem4]] = {
     "off center": (off_center, Theorem4.HYPOTHESES_NOT_MET),
     "outward": (lambda arrays: pushed(arrays, 1, 1), Theorem4.FAILS),
     "saddle": (lambda arrays: pushed(arrays, 1, -1), Theorem4.FAILS),
-    "facing pair": (lambda arrays: arrays.scene(arrays.inward([(1, 0), (-1, 0)])), Theorem4.UNDECIDED),
+    "facing pair": (lambda arrays: arrays.scene(arrays.inward([(1, 0), (-1, 0)])), Theorem4.FAILS),
     "3 x 3 grid": (lambda arrays: arrays.grid(3, 3), Theorem4.HYPOTHESES_NOT_MET),
 }
 
@@ -238,12 +238,13 @@ def test_a_feedback_clause_that_was_waved_away_is_refused(arrays: Arrays) -> Non
 
 
 def test_a_bound_on_rotation_that_is_too_small_is_refused(arrays: Arrays) -> None:
-    """A facing pair that never turns the body: a made-up bound has no decay rate behind it."""
-    r = check_cells(arrays.scene(arrays.inward([(1, 0), (-1, 0)])))
-    assert r.rotation.verdict is Rotation.UNDECIDED
-    zero = r.partition.scene.field.zero
-    claim = replace(r.rotation, verdict=Rotation.NEUTRAL, rotation_per_distance=zero)
-    assert not replace(r, rotation=claim, verdict=Theorem4.FAILS).check()
+    """The bound of rule box is what the decay gives, nothing smaller."""
+    scene = arrays.four_wheel((1, Fraction(1, 5)))
+    r = check_cells(replace(scene, contact=replace(scene.contact, rule=Rule.BOX)), prune=False)
+    bound = r.rotation.rotation_per_distance
+    assert bound is not None
+    assert r.check()
+    assert not replace(r, rotation=replace(r.rotation, rotation_per_distance=bound / 2)).check()
 
 
 @pytest.mark.parametrize(
