@@ -1,0 +1,234 @@
+"""Certificates: a verdict under rule ``nearest`` or ``box`` as data that :mod:`nonsmooth.proofs.checker` re-checks.
+
+A certificate holds the wheels, the cells with their twists, and for each clause what shows its verdict: weights and
+multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign.  All else
+(reasons, the witness of a feedback that fails) lies under ``notes``, which the checker does not read.
+
+Every cell lists all corners of the partition that lie on its sides, and the checked point where it lies on them.  So
+the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
+the check left out, because the lemma on inward rims speaks for them, are built here: a certificate needs no lemma.
+Rule ``ellipse`` has no cells and is refused; rule ``box`` only samples its feedback clause, which stands as undecided.
+The form of the numbers is described in :mod:`nonsmooth.proofs.exact_json`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.box import build_box_partition
+from nonsmooth.analysis.cell_complex import build_complex
+from nonsmooth.analysis.loads import load_regions
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.analysis.polygon import Point
+from nonsmooth.proofs.certified_disc import Disc, certified_disc
+from nonsmooth.proofs.checker import SCHEMA, check_certificate
+from nonsmooth.proofs.equilibrium import decide_equilibrium
+from nonsmooth.proofs.exact_json import encode, homogeneous
+from nonsmooth.proofs.rotation import drift_at_rest
+from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
+from nonsmooth.proofs.verdicts import Feedback, Rotation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.scene import Rule, Scene, Wheel, cross, dot
+from nonsmooth.symbolic.square_roots import NestingError
+
+Record: TypeAlias = dict[str, Any]
+
+
+class CertificateError(ValueError):
+    """A verdict for which there is no certificate; the message says why."""
+
+
+def build_certificate(result: CellCheck | EllipseCheck) -> Record:
+    """The certificate of a check, as data for JSON; it has passed the checker.
+
+    Raises:
+        CertificateError: for rule ``ellipse``, and where the checker does not follow the verdict.
+    """
+    if isinstance(result, EllipseCheck):
+        raise CertificateError(
+            'certificate: required contact.rule "nearest" or "box", received "ellipse": '
+            "the stand-alone checker follows cells, and this rule has none"
+        )
+    certificate = encode(_document(result))
+    claim = check_certificate(certificate)
+    if claim:
+        raise CertificateError(f"certificate: required a verdict that the checker follows; it does not show: {claim}")
+    return certificate
+
+
+def certificate_text(certificate: Record) -> str:
+    """JSON, with one wheel, point or cell to a line; ASCII, ending in a newline."""
+    parts = [f"{json.dumps(key)}: {_lines(value)}" for key, value in certificate.items()]
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def _lines(value: Any) -> str:
+    if isinstance(value, list) and any(isinstance(item, list | dict) for item in value):
+        return "[\n" + ",\n".join(f"  {json.dumps(item)}" for item in value) + "\n]"
+    return json.dumps(value)
+
+
+# ---- the document: numbers are still those of the scene's field --------------------------
+
+
+def _document(result: CellCheck) -> Record:
+    scene, partition = result.scene, result.partition
+    if not partition.complete:
+        partition = build_box_partition(scene.recentred())
+    points, chains = _corners(partition)
+    disc = Disc(None, {}) if result.translation.region_radius is None else _disc(partition)
+    zero = scene.field.zero
+    here = [twist for cell in partition.cells_at((zero, zero)) for twist in cell.twists]
+    return {
+        "schema": SCHEMA,
+        "field": scene.field,
+        "at": list(scene.check.equilibrium),
+        "radius": scene.check.radius,
+        "rule": str(scene.contact.rule),
+        "loads": _loads(scene),
+        "wheels": [_wheel(wheel) for wheel in scene.wheels],
+        "points": [homogeneous(point) for point in points],
+        "cells": _cells(partition, chains, disc),
+        "equilibrium": {"verdict": str(result.equilibrium.verdict), "separator": _separator(partition)},
+        "translation": {"verdict": str(result.translation.verdict), "squared_radius": disc.squared_radius},
+        "rotation": {"verdict": str(result.rotation.verdict), **_drift(here), "shape": _shape(result)},
+        "feedback": {"verdict": _feedback(result)},
+        "theorem4": str(result.verdict),
+        "notes": _notes(result),
+    }
+
+
+def _disc(partition: Partition) -> Disc:
+    try:
+        return certified_disc(partition)
+    except OverflowError as error:
+        raise CertificateError(f"certificate: {error}") from None
+
+
+def _loads(scene: Scene) -> Any:
+    if scene.contact.rule is Rule.NEAREST:
+        return None
+    return "elastic" if scene.contact.loads is None else scene.contact.loads.rows
+
+
+def _wheel(wheel: Wheel) -> Record:
+    try:
+        direction, speed = wheel.unit_direction, wheel.speed
+    except NestingError as error:
+        raise CertificateError(
+            f"certificate: the length of the rim direction of wheel {wheel.index}: {error}"
+        ) from None
+    friction = wheel.friction.roll, wheel.friction.side
+    return {"position": wheel.position, "direction": direction, "speed": speed, "friction": friction}
+
+
+def _cells(partition: Partition, chains: list[list[int]], disc: Disc) -> list[Record]:
+    loaded = _loaded_wheels(partition)
+    return [
+        {
+            "polygon": chains[k],
+            "loaded": loaded[k],
+            "states": [
+                {"rows": [row.name for row in state.rows], "twist": state.twist, "barrier": disc.barriers.get((k, s))}
+                for s, state in enumerate(cell.states)
+            ],
+        }
+        for k, cell in enumerate(partition.cells)
+    ]
+
+
+def _loaded_wheels(partition: Partition) -> list[list[int] | None]:
+    """The wheels that carry load in each cell; None where loads are not elastic."""
+    scene = partition.scene
+    if partition.rule is Rule.NEAREST or scene.contact.loads is not None:
+        return [None] * len(partition.cells)
+    regions = load_regions(scene)
+    return [
+        sorted(next(r.loaded for r in regions if all(r.polygon.contains(v) for v in cell.polygon.vertices)))
+        for cell in partition.cells
+    ]
+
+
+def _separator(partition: Partition) -> Sequence[Number] | None:
+    separator = decide_equilibrium(partition).separator
+    return None if separator is None else homogeneous(separator)[:2]
+
+
+def _drift(here: Sequence[Twist]) -> Record:
+    """Both ends of the drift: weights (one for each motion at the point, cell by cell) and multipliers, up to scale."""
+    distinct = tuple(dict.fromkeys(here))
+    drift = drift_at_rest(distinct)
+    if drift is None:
+        return {"lowest": None, "highest": None}
+    ends: Record = {}
+    for name, mixture in (("lowest", drift.lowest), ("highest", drift.highest)):
+        *shares, _ = homogeneous(list(mixture.weights.values()))
+        weights = [shares[0] * 0] * len(here)
+        for k, share in zip(mixture.weights, shares, strict=True):
+            weights[here.index(distinct[k])] = share
+        ends[name] = {"weights": weights, "multipliers": homogeneous(mixture.multipliers)}
+    return ends
+
+
+def _shape(result: CellCheck) -> Sequence[Fraction] | None:
+    """The quadratic V whose decay bounds the rotation, where it is not ``|c|^2``."""
+    quadratic = result.translation.quadratic
+    return quadratic.shape if quadratic is not None and result.rotation.verdict is Rotation.NEUTRAL else None
+
+
+def _feedback(result: CellCheck) -> str:
+    """What is certified: under rule ``box`` the clause is sampled, which certifies nothing."""
+    verdict = result.feedback.verdict
+    sampled = result.scene.contact.rule is Rule.BOX and verdict is not Feedback.NOT_APPLICABLE
+    return str(Feedback.UNDECIDED if sampled else verdict)
+
+
+def _notes(result: CellCheck) -> Record:
+    clauses = ("equilibrium", "translation", "rotation", "feedback")
+    witness = result.feedback.witness
+    return {
+        "scene": result.scene.name,
+        "reasons": {name: getattr(result, name).reason for name in clauses} | {"theorem4": result.reason},
+        "drift": None if result.rotation.drift is None else [brief_text(end) for end in result.rotation.drift.interval],
+        "feedback": str(result.feedback.verdict),
+        "feedback_witness": None if witness is None else [brief_text(x) for x in (*witness.point, witness.value)],
+        "check_with": "python -I -S proofs/checker.py FILE",
+    }
+
+
+# ---- corners -----------------------------------------------------------------------------
+
+
+def _corners(partition: Partition) -> tuple[list[Point], list[list[int]]]:
+    """The corners of all cells, and for each cell its corners counterclockwise, the checked point among them."""
+    polygons = [cell.polygon for cell in partition.cells]
+    plane = build_complex(polygons, float(partition.scene.check.radius))
+    chains = [
+        [
+            edge.start if edge.left == k else edge.end
+            for border in plane.borders[k]
+            for edge in map(plane.edges.__getitem__, border)
+        ]
+        for k in range(len(polygons))
+    ]
+    points = list(plane.points)
+    zero = partition.scene.field.zero
+    if all(any(point) for point in points):
+        chains = [_with_origin(points, chain) for chain in chains]
+        if any(len(points) in chain for chain in chains):
+            points.append((zero, zero))
+    return points, chains
+
+
+def _with_origin(points: list[Point], chain: list[int]) -> list[int]:
+    """The chain with one more corner, of the next free number, where the origin lies on a side."""
+    for k, start in enumerate(chain):
+        a, b = points[start], points[chain[(k + 1) % len(chain)]]
+        if not sign(cross(a, b)) and sign(dot(a, b)) < 0:
+            return [*chain[: k + 1], len(points), *chain[k + 1 :]]
+    return chain

@@ -1,0 +1,138 @@
+"""Numbers of a field as JSON, with the generators that occur and no others.
+
+A rational is text, ``"-1/2"``; any other number is a list of products ``["3/2", 0, 1]`` of a rational and generators.
+The list of generators stands for the field: each is the only root above a bound of a monic polynomial, whose
+coefficients are numbers in the generators before it.  So ``sqrt(2)`` is the root above 0 of ``["-2", "0", "1"]``; the
+base generator ``2 cos(2 pi/N)`` has its minimal polynomial and a bound between its two largest roots.
+A point is ``[X, Y, W]``, W > 0, for ``(X/W, Y/W)``: no division over many square roots.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from flint import fmpq, fmpz
+
+from nonsmooth.symbolic.lazy import Lazy
+from nonsmooth.symbolic.number_field import Coefficient, Number, NumberField, bits
+
+Record: TypeAlias = dict[str, Any]
+
+
+def encode(document: Record) -> Record:
+    """The same document with text for its numbers and generators for its field."""
+    generators = _Generators(document)
+    return {key: generators.encoded(value) for key, value in document.items()}
+
+
+def homogeneous(values: Sequence[Number | Lazy]) -> tuple[Number, ...]:
+    """Numerators of the values over a common positive denominator, which comes last; without rational factors."""
+    quotients = [x.quotient() if isinstance(x, Lazy) else (x, x.field.one) for x in values]
+    below = list(dict.fromkeys(d for _, d in quotients if d != 1))
+    one = quotients[0][1].field.one
+    scaled = [n * math.prod((d for d in below if d != own), start=one) for n, own in quotients]
+    scaled.append(math.prod(below, start=one))
+    if scaled[-1].sign() < 0:
+        scaled = [-x for x in scaled]
+    return tuple(x * _scale(scaled) for x in scaled) if below else tuple(scaled)
+
+
+def _scale(numbers: Sequence[Number]) -> fmpq:
+    """The positive rational that makes all coefficients whole and coprime."""
+    top, bottom = fmpz(0), fmpz(1)
+    for q in (q for number in numbers for c in number.terms.values() for q in _coefficients(c)):
+        top, bottom = top.gcd(q.p), bottom.lcm(q.q)
+    return fmpq(bottom, top)
+
+
+class _Generators:
+    """Which generators a document needs, and its numbers in terms of them."""
+
+    def __init__(self, document: Record) -> None:
+        self.field: NumberField | None = None
+        masks, self.base = 0, False
+        for number in _numbers(document):
+            self.field = number.field
+            masks |= self._needs(number)
+        roots = bits(masks)
+        self.numbering = {root: k + self.base for k, root in enumerate(roots)}
+
+    def _needs(self, number: Number) -> int:
+        """The square roots in a number, and in their radicands."""
+        mask = 0
+        for root in {i for m in number.terms for i in bits(m)}:
+            mask |= 1 << root | self._needs(number.field.radicands[root])
+        self.base |= any(len(_coefficients(c)) > 1 for c in number.terms.values())
+        return mask
+
+    def encoded(self, value: Any) -> Any:
+        """A value with its numbers as text or lists."""
+        if isinstance(value, Number):
+            return self._number(value)
+        if isinstance(value, NumberField):
+            return self._generators(value)
+        if isinstance(value, Fraction):
+            return str(value)
+        if isinstance(value, dict):
+            return {key: self.encoded(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [self.encoded(item) for item in value]
+        if value is None or isinstance(value, str | int):
+            return value
+        raise TypeError(f"required a number of the field, text, an integer or a container, received {type(value)}")
+
+    def _number(self, number: Number) -> Any:
+        rational = number.as_rational()
+        if rational is not None:
+            return str(rational)
+        return [
+            [str(q), *[0] * power, *(self.numbering[i] for i in bits(mask))]
+            for mask, c in sorted(number.terms.items())
+            for power, q in enumerate(_coefficients(c))
+            if q
+        ]
+
+    def _generators(self, field: NumberField) -> list[Record]:
+        base = [_base_generator(field)] if self.base else []
+        return base + [
+            {"polynomial": [self._number(-field.radicands[i]), "0", "1"], "above": "0"} for i in self.numbering
+        ]
+
+
+def _numbers(value: Any) -> Iterator[Number]:
+    if isinstance(value, Number):
+        yield value
+    elif isinstance(value, dict | list | tuple):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _numbers(item)
+
+
+def _coefficients(c: Coefficient) -> list[fmpq]:
+    """Rational coefficients of a base element, lowest power first."""
+    return [c] if isinstance(c, fmpq) else c.coeffs()
+
+
+def _base_generator(field: NumberField) -> Record:
+    """``2 cos(2 pi/N)``: a bound just below it, above which the minimal polynomial increases."""
+    if field.modulus is None:
+        raise ValueError("required a field with a cyclotomic base")
+    coefficients = [Fraction(int(c.p), int(c.q)) for c in field.modulus.coeffs()]
+    generator, size = 2 * math.cos(2 * math.pi / field.order), 1
+    while True:
+        above = Fraction(math.floor(generator * size), size)
+        first, *others = _shifted(coefficients, above)
+        if first < 0 <= min(others):
+            return {"polynomial": [str(c) for c in coefficients], "above": str(above)}
+        size *= 2
+
+
+def _shifted(coefficients: list[Fraction], shift: Fraction) -> list[Fraction]:
+    """Coefficients of ``p(x + shift)``."""
+    shifted = list(coefficients)
+    for i in range(len(shifted)):
+        for j in reversed(range(i, len(shifted) - 1)):
+            shifted[j] += shift * shifted[j + 1]
+    return shifted
