@@ -1,18 +1,19 @@
-"""The command line: ``nonsmooth check | partition | derive | scenes``.
+"""The command line: ``nonsmooth check | partition | derive | simulate | verify | audit | scenes``.
 
-Exit status: 0 holds or done, 1 does not hold, 2 bad input (one line on standard error, nothing written), 3 undecided,
-70 a fault of this program (with its traceback), 130 interrupted.  Each command imports what it needs itself, so that
-``nonsmooth --help`` loads no mathematics and ``check`` no SymPy, Matplotlib or CVXPY.
+Exit status: 0 holds, done or valid, 1 does not hold, 2 bad input (one line on standard error, nothing written),
+3 undecided, 70 a fault of this program (with its traceback), 130 interrupted.  Each command imports what it needs
+itself: ``nonsmooth --help`` loads no mathematics, ``check`` no SymPy or Matplotlib, and CVXPY only to search for V.
 """
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -30,9 +31,13 @@ from nonsmooth.reports.console import (
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from nonsmooth.analysis.partition import Partition
+    from nonsmooth.analysis.trajectory_result import Trajectory
+    from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
     from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.system import SystemScene
 
-UNDECIDED = 3
+BAD_INPUT, UNDECIDED = 2, 3
 
 app = typer.Typer(
     epilog="Example: nonsmooth check four-wheel",
@@ -59,6 +64,30 @@ class RuleNames(StrEnum):
     ALL = "all"
 
 
+class KinematicsName(StrEnum):
+    """What is integrated."""
+
+    EXACT = "exact"
+    LEADING = "leading"
+
+
+class MethodName(StrEnum):
+    """How a solution is followed."""
+
+    EVENTS = "events"
+    HYSTERESIS = "hysteresis"
+
+
+class LawName(StrEnum):
+    """A feedback law."""
+
+    CORRECTED = "corrected"
+    PRINTED = "printed"
+    GRADIENT = "gradient"
+
+
+PICTURES = (".svg", ".png", ".pdf")
+
 _RULE = typer.Option("--rule", help="Contact rule; replaces the scene's.")
 SceneText = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.")]
 Rule = Annotated[RuleName | None, _RULE]
@@ -68,6 +97,9 @@ Radius = Annotated[
 ]
 At = Annotated[str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4.")]
 NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; the verdicts are the same.")]
+CertificateFile = Annotated[
+    str | None, typer.Option("--certificate", metavar="FILE", help="Write a certificate that anyone can verify: .json.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Picture = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Draw the cells: .svg, .png or .pdf.")
@@ -82,20 +114,29 @@ def check(
     radius: Radius = None,
     at: At = None,
     no_prune: NoPrune = False,
+    certificate: CertificateFile = None,
     json: Json = False,
 ) -> int:
-    """Check Theorem 4 clause by clause; each verdict comes with a certificate or a witness."""
+    """Check Theorem 4 clause by clause, or the stability of a plain switched system."""
     from nonsmooth.proofs.theorem4 import check_theorem4
     from nonsmooth.reports.records import verified
-    from nonsmooth.symbolic.scene_file import load_scene
+    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.system_file import load_any
 
     several = rule is RuleNames.ALL
     names = list(RuleName) if several else [rule]
-    scenes = [load_scene(scene, rule=name, radius=radius, at=at) for name in names]
+    scenes = []
+    for name in names:
+        loaded = load_any(scene, rule=name, radius=radius, at=at)
+        if not isinstance(loaded, Scene):
+            return _check_system(loaded, certificate, json=json)
+        scenes.append(loaded)
     results = []
     for loaded in scenes:
         with _refusals_named(loaded):
             results.append(verified(check_theorem4(loaded, prune=not no_prune)))
+    if certificate is not None:
+        _write_certificate(results, certificate)
     if json:
         from nonsmooth.reports.records import check_record, checks_record
 
@@ -108,8 +149,44 @@ def check(
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
 
+def _check_system(scene: SystemScene, certificate: str | None, *, json: bool) -> int:
+    """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
+    from nonsmooth.proofs.system_stability import system_check
+    from nonsmooth.proofs.verdicts import Translation
+
+    if certificate is not None:
+        raise RefusedError(f"{scene.source or scene.name}: required an array of wheels for a certificate")
+    result = system_check(scene)
+    if not result.check():
+        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
+    if json:
+        from nonsmooth.reports.system_views import system_record
+
+        write_json(system_record(result))
+    else:
+        from nonsmooth.reports.system_views import system_view
+
+        write_views([system_view(result)])
+    return {Translation.UNSTABLE: 1, Translation.UNDECIDED: UNDECIDED}.get(result.verdict, 0)
+
+
+def _write_certificate(results: list[CellCheck | EllipseCheck], target: str) -> None:
+    """One certificate for one check."""
+    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+    from nonsmooth.reports.files import output_path, write_whole
+
+    if len(results) > 1:
+        raise RefusedError("--certificate: required one contact rule, received all")
+    path = output_path(target, (".json",))
+    try:
+        text = certificate_text(build_certificate(results[0]))
+    except CertificateError as error:
+        raise RefusedError(f"{results[0].scene.source or results[0].scene.name}: {error}") from None
+    write_whole(path, text.encode())
+
+
 @contextmanager
-def _refusals_named(scene: Scene) -> Iterator[None]:
+def _refusals_named(scene: Scene | SystemScene) -> Iterator[None]:
     """Name the scene in the refusal of a check."""
     from nonsmooth.analysis.partition import RefusalError
 
@@ -209,12 +286,144 @@ def derive(
     return 0
 
 
+@app.command(epilog="Example: nonsmooth simulate four-wheel --from 0.2,0.4,0 --until 2 -o path.svg")
+def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
+    scene: SceneText,
+    start: Annotated[str, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0.")],
+    until: Annotated[float, typer.Option("--until", metavar="T", help="Last time.")] = 2.0,
+    kinematics: Annotated[KinematicsName, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
+        KinematicsName.EXACT
+    ),
+    method: Annotated[MethodName, typer.Option("--method", help="Events, or the paper's hysteresis.")] = (
+        MethodName.EVENTS
+    ),
+    width: Annotated[float, typer.Option("--width", help="Width of the hysteresis.")] = 1e-3,
+    feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop (rule nearest).")] = False,
+    law: Annotated[LawName, typer.Option("--law", help="Feedback law, with --feedback.")] = LawName.CORRECTED,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE", help=".csv, .json, .svg, .png or .pdf")
+    ] = None,
+    rule: Rule = None,
+    radius: Radius = None,
+    at: At = None,
+    json: Json = False,
+) -> int:
+    """Follow a Filippov solution event by event; say where it is not unique."""
+    from nonsmooth.analysis.switched_field import Kinematics
+    from nonsmooth.proofs.theorem4 import build_partition
+    from nonsmooth.reports import simulate as views
+    from nonsmooth.reports.files import output_path, write_whole
+    from nonsmooth.symbolic.scene_file import load_scene
+
+    run = views.Run(
+        _start(start),
+        _positive("--until", until),
+        Kinematics(kinematics.value),
+        views.Method(method.value),
+        views.Law(law.value) if feedback else None,
+        _positive("--width", width),
+    )
+    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    with _refusals_named(loaded):
+        partition = build_partition(loaded)
+    try:
+        trajectory = views.follow(partition, run)
+    except ValueError as error:
+        raise RefusedError(f"{loaded.source or loaded.name}: {error}") from None
+    record = views.trajectory_record(partition, run, trajectory)
+    if path is not None:
+        write_whole(path, _trajectory_bytes(path, partition, trajectory, record))
+    if json:
+        write_json(record)
+    elif path is not None:
+        write(f"{path}: {len(trajectory.events)} events, {trajectory.end.reason}\n")
+    else:
+        write_views([views.trajectory_view(partition, trajectory)])
+    return 0
+
+
+def _start(text: str) -> tuple[float, float, float]:
+    """Three finite numbers from ``x,y,theta``."""
+    parts = text.split(",")
+    try:
+        x, y, theta = (float(part) for part in parts)
+    except ValueError:
+        x = y = theta = math.nan
+    if not all(math.isfinite(value) for value in (x, y, theta)):
+        raise RefusedError(f"--from: required three numbers x,y,theta, received {text[:60]!r}")
+    return x, y, theta
+
+
+def _positive(option: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0):
+        raise RefusedError(f"{option}: required a positive number, received {value}")
+    return value
+
+
+def _trajectory_bytes(path: Path, partition: Partition, trajectory: Trajectory, record: dict[str, Any]) -> bytes:
+    from nonsmooth.reports.console import json_text
+    from nonsmooth.reports.simulate import trajectory_table
+
+    match path.suffix.lower():
+        case ".csv":
+            return trajectory_table(trajectory)
+        case ".json":
+            return json_text(record).encode()
+        case suffix:
+            from nonsmooth.reports.trajectory_figure import trajectory_figure
+
+            return trajectory_figure(partition, trajectory, suffix)
+
+
+@app.command(epilog="Example: nonsmooth verify four-wheel.json")
+def verify(file: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file written by check.")]) -> int:
+    """Re-check a certificate with the stand-alone checker, which trusts nothing else of this program."""
+    from nonsmooth.proofs.checker import check_file
+
+    status, message = check_file(file)
+    if status == BAD_INPUT:
+        raise RefusedError(message)
+    write(f"{message}\n")
+    return status
+
+
+@app.command(epilog='Example: nonsmooth audit four-wheel --lyapunov "x**2 + 3*y**2"')
+def audit(
+    scene: SceneText,
+    lyapunov: Annotated[str, typer.Option("--lyapunov", metavar="EXPR", help="V in x and y; Abs and sign allowed.")],
+    rule: Rule = None,
+    radius: Radius = None,
+    at: At = None,
+    json: Json = False,
+) -> int:
+    """Decide whether somebody's function is a Lyapunov function on the checked square."""
+    from nonsmooth.proofs.lyapunov_audit import audit as audit_function
+    from nonsmooth.symbolic.system_file import load_any
+
+    loaded = load_any(scene, rule=rule, radius=radius, at=at)
+    with _refusals_named(loaded):
+        result = audit_function(loaded, lyapunov)
+    if not result.check():
+        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
+    if json:
+        from nonsmooth.reports.system_views import audit_record
+
+        write_json(audit_record(result))
+    else:
+        from nonsmooth.reports.system_views import audit_view
+
+        write_views([audit_view(result)])
+    return result.verdict.exit_status
+
+
 @app.command(epilog="Example: nonsmooth scenes")
 def scenes(json: Json = False) -> int:
     """List the built-in scenes."""
     from nonsmooth.symbolic.scene_file import builtin_descriptions
+    from nonsmooth.symbolic.system_file import system_descriptions
 
-    descriptions = builtin_descriptions()
+    descriptions = {**builtin_descriptions(), **system_descriptions()}
     if json:
         from nonsmooth.reports.records import scenes_record
 

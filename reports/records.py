@@ -193,7 +193,7 @@ def _quadratic_record(translation: TranslationResult | EllipseTranslation) -> Re
     found = translation.quadratic if isinstance(translation, TranslationResult) else None
     if found is None:
         return None
-    return {"lyapunov": str(found), "decay": float(2 * found.decay), **with_exact({"level": found.level})}
+    return {"lyapunov": str(found), "decay": float(found.decay), **with_exact({"level": found.level})}
 
 
 def _rotation_record(rotation: RotationResult) -> Record:

@@ -59,8 +59,8 @@ def check_view(result: Check) -> RenderableType:
         ("feedback", result.feedback.verdict, _feedback_evidence(result)),
     )
     for name, verdict, evidence in rows:
-        table.add_row(Text(name), _verdict(verdict), Text("\n".join(evidence)))
-    table.add_row(Text("Theorem 4", "bold"), _verdict(result.verdict, bold=True), Text(result.reason))
+        table.add_row(Text(name), verdict_text(verdict), Text("\n".join(evidence)))
+    table.add_row(Text("Theorem 4", "bold"), verdict_text(result.verdict, bold=True), Text(result.reason))
     left_out = [Text(f"left out: {s.what} ({s.count}): {s.why}") for s in result.skipped]
     return Group(_headline(result), Text(_census(result)), table, *left_out)
 
@@ -154,7 +154,7 @@ def _translation_evidence(translation: TranslationResult | EllipseTranslation) -
         lines.append(f"max V*/|c| = {brief(translation.worst_rate)} on the square")
     quadratic = translation.quadratic if isinstance(translation, TranslationResult) else None
     if quadratic is not None:
-        lines.append(f"V = {quadratic} decreases: V* <= -{float(2 * quadratic.decay):.4g} |c|")
+        lines.append(f"V = {quadratic} decreases: V* <= -{float(quadratic.decay):.4g} |c|")
         lines.append(f"region: V < {brief(quadratic.level)}")
     if translation.region_radius is not None:
         lines.append(f"region: disc of radius {brief(translation.region_radius)}")
@@ -189,7 +189,8 @@ def _cells(indices: Sequence[int]) -> str:
     return f"{len(indices)} cells ({shown})" if len(indices) > 1 else f"cell {shown}"
 
 
-def _verdict(verdict: str, *, bold: bool = False) -> Text:
+def verdict_text(verdict: str, *, bold: bool = False) -> Text:
+    """A verdict in its color."""
     style = _STYLES.get(str(verdict), "default")
     return Text(str(verdict), f"bold {style}" if bold else style)
 
@@ -198,4 +199,12 @@ def _table(*header: str) -> Table:
     table = Table(box=box.ROUNDED, header_style="bold")
     for k, name in enumerate(header):
         table.add_column(Text(name), overflow="fold", ratio=None if k < len(header) - 1 else 1)
+    return table
+
+
+def two_columns() -> Table:
+    """A table of names and findings without a header."""
+    table = Table(box=box.ROUNDED, show_header=False, show_lines=True)
+    table.add_column(overflow="fold")
+    table.add_column(overflow="fold", ratio=1)
     return table

@@ -23,7 +23,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import parse
 from nonsmooth.symbolic.number_field import Number, NumberField
-from nonsmooth.symbolic.scene_file import builtin_scenes
+from nonsmooth.symbolic.scene_file import builtin_scenes, builtin_systems
 
 Record: TypeAlias = dict[str, Any]
 
@@ -279,7 +279,7 @@ def test_partition_picture_is_whole_and_reproducible(invoke: Invoke, tmp_path: P
 
 def test_scenes_lists_the_built_in_names(invoke: Invoke) -> None:
     record = invoke("scenes", "--json").record
-    assert tuple(scene["name"] for scene in record["scenes"]) == builtin_scenes()
+    assert tuple(scene["name"] for scene in record["scenes"]) == (*builtin_scenes(), *builtin_systems())
     text = invoke("scenes").out
     assert all(name in text for name in builtin_scenes())
 
@@ -458,7 +458,7 @@ def test_an_interrupt_ends_quietly(monkeypatch: pytest.MonkeyPatch, invoke: Invo
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("nonsmooth.symbolic.scene_file.load_scene", interrupt)
+    monkeypatch.setattr("nonsmooth.symbolic.system_file.load_any", interrupt)
     assert invoke("check", "four-wheel") == Outcome(130, "", "")
 
 

@@ -1,0 +1,114 @@
+"""The command ``simulate``: a trajectory of an array as text, JSON, a table of samples or a picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from nonsmooth.analysis.cellwise_field import feedback_field
+from nonsmooth.analysis.feedback_laws import corrected_law, gradient_law, printed_law
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.analysis.switched_field import Kinematics, array_field
+from nonsmooth.analysis.trajectory import simulate
+from nonsmooth.analysis.trajectory_result import Trajectory
+from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.scene_error import one_line
+
+SCHEMA = "nonsmooth-trajectory/1"
+GAIN = 1.0
+SHOWN = 12  # events listed on a terminal
+
+
+class Law(StrEnum):
+    """A feedback law of rule ``nearest``."""
+
+    CORRECTED = "corrected"
+    PRINTED = "printed"
+    GRADIENT = "gradient"
+
+
+class Method(StrEnum):
+    """How the solution is followed."""
+
+    EVENTS = "events"
+    HYSTERESIS = "hysteresis"
+
+
+LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law, Law.GRADIENT: gradient_law}
+
+
+@dataclass(frozen=True)
+class Run:
+    """What to simulate.
+
+    Attributes:
+        start: ``(x, y, theta)``.
+        until: last time.
+        kinematics: exact pose or leading order.
+        method: see :class:`Method`.
+        law: feedback law; None for the scene's own speeds.
+        width: of the hysteresis.
+    """
+
+    start: tuple[float, float, float]
+    until: float
+    kinematics: Kinematics
+    method: Method
+    law: Law | None
+    width: float
+
+
+def follow(partition: Partition, run: Run) -> Trajectory:
+    """Simulate.
+
+    Raises:
+        ValueError: for a start outside the square, or a law without control fields.
+    """
+    field: Any = array_field(partition, run.kinematics)
+    if run.law is not None:
+        field = feedback_field(partition, LAWS[run.law](GAIN), run.kinematics)
+    if run.method is Method.HYSTERESIS:
+        from nonsmooth.analysis.hysteresis import simulate_hysteresis
+
+        return simulate_hysteresis(field, run.start, run.until, run.width)
+    return simulate(field, run.start, run.until)
+
+
+def trajectory_record(partition: Partition, run: Run, trajectory: Trajectory) -> dict[str, Any]:
+    """JSON with stable keys."""
+    law = None if run.law is None else str(run.law)
+    return {"schema": SCHEMA, "scene": partition.scene.name, "feedback": law, **trajectory.record()}
+
+
+def trajectory_table(trajectory: Trajectory) -> bytes:
+    """Samples as CSV: t, x, y, theta."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(("t", "x", "y", "theta"))
+    for time, state in zip(trajectory.times, trajectory.states, strict=True):
+        writer.writerow([repr(float(value)) for value in (time, *state)])
+    return stream.getvalue().encode()
+
+
+def trajectory_view(partition: Partition, trajectory: Trajectory) -> RenderableType:
+    """Events and end as a table."""
+    rows = two_columns()
+    for event in trajectory.events[:SHOWN]:
+        x, y, theta = (float(value) for value in event.state)
+        note = f"; {event.note}" if event.note else ""
+        place = f"{event.kind} at ({x:.6g}, {y:.6g}), theta = {theta:.6g}: {event.surface}{note}"
+        rows.add_row(Text(f"t = {float(event.t):.6g}"), Text(place))
+    if len(trajectory.events) > SHOWN:
+        rows.add_row(Text("..."), Text(f"{len(trajectory.events) - SHOWN} more events"))
+    x, y, theta = (float(value) for value in trajectory.end.state)
+    end = f"({x:.10g}, {y:.10g}), theta = {theta:.10g}: {trajectory.end.reason}"
+    rows.add_row(Text(f"end, t = {float(trajectory.end.t):.6g}", "bold"), Text(end))
+    said = {True: "unique", False: "not unique: other solutions branch off", None: "uniqueness not examined"}
+    head = f"{one_line(partition.scene.name)}: {trajectory.kinematics} kinematics, method {trajectory.method}"
+    return Group(Text(head), rows, Text(said[trajectory.unique]))
