@@ -90,6 +90,16 @@ class CellCheck(Theorem4Result):
     feedback: FeedbackResult | SampledFeedback
     others: tuple[JudgedEquilibrium, ...] | None
 
+    @property
+    def theta_is_weakly_stable(self) -> bool:
+        """Whether some solution keeps theta near its start: the verdicts themselves are strong, of every solution.
+
+        The body arrives after a bounded rotation and may rest without turning, since the drift holds zero.
+        """
+        drift = self.rotation.drift
+        arrives = self.partition.complete and rotation_bound(self.partition, self.translation) is not None
+        return drift is not None and arrives and drift.interval[0] <= 0 <= drift.interval[1]
+
     def check(self) -> bool:
         """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
         clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)

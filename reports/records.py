@@ -18,7 +18,7 @@ from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
 from nonsmooth.proofs.feedback import FeedbackResult, InputCell
 from nonsmooth.proofs.input_ranks import input_ranks
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.rotation import Drift, RotationResult
+from nonsmooth.proofs.rotation import Drift
 from nonsmooth.proofs.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
 from nonsmooth.proofs.translation import LYAPUNOV, TranslationResult, Witness
@@ -60,7 +60,7 @@ def check_record(result: Check) -> Record:
         "contact_states": _census_record(result),
         "equilibrium": _equilibrium_record(result),
         "translation": _translation_record(result.translation),
-        "rotation": _rotation_record(result.rotation),
+        "rotation": _rotation_record(result),
         "feedback": _feedback_record(result),
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
@@ -196,10 +196,12 @@ def _quadratic_record(translation: TranslationResult | EllipseTranslation) -> Re
     return {"lyapunov": str(found), "decay": float(found.decay), **with_exact({"level": found.level})}
 
 
-def _rotation_record(rotation: RotationResult) -> Record:
+def _rotation_record(result: Check) -> Record:
+    rotation = result.rotation
     drift = rotation.drift
     return {
         "verdict": str(rotation.verdict),
+        "weakly_stable": result.theta_is_weakly_stable if isinstance(result, CellCheck) else None,
         **with_exact({"drift": None if drift is None else drift.interval}),
         "weights": None if drift is None else _weights_record(drift),
         "reason": rotation.reason,

@@ -253,3 +253,19 @@ def test_a_bound_on_rotation_that_is_too_small_is_refused(arrays: Arrays) -> Non
 )
 def test_exit_statuses(verdict: Theorem4, status: int) -> None:
     assert verdict.exit_status == status
+
+
+@pytest.mark.parametrize(("friction", "weakly"), [((1, Fraction(1, 2)), True), ((Fraction(1, 2), 1), False)])
+def test_strong_and_weak_stability_of_theta_are_told_apart(
+    arrays: Arrays, friction: tuple[Fraction, Fraction], weakly: bool
+) -> None:
+    """Some solution of eq. (4) rests at the origin without turning; for eq. (3) no decay bounds the way there."""
+    result = check_cells(arrays.four_wheel(friction))
+    assert result.rotation.verdict is Rotation.UNSTABLE
+    assert result.theta_is_weakly_stable is weakly
+
+
+def test_a_spinning_body_is_not_weakly_stable(arrays: Arrays) -> None:
+    result = check_cells(arrays.scene(arrays.inward([(1, 0), (-1, 0), (0, 1), (0, -1)], turn=(0, 1))))
+    assert result.rotation.verdict is Rotation.UNSTABLE
+    assert not result.theta_is_weakly_stable
