@@ -187,7 +187,13 @@ def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:
         row = [sum((moments[i][r] * moments[i][s] for i in sorted(active)), moments[0][0] * 0) for s in range(3)]
         rows.append((row[0], row[1], row[2]))
     columns = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
-    inverse = inner(rows[0], columns[0]).inverse()
+    determinant = inner(rows[0], columns[0])
+    if not determinant:
+        raise LoadError(
+            "check.radius: required a smaller square, received one crossed by a line of wheels that carries the whole "
+            "load: beside it the loaded wheels change all at once, which is not followed"
+        )
+    inverse = determinant.inverse()
     adjugate = [(columns[0][r], columns[1][r], columns[2][r]) for r in range(3)]
     forms: list[Triple] = []
     for m in moments:

@@ -320,7 +320,7 @@ class Checker:
         return found if disc is None or found == ASYMPTOTIC else STABLE
 
     def _fan(self) -> str:
-        """Escapes along a velocity, slides along a ray, full turns: 0 all lead inward, 1 rest, 2 ties, 3 outward."""
+        """Escapes along a velocity, slides along a ray, full turns: 0 all lead inward, 1 rest, 2 open, 3 outward."""
         worst, points = [0], self.points
         fan = [(a, b, [v for k, _, v, *_ in self.here if k == cell]) for cell, (a, b) in self.rays.items()]
         for start, end, twists in fan:

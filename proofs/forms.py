@@ -175,11 +175,11 @@ class Pieces:
 
     @cached_property
     def work(self) -> int:
-        """What it costs to cut this part in two, in units of rational coefficients."""
+        """What it costs to look at this part and cut it in two, in products of rational coefficients."""
         parts = (self.plain, self.radial or {}, *self.guards)
-        return sum(
-            len(c.terms) ** 2 * IRRATIONAL_WORK if isinstance(c, Number) else 1 for t in parts for c in t.values()
-        )
+        sizes = [len(c.terms) if isinstance(c, Number) else 0 for t in parts for c in t.values()]
+        squares = len(self.plain) + len(self.radial) if self.radial else 1  # A^2 - r^2 B^2
+        return squares * sum(IRRATIONAL_WORK * size**2 if size else 1 for size in sizes)
 
     def mapped(self, change: Callable[[Terms], Terms]) -> Pieces:
         """Every part changed in the same way."""

@@ -18,6 +18,7 @@ from nonsmooth.proofs.derivatives import Decrease, LyapunovResult, examine, inha
 from nonsmooth.proofs.strata import Refutation
 from nonsmooth.proofs.system_stability import domains
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import base_order
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene import Rule, Scene
@@ -124,4 +125,12 @@ def _result(scene: Scene | SystemScene, lyapunov: str, result: LyapunovResult | 
         Decrease.REFUTED: (AuditVerdict.INVALID, None),
         Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
     }[result.verdict]
-    return AuditResult(scene, lyapunov, verdict, proves, result.reason, result.witness, result)
+    return AuditResult(scene, lyapunov, verdict, proves, result.reason, _named(result.witness), result)
+
+
+def _named(witness: Refutation | None) -> Refutation | None:
+    """The witness with every late number carried out."""
+    if witness is None:
+        return None
+    x, y, value = (v.exact() if isinstance(v, Lazy) else v for v in (*witness.point, witness.value))
+    return Refutation((x, y), value, witness.meaning)

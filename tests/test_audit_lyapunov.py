@@ -18,6 +18,7 @@ from nonsmooth.proofs.lyapunov_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.strata import Refutation
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.number_field import Number
 from nonsmooth.symbolic.scene import Rule, Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
@@ -132,6 +133,7 @@ def test_invalid_on_arrays_with_a_witness(name: str, lyapunov: str, rule: str) -
     assert result.verdict is AuditVerdict.INVALID
     assert result.verdict.exit_status == 1
     assert result.witness is not None
+    assert all(isinstance(v, Number) for v in (*result.witness.point, result.witness.value))  # for JSON
     refutes(scene, lyapunov, result.witness)
 
 

@@ -410,12 +410,25 @@ def test_a_wheel_listed_twice_does_not_count_twice(four_wheel_box: Record) -> No
     assert check_certificate(four_wheel_box) == ""
 
 
-def test_a_minimizer_that_ties_must_be_listed(arrays: Arrays) -> None:
-    """Facing pairs of equal friction: under rule nearest both third rows tie."""
+def test_rows_that_tie_must_all_be_listed(arrays: Arrays) -> None:
+    """Equal friction under rule nearest: both third rows belong to the cell."""
     c = build_certificate(check_cells(arrays.four_wheel((1, 1))))
     tied = next(k for k, cell in enumerate(c["cells"]) if len(cell["states"]) == 2)
     del c["cells"][tied]["states"][1]
     assert f"cells[{tied}]: the rows that the rule takes" in check_certificate(c)
+
+
+def test_minimizers_that_tie_must_all_be_listed(arrays: Arrays) -> None:
+    """Under equal loads everywhere D is flat between two twists of this array."""
+    scene = arrays.cocircular(23)
+    share, zero = scene.field(Fraction(1, len(scene.wheels))), scene.field.zero
+    loads = LoadTable(((share, zero, zero),) * len(scene.wheels))
+    c = build_certificate(check_cells(replace(scene, contact=Contact(Rule.BOX, loads))))
+    assert len(c["cells"][0]["states"]) == 2
+    for k in (0, 1):
+        forged = copy.deepcopy(c)
+        del forged["cells"][0]["states"][k]
+        assert check_certificate(forged) == "cells[0]: all twists that minimize D"
 
 
 # ---- clauses -----------------------------------------------------------------------------
@@ -469,11 +482,32 @@ def test_forged_evidence_is_rejected(four_wheel: Record, name: str) -> None:
     assert check_certificate(four_wheel)
 
 
-def test_weights_and_multipliers_may_be_scaled(four_wheel: Record) -> None:
+def test_weights_may_be_scaled(four_wheel: Record) -> None:
     end = four_wheel["rotation"]["lowest"]
-    end["weights"] = [str(3 * Fraction(w)) if isinstance(w, str) else w for w in end["weights"]]
-    if all(isinstance(w, str) for w in end["weights"]):
-        assert check_certificate(four_wheel) == ""
+    end["weights"] = [str(3 * Fraction(w)) for w in end["weights"]]
+    assert check_certificate(four_wheel) == ""
+
+
+@pytest.mark.parametrize(
+    ("subject", "shape", "word"),
+    [
+        (("four-wheel", "nearest"), None, "stable, not attractive"),
+        (("four-wheel", "nearest"), ["1/100", "0"], "stable, not attractive"),
+        (("ring-5", "nearest"), ["99/100", "0"], "undecided"),
+        (("four-wheel-side", "nearest"), None, "undecided"),
+        (("four-wheel", "nearest"), ["1", "1"], "undecided"),
+    ],
+    ids=["|c|^2", "another V", "a V that grows", "a V that rests", "no V"],
+)
+def test_decay_bounds_the_rotation(
+    certificates: dict[tuple[str, str], Record], subject: tuple[str, str], shape: list[str] | None, word: str
+) -> None:
+    """No array of this kind was found, so the four-wheel twists at the point are stripped of their rotation."""
+    read = checker.Checker(certificates[subject])
+    read.here = [(k, rows, (*v[:2], read.zero, read.one), *rest) for k, rows, v, *rest in read.here]
+    weights = certificates[subject]["rotation"]["lowest"]["weights"]
+    ends = [{"weights": weights, "multipliers": ["0", "0", "0", "1"]}] * 2
+    assert read._drift(None, ends, shape) == ("holds", word)
 
 
 def test_a_smaller_disc_is_still_true(four_wheel: Record) -> None:

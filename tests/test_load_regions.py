@@ -92,3 +92,10 @@ def test_a_table_of_loads_is_taken_as_it_is_and_may_not_be_negative(arrays: Arra
     bad = LoadTable(((quarter, quarter * 4, zero), *table.rows[1:]))
     with pytest.raises(LoadError, match=r"negative load of wheel 1 at \(-1/2"):
         load_regions(replace(scene, contact=Contact(Rule.BOX, bad)))
+
+
+@pytest.mark.parametrize("seed", [8, 18, 31, 38])
+def test_a_line_of_wheels_that_takes_the_whole_load_is_refused(arrays: Arrays, seed: int) -> None:
+    """The loaded set would change by more than one wheel: said in one line, never a division by zero."""
+    with pytest.raises(LoadError):
+        load_regions(arrays.cocircular(seed))
