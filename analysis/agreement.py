@@ -22,7 +22,7 @@ from nonsmooth.analysis.polygon import Polygon
 from nonsmooth.analysis.sampling import ellipse_twists
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Contact, Rule, Scene
 
 GRID = 40  # points per side of the comparison grid

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, RowKind, Triple, Twist, inner, outer, scene_rows
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
 # Relative to the sum of absolute terms, whose rounding error stays below 1e-12 for up to a thousand terms:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.

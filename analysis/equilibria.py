@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
 # Relative to the size of the square: cells whose float bounding boxes are farther apart share no side.

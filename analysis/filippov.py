@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.scene import cross, dot
 
 

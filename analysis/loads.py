@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.partition import RefusalError
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, inner, outer
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import Scene, Vector, cross
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y

@@ -11,7 +11,7 @@ from nonsmooth.analysis.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Rule, Scene
 
 # An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 
 Point: TypeAlias = tuple[Any, Any]
 

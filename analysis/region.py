@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.polygon import Point, Polygon
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.scene import cross
 

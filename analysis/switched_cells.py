@@ -17,7 +17,7 @@ from nonsmooth.analysis.partition import Partition
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.analysis.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import Fact, SceneError

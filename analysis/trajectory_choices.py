@@ -26,7 +26,7 @@ from nonsmooth.analysis.switched_field import ConstantField
 from nonsmooth.analysis.trajectory_junction import Junction, Ray, Signs
 from nonsmooth.analysis.trajectory_result import EventKind
 from nonsmooth.analysis.trajectory_slides import Slide, slide_along
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot, turned
 
 

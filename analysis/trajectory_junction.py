@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from nonsmooth.analysis.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.analysis.switched_field import ConstantField
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import dot
 
 # Relative to the largest speed in the domain: directions and velocities err by a few 2^-53, so a smaller normal

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from nonsmooth.analysis.polygon import HalfPlane, Point
 from nonsmooth.analysis.switched_field import Flow
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import dot, turned
 
 State: TypeAlias = tuple[Any, Any, Any]

@@ -23,7 +23,7 @@ from nonsmooth.analysis.polygon import Point
 from nonsmooth.analysis.switched_field import ConstantField, Flow
 from nonsmooth.analysis.trajectory_junction import Ray, Signs
 from nonsmooth.analysis.trajectory_motion import State
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
 # Relative to the products compared: normal speeds whose quotient is constant to this vanish at one point together.

@@ -19,7 +19,7 @@ from nonsmooth.analysis.polygon import Point
 from nonsmooth.analysis.switched_field import ConstantField
 from nonsmooth.analysis.trajectory_junction import Ray, Signs, junction_at
 from nonsmooth.analysis.trajectory_motion import State
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
 # Relative to the size of the domain: turns smaller than this cannot be told apart in a drawing.

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.loads import Affine, LoadRegion
 from nonsmooth.symbolic.constraints import Row, Triple, inner, outer, roll_row, side_row
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 

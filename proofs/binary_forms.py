@@ -18,7 +18,8 @@ from nonsmooth.proofs.forms import Pieces, Problem, Vector, surd_sign
 from nonsmooth.proofs.real_roots import RealRoot, Sturm, positive_roots, trimmed, value
 from nonsmooth.proofs.subdivision import Violation
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.polynomial import Terms
 
 

@@ -20,7 +20,7 @@ from typing import Any
 
 from nonsmooth.analysis.region import Region, Triple
 from nonsmooth.proofs.forms import Form, Problem, Vector
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.polynomial import Polynomial, Terms
 from nonsmooth.symbolic.scene import cross, dot
 from nonsmooth.symbolic.square_roots import NestingError

@@ -32,7 +32,7 @@ from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
 from nonsmooth.proofs.verdicts import Feedback, Rotation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.scene import Rule, Scene, Wheel, cross, dot
 from nonsmooth.symbolic.square_roots import NestingError
 

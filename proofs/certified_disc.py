@@ -18,7 +18,7 @@ from typing import TypeAlias
 
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.scene import dot
 
 Floats: TypeAlias = tuple[float, float]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Rule, Scene, cross, dot
 
 

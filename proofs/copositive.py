@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.forms import Problem, Role, Vector
 from nonsmooth.proofs.subdivision import NEARBY_STEPS, Violation
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 
 Matrix: TypeAlias = list[list[Any]]
 

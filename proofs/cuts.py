@@ -18,7 +18,7 @@ from nonsmooth.proofs.forms import Problem, Vector
 from nonsmooth.proofs.real_roots import positive_roots
 from nonsmooth.proofs.subdivision import Part, Violation
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.polynomial import Terms
 
 CUT_DEPTH = 3  # zeros are looked for in the first parts only

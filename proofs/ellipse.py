@@ -35,7 +35,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 _PRECISION = 256

@@ -16,7 +16,7 @@ from nonsmooth.proofs.rotation import RotationResult, drift_at_rest
 from nonsmooth.proofs.translation import Witness
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:

@@ -17,7 +17,8 @@ from typing import Any, TypeAlias
 from flint import fmpq, fmpz
 
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Coefficient, Number, NumberField, bits
+from nonsmooth.symbolic.number import Coefficient, Number, bits
+from nonsmooth.symbolic.number_field import NumberField
 
 Record: TypeAlias = dict[str, Any]
 

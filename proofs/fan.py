@@ -36,7 +36,7 @@ from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
 

@@ -23,7 +23,7 @@ from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.fan import Cone, build_fan
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.lazy import FEW_ROOTS, Lazy
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.scene import dot
 
 DIGITS = 4  # significant digits of the certified rate

@@ -20,7 +20,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq
 
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.polynomial import Polynomial, Terms, add_terms, in_generators, multiply_terms
 
 Vector: TypeAlias = tuple[Any, ...]

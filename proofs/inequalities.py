@@ -28,7 +28,7 @@ from nonsmooth.proofs.cuts import zero_cut
 from nonsmooth.proofs.forms import Problem
 from nonsmooth.proofs.products import ProductEvidence, decide_product
 from nonsmooth.proofs.subdivision import Leaf, Split, Stuck, Violation, subdivide, verify
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.polynomial import Polynomial
 
 LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried

@@ -26,7 +26,7 @@ from nonsmooth.analysis.region import Segment
 from nonsmooth.analysis.switched_cells import LyapunovCell
 from nonsmooth.proofs.real_roots import RealRoot, positive_roots, separated, trimmed, value
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.polynomial import Polynomial, in_generators
 
 Curve: TypeAlias = tuple[Number, ...]  # a polynomial in t, ascending

@@ -21,7 +21,7 @@ from typing import Any
 
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.analysis.switched_cells import holds_zero
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from nonsmooth.symbolic.constraints import Triple, independent, inner, outer
 from nonsmooth.symbolic.lazy import FEW_ROOTS, divided
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 
 Column: TypeAlias = Sequence[Number]
 

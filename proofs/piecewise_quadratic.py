@@ -23,7 +23,7 @@ from nonsmooth.analysis.region import cone_region
 from nonsmooth.analysis.switched_cells import FieldCell, LyapunovCell, Velocity
 from nonsmooth.proofs.cells import directions
 from nonsmooth.proofs.derivatives import Decrease, LyapunovResult, examine
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.polynomial import Polynomial
 from nonsmooth.symbolic.scene import cross, dot
 

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.forms import Form, Problem
 from nonsmooth.proofs.subdivision import Stuck, Violation
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.fan import Cone
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.scene import Vector, dot
 
 DENOMINATOR = 2**12  # of the rounded a and b

@@ -27,7 +27,7 @@ from nonsmooth.proofs.real_roots import RealRoot, positive_roots, trimmed, value
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.number_field import Number, sign
+from nonsmooth.symbolic.number import Number, sign
 from nonsmooth.symbolic.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.scene import cross, dot
 

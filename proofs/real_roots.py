@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq_poly
 
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.square_roots import NestingError
 
 Coefficients: TypeAlias = Sequence[Number]

@@ -19,7 +19,7 @@ from nonsmooth.proofs.translation import TranslationResult
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 
 
 @dataclass(frozen=True)

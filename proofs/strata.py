@@ -21,7 +21,7 @@ from nonsmooth.proofs.inequalities import Outcome, Proof, Sense, Undecided, Witn
 from nonsmooth.proofs.kinks import Kink, Trend, Trends, worst
 from nonsmooth.proofs.ladder import Interval, Ladder, ladder_at
 from nonsmooth.proofs.real_roots import RealRoot
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.polynomial import Polynomial
 
 

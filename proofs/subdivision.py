@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from nonsmooth.proofs.forms import Pieces, Problem, Role, Vector, face_sign, face_sum
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 from nonsmooth.symbolic.polynomial import Terms
 
 NEARBY_STEPS = 40  # distances 4^-k tried beside a corner that is no point of the claim

@@ -28,7 +28,7 @@ from nonsmooth.proofs.fan import FanResult, decide_fan
 from nonsmooth.proofs.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import cross, dot
 
 LYAPUNOV = "x**2 + y**2"

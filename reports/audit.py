@@ -19,7 +19,7 @@ from nonsmooth.reports.audit_stability import audit_rotation, audit_translation
 from nonsmooth.reports.document import Bullets, Section, Text
 from nonsmooth.reports.finding import Finding
 from nonsmooth.reports.prose import paragraph
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Scene, cross, dot
 from nonsmooth.symbolic.scene_file import load_scene
 

@@ -10,7 +10,7 @@ from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.document import Block, Entry, display, number, table
 from nonsmooth.reports.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import dot, turned
 
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Entry, display, number, table
 from nonsmooth.reports.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Contact, Friction, Rule, Scene
 from nonsmooth.symbolic.scene_file import load_scene
 

@@ -11,7 +11,7 @@ from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
 from nonsmooth.symbolic.formulas import number_latex, real_text
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Rule, Wheel
 
 LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)

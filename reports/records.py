@@ -25,7 +25,7 @@ from nonsmooth.proofs.translation import LYAPUNOV, TranslationResult, Witness
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import real_text
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Rule
 
 CHECK_SCHEMA = "nonsmooth-check/1"

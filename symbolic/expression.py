@@ -17,7 +17,8 @@ from fractions import Fraction
 
 from flint import fmpq
 
-from nonsmooth.symbolic.number_field import Coefficient, Number, NumberField, base_order
+from nonsmooth.symbolic.number import Coefficient, Number
+from nonsmooth.symbolic.number_field import NumberField, base_order
 from nonsmooth.symbolic.scene_error import shown
 from nonsmooth.symbolic.square_roots import NestingError
 

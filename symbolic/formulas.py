@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 from flint import arb, ctx
 
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number, bits
+from nonsmooth.symbolic.number import Number, bits
 from nonsmooth.symbolic.printing import cosine_form, number_text, ordered_masks
 
 if TYPE_CHECKING:

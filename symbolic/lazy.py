@@ -15,7 +15,9 @@ from typing import Any, TypeAlias
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.exact_real import ExactReal
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 # With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
 FEW_ROOTS = 2
@@ -26,7 +28,7 @@ _FLOAT_BITS = 53
 Quotient: TypeAlias = tuple[Number, Number]  # numerator, nonzero denominator
 
 
-class Lazy:
+class Lazy(ExactReal):
     """A real number of a field, known as a ball and as a recipe for its exact value."""
 
     __slots__ = ("_quotient", "_recipe", "_sign", "ball", "field")
@@ -92,19 +94,10 @@ class Lazy:
             return NotImplemented
         return _make(self.field, self.ball, other.ball, arb.__add__, lambda: _add(self.quotient(), other.quotient()))
 
-    __radd__ = __add__
-
     def __neg__(self) -> Lazy:
         with ctx.workprec(_PRECISION):  # arb rounds even a negation to the working precision
             ball = -self.ball
         return Lazy(self.field, ball, lambda: (-self.quotient()[0], self.quotient()[1]))
-
-    def __sub__(self, value: Any) -> Lazy:
-        other = self._operand(value)
-        return NotImplemented if other is None else self + (-other)
-
-    def __rsub__(self, value: Any) -> Lazy:
-        return -self + value
 
     def __mul__(self, value: Any) -> Lazy:
         other = self._operand(value)
@@ -117,8 +110,6 @@ class Lazy:
             arb.__mul__,
             lambda: _multiply(self.quotient(), other.quotient()),
         )
-
-    __rmul__ = __mul__
 
     def __truediv__(self, value: Any) -> Lazy:
         """Quotient.
@@ -149,36 +140,11 @@ class Lazy:
     def __bool__(self) -> bool:
         return self.sign() != 0
 
-    def __abs__(self) -> Lazy:
-        return -self if self.sign() < 0 else self
-
-    def _compare(self, value: Any) -> int | None:
-        other = self._operand(value)
-        if other is None:
-            return None
-        return 0 if other is self else (self - other).sign()
-
     def __eq__(self, value: object) -> bool:
         order = self._compare(value)
         return NotImplemented if order is None else order == 0
 
     __hash__ = None  # type: ignore[assignment]  # equality needs arithmetic; no canonical form to hash
-
-    def __lt__(self, value: Any) -> bool:
-        order = self._compare(value)
-        return NotImplemented if order is None else order < 0
-
-    def __le__(self, value: Any) -> bool:
-        order = self._compare(value)
-        return NotImplemented if order is None else order <= 0
-
-    def __gt__(self, value: Any) -> bool:
-        order = self._compare(value)
-        return NotImplemented if order is None else order > 0
-
-    def __ge__(self, value: Any) -> bool:
-        order = self._compare(value)
-        return NotImplemented if order is None else order >= 0
 
     def sqrt(self) -> Number:
         """Square root as a field element (carries out the recipe).

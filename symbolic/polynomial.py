@@ -14,7 +14,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.exact_real import ExactRing
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 Exponents: TypeAlias = tuple[int, ...]
 Terms: TypeAlias = dict[Exponents, Any]  # nonzero coefficients of any ordered ring
@@ -60,7 +62,7 @@ def in_generators(terms: Mapping[Exponents, Any], generators: Sequence[Sequence[
 
 
 @dataclass(frozen=True)
-class Polynomial:
+class Polynomial(ExactRing):
     """``sum_e terms[e] * prod_k variables[k]**e[k]``.
 
     Attributes:
@@ -84,7 +86,7 @@ class Polynomial:
         """One of the variables."""
         return cls(field, tuple(variables), {tuple(int(v == name) for v in variables): field.one})
 
-    def _other(self, value: Any) -> Polynomial | None:
+    def _operand(self, value: Any) -> Polynomial | None:
         if isinstance(value, Polynomial):
             if value.variables != self.variables:
                 raise ValueError(f"required polynomials in {self.variables}, received {value.variables}")
@@ -97,26 +99,15 @@ class Polynomial:
         return Polynomial(self.field, self.variables, terms)
 
     def __add__(self, value: Any) -> Polynomial:
-        other = self._other(value)
+        other = self._operand(value)
         return NotImplemented if other is None else self._with(add_terms(self.terms, other.terms))
-
-    __radd__ = __add__
 
     def __neg__(self) -> Polynomial:
         return self._with({e: -c for e, c in self.terms.items()})
 
-    def __sub__(self, value: Any) -> Polynomial:
-        other = self._other(value)
-        return NotImplemented if other is None else self + (-other)
-
-    def __rsub__(self, value: Any) -> Polynomial:
-        return -self + value
-
     def __mul__(self, value: Any) -> Polynomial:
-        other = self._other(value)
+        other = self._operand(value)
         return NotImplemented if other is None else self._with(multiply_terms(self.terms, other.terms))
-
-    __rmul__ = __mul__
 
     def __pow__(self, exponent: int) -> Polynomial:
         result, base = Polynomial.constant(self.field, self.variables, 1), self

@@ -13,7 +13,8 @@ from functools import cached_property
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 Vector: TypeAlias = tuple[Number, Number]
 

@@ -23,7 +23,8 @@ from nonsmooth.symbolic.expression import (
     decimal_value,
     parse,
 )
-from nonsmooth.symbolic.number_field import Number, NumberField, base_order
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField, base_order
 from nonsmooth.symbolic.scene import Vector
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 

@@ -17,7 +17,8 @@ from itertools import count
 
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 
-from nonsmooth.symbolic.number_field import Number, NumberField, as_fmpq, bits
+from nonsmooth.symbolic.number import Number, as_fmpq, bits
+from nonsmooth.symbolic.number_field import NumberField
 
 _FACTOR_BITS = 128  # longer cofactors are not factored (quadratic sieve takes over a second there)
 _SMOOTH_BITS = 16

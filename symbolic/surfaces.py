@@ -12,7 +12,7 @@ from functools import lru_cache
 
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.polynomial import Polynomial
 from nonsmooth.symbolic.square_roots import NestingError
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.polynomial import Polynomial
 from nonsmooth.symbolic.scene import Vector

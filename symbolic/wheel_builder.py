@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from nonsmooth.symbolic.layouts import Place
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Friction, Vector, Wheel
 from nonsmooth.symbolic.scene_document import Document
 from nonsmooth.symbolic.scene_error import Fact, SceneError

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.polygon import Point, Polygon
-from nonsmooth.symbolic.number_field import Number, NumberField, base_order
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField, base_order
 from nonsmooth.symbolic.scene import Check, Contact, Friction, Rule, Scene, Wheel
 
 Rational: TypeAlias = int | Fraction

@@ -18,7 +18,7 @@ from nonsmooth.proofs.lyapunov_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.strata import Refutation
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Rule, Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene

@@ -18,7 +18,7 @@ from nonsmooth.analysis.point_location import PointLocator
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Contact, LoadTable, Rule, Scene
 from nonsmooth.symbolic.scene_file import load_scene
 

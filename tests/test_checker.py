@@ -33,7 +33,8 @@ from nonsmooth.proofs.rotation import decide_rotation
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.scene import Check, Contact, Friction, LoadTable, Rule, Scene, Wheel
 from nonsmooth.symbolic.scene_file import load_scene
 

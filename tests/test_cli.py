@@ -22,7 +22,8 @@ from hypothesis import strategies as st
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import parse
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.scene_file import builtin_scenes, builtin_systems
 
 Record: TypeAlias = dict[str, Any]

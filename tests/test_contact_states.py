@@ -30,7 +30,8 @@ from nonsmooth.symbolic.contact_states import (
     solve_rows,
     take_census,
 )
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

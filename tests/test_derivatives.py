@@ -21,7 +21,8 @@ from nonsmooth.proofs.kinks import Kink, Trend, Trends
 from nonsmooth.proofs.ladder import Interval, ladder_at
 from nonsmooth.proofs.strata import Part, derivatives_at
 from nonsmooth.proofs.system_stability import plane_cells, system_check
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.system import SystemScene
 from nonsmooth.symbolic.system_file import load_system

@@ -26,7 +26,8 @@ from nonsmooth.symbolic.equations import (
 )
 from nonsmooth.symbolic.expression import parse
 from nonsmooth.symbolic.formulas import LINE_BREAK, Formula, constant, number_latex
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.pair_equations import PairEquations, closed_form, pair_equations
 from nonsmooth.symbolic.printed_equations import theorem_4_kinematics, theorem_4_rate, theorem_4_symbols
 from nonsmooth.symbolic.scene import Scene, Wheel

@@ -11,7 +11,8 @@ import pytest
 from nonsmooth.proofs.checker import Field
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 HALF = Fraction(1, 2)
 

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse
-from nonsmooth.symbolic.number_field import Number, NumberField, base_order
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField, base_order
 
 RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=200)
 DIGITS = 40

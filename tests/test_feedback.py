@@ -17,7 +17,7 @@ from nonsmooth.proofs.feedback import FeedbackResult, InputCell, decide_feedback
 from nonsmooth.proofs.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, dot, turned
 
 if TYPE_CHECKING:

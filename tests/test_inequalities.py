@@ -21,7 +21,8 @@ from nonsmooth.proofs.cells import EXTENDED, PLANE
 from nonsmooth.proofs.inequalities import Outcome, Proof, Question, Sense, Undecided, Witness, ZeroBetween, prove
 from nonsmooth.proofs.products import ProductEvidence
 from nonsmooth.proofs.subdivision import Leaf, Split
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.polynomial import Polynomial, in_generators
 

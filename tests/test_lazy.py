@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 FIELD = NumberField()
 ROOTS = [FIELD.sqrt(n) for n in (2, 3, 5, 7)]

@@ -12,7 +12,8 @@ import sympy
 from scipy.optimize import linprog
 
 from nonsmooth.proofs.linear_program import Mixture, best_mixture
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 # HiGHS solves to 1e-7 primal and dual feasibility; optima here are below 100 (weights of at most 10 vectors).
 SOLVER_TOLERANCE = 1e-6

@@ -17,7 +17,7 @@ from nonsmooth.analysis.polygon import Point
 from nonsmooth.analysis.sampling import literal_twist
 from nonsmooth.symbolic.constraints import Row, Twist, determinant, roll_row, side_row, wheel_rows
 from nonsmooth.symbolic.contact_states import solve_rows
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 
 if TYPE_CHECKING:

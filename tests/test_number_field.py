@@ -14,7 +14,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from nonsmooth.symbolic.number_field import Number, NumberField, base_order, bits
+from nonsmooth.symbolic.number import Number, bits
+from nonsmooth.symbolic.number_field import NumberField, base_order
 from nonsmooth.symbolic.square_roots import NestingError
 
 RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)

@@ -13,7 +13,8 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from nonsmooth.analysis.polygon import HalfPlane, Polygon, intersection, square
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number_field import NumberField, sign
+from nonsmooth.symbolic.number import sign
+from nonsmooth.symbolic.number_field import NumberField
 
 Embed: TypeAlias = Callable[[Fraction | int], Any]
 

@@ -11,7 +11,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from nonsmooth.proofs.real_roots import RealRoot, Sturm, positive_roots, separated, value
-from nonsmooth.symbolic.number_field import Number, NumberField
+from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.number_field import NumberField
 
 RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=80)
 FIELD = NumberField()

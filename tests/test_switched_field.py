@@ -21,7 +21,7 @@ from nonsmooth.analysis.polygon import HalfPlane, Point, square
 from nonsmooth.analysis.sign_field import DegenerateSurfaceError, SignField
 from nonsmooth.analysis.smooth_field import Vector, affine_surface, smooth_surface
 from nonsmooth.analysis.switched_field import Kinematics, array_field, domain_size, flow_of, piecewise_constant
-from nonsmooth.symbolic.number_field import sign
+from nonsmooth.symbolic.number import sign
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

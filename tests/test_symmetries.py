@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.analysis.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Vector, Wheel
 
 if TYPE_CHECKING:

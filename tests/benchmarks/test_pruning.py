@@ -8,7 +8,7 @@ import pytest
 
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells
 from nonsmooth.symbolic.contact_states import possible_triples
-from nonsmooth.symbolic.number_field import Number
+from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
 
 if TYPE_CHECKING:
