@@ -23,7 +23,8 @@ from nonsmooth.analysis.sampling import ellipse_twists
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Contact, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, Scene
 
 GRID = 40  # points per side of the comparison grid
 

@@ -23,7 +23,8 @@ from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.lazy import FEW_ROOTS, Lazy
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 
 
 def build_box_partition(scene: Scene) -> Partition:

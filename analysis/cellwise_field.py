@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cell_complex import CellComplex, build_complex
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.partition import Cell, Partition
 from nonsmooth.analysis.smooth_field import (
     SURFACE_SLACK,
@@ -25,7 +26,7 @@ from nonsmooth.analysis.smooth_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.analysis.switched_field import ConstantField, Flow, Kinematics, domain_size
+from nonsmooth.analysis.switched_field import ConstantField, Flow, domain_size
 from nonsmooth.symbolic.contact_states import ContactState
 
 Speeds: TypeAlias = Callable[[Vector], Mapping[int, float]]  # pose to surface speed by wheel index

@@ -21,7 +21,8 @@ from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Row, roll_row, side_row
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.number import sign
-from nonsmooth.symbolic.scene import Rule, Scene, Wheel, dot
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, Wheel, dot
 
 # Relative to the coordinates and distances at hand: in double precision they err by less than 1e-14, so a wheel
 # beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.

@@ -12,7 +12,8 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 
 # An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
 AREA_ROOTS = 4

@@ -16,7 +16,7 @@ from nonsmooth.analysis.float_loads import loads_at
 from nonsmooth.analysis.force_balance import balance_forces
 from nonsmooth.analysis.minimum import Minima
 from nonsmooth.analysis.partition import Partition
-from nonsmooth.symbolic.scene import Rule
+from nonsmooth.symbolic.rule import Rule
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.

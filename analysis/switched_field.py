@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -22,18 +21,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.analysis.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 
 Entry: TypeAlias = Any  # int, float, Fraction or a field element
-
-
-class Kinematics(StrEnum):
-    """How a spatial twist moves the pose; equal where the centre of mass is at the world origin."""
-
-    LEADING = "leading"
-    EXACT = "exact"
 
 
 @dataclass(frozen=True)

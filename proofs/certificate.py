@@ -28,12 +28,13 @@ from nonsmooth.proofs.checker import SCHEMA, check_certificate
 from nonsmooth.proofs.equilibrium import decide_equilibrium
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.rotation import drift_at_rest
-from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.proofs.verdicts import Feedback, Rotation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.number import Number, sign
-from nonsmooth.symbolic.scene import Rule, Scene, Wheel, cross, dot
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, Wheel, cross, dot
 from nonsmooth.symbolic.square_roots import NestingError
 
 Record: TypeAlias = dict[str, Any]

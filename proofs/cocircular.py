@@ -15,7 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Rule, Scene, cross, dot
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, cross, dot
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,8 @@ from nonsmooth.proofs.rotation import decide_rotation
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.scene import Check, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Check, Scene
 
 MOST = 16  # points that are judged: each costs a partition of its own
 SHARE = 8  # the square about a point is this many times smaller than the checked one

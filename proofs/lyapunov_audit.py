@@ -21,7 +21,8 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number_field import base_order
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.system import PLANE, SystemScene
 from nonsmooth.symbolic.system_file import parse_lyapunov

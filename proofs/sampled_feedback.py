@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from nonsmooth.proofs.authority import Authority, roll_authority
 from nonsmooth.proofs.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.closed_loop import LoopSample

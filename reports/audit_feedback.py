@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.feedback import FeedbackResult, InputCell
-from nonsmooth.proofs.theorem4 import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Block, Entry, display, number, table
 from nonsmooth.reports.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose

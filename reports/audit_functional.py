@@ -20,7 +20,8 @@ from nonsmooth.reports.document import Block, Entry, display, number, table
 from nonsmooth.reports.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Contact, Friction, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, Friction, Scene
 from nonsmooth.symbolic.scene_file import load_scene
 
 RATIOS = (2, Fraction(1, 2), Fraction(1, 5), Fraction(1, 10), Fraction(1, 100))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.partition import Cell
-from nonsmooth.proofs.theorem4 import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Entry, Math, display, point, table
 from nonsmooth.reports.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose

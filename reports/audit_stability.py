@@ -8,7 +8,7 @@ from nonsmooth.analysis.filippov import filippov_twists, upper_derivative_at
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.analysis.polygon import Point
 from nonsmooth.proofs.linear_program import best_mixture
-from nonsmooth.proofs.theorem4 import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.reports.document import Block, Entry, display, number, point, table
 from nonsmooth.reports.finding import Finding, Outcome

@@ -12,11 +12,12 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from nonsmooth.analysis.kinematics import Kinematics
+from nonsmooth.reports.choices import Law, Method, RuleOrAll
 from nonsmooth.reports.console import (
     PROGRAM,
     RefusedError,
@@ -27,13 +28,14 @@ from nonsmooth.reports.console import (
     write_json,
     write_views,
 )
+from nonsmooth.symbolic.rule import Rule
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.analysis.partition import Partition
     from nonsmooth.analysis.trajectory_result import Trajectory
-    from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
+    from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system import SystemScene
 
@@ -47,51 +49,12 @@ app = typer.Typer(
 )
 
 
-class RuleName(StrEnum):
-    """One contact rule."""
-
-    NEAREST = "nearest"
-    BOX = "box"
-    ELLIPSE = "ellipse"
-
-
-class RuleNames(StrEnum):
-    """One contact rule, or all of them in turn."""
-
-    NEAREST = "nearest"
-    BOX = "box"
-    ELLIPSE = "ellipse"
-    ALL = "all"
-
-
-class KinematicsName(StrEnum):
-    """What is integrated."""
-
-    EXACT = "exact"
-    LEADING = "leading"
-
-
-class MethodName(StrEnum):
-    """How a solution is followed."""
-
-    EVENTS = "events"
-    HYSTERESIS = "hysteresis"
-
-
-class LawName(StrEnum):
-    """A feedback law."""
-
-    CORRECTED = "corrected"
-    PRINTED = "printed"
-    GRADIENT = "gradient"
-
-
 PICTURES = (".svg", ".png", ".pdf")
 
 _RULE = typer.Option("--rule", help="Contact rule; replaces the scene's.")
 SceneText = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.")]
-Rule = Annotated[RuleName | None, _RULE]
-Rules = Annotated[RuleNames | None, _RULE]
+RuleOption = Annotated[Rule | None, _RULE]
+RulesOption = Annotated[RuleOrAll | None, _RULE]
 Radius = Annotated[
     str | None, typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2.")
 ]
@@ -110,7 +73,7 @@ Report = Annotated[str | None, typer.Option("-o", "--output", metavar="FILE", he
 @app.command(epilog="Example: nonsmooth check four-wheel --radius 1/4 --json")
 def check(
     scene: SceneText,
-    rule: Rules = None,
+    rule: RulesOption = None,
     radius: Radius = None,
     at: At = None,
     no_prune: NoPrune = False,
@@ -123,10 +86,9 @@ def check(
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system_file import load_any
 
-    several = rule is RuleNames.ALL
-    names = list(RuleName) if several else [rule]
+    several = rule is RuleOrAll.ALL
     scenes = []
-    for name in names:
+    for name in [None] if rule is None else rule.rules:
         loaded = load_any(scene, rule=name, radius=radius, at=at)
         if not isinstance(loaded, Scene):
             return _check_system(loaded, certificate, json=json)
@@ -200,14 +162,14 @@ def _refusals_named(scene: Scene | SystemScene) -> Iterator[None]:
 def partition(
     scene: SceneText,
     output: Picture = None,
-    rule: Rule = None,
+    rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     compare: Annotated[bool, typer.Option("--compare", help="Compare the three contact rules instead.")] = False,
     json: Json = False,
 ) -> int:
     """List or draw the cells of the plane, each with its contact state and twist."""
-    from nonsmooth.proofs.theorem4 import build_partition
+    from nonsmooth.analysis.contact_partition import build_partition
     from nonsmooth.symbolic.scene_file import load_scene
 
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
@@ -259,7 +221,7 @@ def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
 def derive(
     scene: SceneText,
     output: Report = None,
-    rule: Rule = None,
+    rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     json: Json = False,
@@ -291,26 +253,23 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     scene: SceneText,
     start: Annotated[str, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0.")],
     until: Annotated[float, typer.Option("--until", metavar="T", help="Last time.")] = 2.0,
-    kinematics: Annotated[KinematicsName, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
-        KinematicsName.EXACT
+    kinematics: Annotated[Kinematics, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
+        Kinematics.EXACT
     ),
-    method: Annotated[MethodName, typer.Option("--method", help="Events, or the paper's hysteresis.")] = (
-        MethodName.EVENTS
-    ),
+    method: Annotated[Method, typer.Option("--method", help="Events, or the paper's hysteresis.")] = (Method.EVENTS),
     width: Annotated[float, typer.Option("--width", help="Width of the hysteresis.")] = 1e-3,
     feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop (rule nearest).")] = False,
-    law: Annotated[LawName, typer.Option("--law", help="Feedback law, with --feedback.")] = LawName.CORRECTED,
+    law: Annotated[Law, typer.Option("--law", help="Feedback law, with --feedback.")] = Law.CORRECTED,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="FILE", help=".csv, .json, .svg, .png or .pdf")
     ] = None,
-    rule: Rule = None,
+    rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     json: Json = False,
 ) -> int:
     """Follow a Filippov solution event by event; say where it is not unique."""
-    from nonsmooth.analysis.switched_field import Kinematics
-    from nonsmooth.proofs.theorem4 import build_partition
+    from nonsmooth.analysis.contact_partition import build_partition
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import output_path, write_whole
     from nonsmooth.symbolic.scene_file import load_scene
@@ -318,9 +277,9 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     run = views.Run(
         _start(start),
         _positive("--until", until),
-        Kinematics(kinematics.value),
-        views.Method(method.value),
-        views.Law(law.value) if feedback else None,
+        kinematics,
+        method,
+        law if feedback else None,
         _positive("--width", width),
     )
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
@@ -392,7 +351,7 @@ def verify(file: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A fi
 def audit(
     scene: SceneText,
     lyapunov: Annotated[str, typer.Option("--lyapunov", metavar="EXPR", help="V in x and y; Abs and sign allowed.")],
-    rule: Rule = None,
+    rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     json: Json = False,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from nonsmooth.proofs.theorem4 import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Block, Bullets, Display, Section, Text, display, number, point, table
 from nonsmooth.reports.prose import listed, paragraph
 from nonsmooth.symbolic.constraints import constraint_matrix
@@ -12,7 +12,8 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
 from nonsmooth.symbolic.formulas import number_latex, real_text
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Rule, Wheel
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Wheel
 
 LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)
 LONGEST_ENTRY = 30  # the same for an entry of a matrix

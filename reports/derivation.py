@@ -10,7 +10,8 @@ import platform
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from nonsmooth.proofs.theorem4 import CellCheck, check_theorem4
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.audit import audit_section, is_paper_array
 from nonsmooth.reports.console import json_text, own_version
 from nonsmooth.reports.contact_section import (
@@ -32,7 +33,8 @@ from nonsmooth.reports.stability_section import (
     lyapunov_section,
     theorem_section,
 )
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 REPORT_FORMATS = (".md", ".tex", ".json")

@@ -20,13 +20,13 @@ from nonsmooth.proofs.input_ranks import input_ranks
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.rotation import Drift
 from nonsmooth.proofs.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.proofs.translation import LYAPUNOV, TranslationResult, Witness
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import real_text
 from nonsmooth.symbolic.lazy import Lazy
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Rule
+from nonsmooth.symbolic.rule import Rule
 
 CHECK_SCHEMA = "nonsmooth-check/1"
 CHECKS_SCHEMA = "nonsmooth-checks/1"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -13,31 +12,18 @@ from rich.text import Text
 
 from nonsmooth.analysis.cellwise_field import feedback_field
 from nonsmooth.analysis.feedback_laws import corrected_law, gradient_law, printed_law
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.partition import Partition
-from nonsmooth.analysis.switched_field import Kinematics, array_field
+from nonsmooth.analysis.switched_field import array_field
 from nonsmooth.analysis.trajectory import simulate
 from nonsmooth.analysis.trajectory_result import Trajectory
+from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-trajectory/1"
 GAIN = 1.0
 SHOWN = 12  # events listed on a terminal
-
-
-class Law(StrEnum):
-    """A feedback law of rule ``nearest``."""
-
-    CORRECTED = "corrected"
-    PRINTED = "printed"
-    GRADIENT = "gradient"
-
-
-class Method(StrEnum):
-    """How the solution is followed."""
-
-    EVENTS = "events"
-    HYSTERESIS = "hysteresis"
 
 
 LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law, Law.GRADIENT: gradient_law}

@@ -9,7 +9,7 @@ from nonsmooth.proofs.ellipse_clauses import EllipseEquilibrium, EllipseTranslat
 from nonsmooth.proofs.equilibrium import EquilibriumResult
 from nonsmooth.proofs.fan import FanResult
 from nonsmooth.proofs.rotation import RotationResult
-from nonsmooth.proofs.theorem4 import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.translation import TranslationResult, Witness
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.document import Block, Entry, Paragraph, Section, column, display, number, point, table

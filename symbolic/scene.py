@@ -8,13 +8,13 @@ root of the wheel, so it is taken late), and its surface runs along ``d_i`` with
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from functools import cached_property
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.number_field import NumberField
+from nonsmooth.symbolic.rule import Rule
 
 Vector: TypeAlias = tuple[Number, Number]
 
@@ -32,14 +32,6 @@ def dot(a: Vector, b: Vector) -> Number:
 def cross(a: Vector, b: Vector) -> Number:
     """``a_x b_y - a_y b_x``."""
     return a[0] * b[1] - a[1] * b[0]
-
-
-class Rule(StrEnum):
-    """Which motion follows from the contacts (see the how-to-choose page)."""
-
-    NEAREST = "nearest"
-    BOX = "box"
-    ELLIPSE = "ellipse"
 
 
 @dataclass(frozen=True)

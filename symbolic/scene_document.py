@@ -9,7 +9,7 @@ from pydantic import PlainValidator, StrictStr
 
 from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.layouts import Grid, Ring, WheelTable
-from nonsmooth.symbolic.scene import Rule
+from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene_values import (
     Exact,
     ExactField,

@@ -14,7 +14,8 @@ import pytest
 from nonsmooth.analysis.polygon import Point, Polygon
 from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.number_field import NumberField, base_order
-from nonsmooth.symbolic.scene import Check, Contact, Friction, Rule, Scene, Wheel
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Check, Contact, Friction, Scene, Wheel
 
 Rational: TypeAlias = int | Fraction
 Pair: TypeAlias = tuple[Rational, Rational]

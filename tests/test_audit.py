@@ -10,7 +10,8 @@ import pytest
 import sympy
 
 from nonsmooth.proofs.feedback import FeedbackResult
-from nonsmooth.proofs.theorem4 import CellCheck, check_cells
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports import audit_functional, audit_kinematics, audit_stability
 from nonsmooth.reports.audit import audit_paper, is_paper_array
 from nonsmooth.reports.audit_feedback import CorrectedLaw, audit_feedback, corrected_law

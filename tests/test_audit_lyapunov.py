@@ -19,7 +19,8 @@ from nonsmooth.proofs.strata import Refutation
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.system import SystemScene

@@ -19,7 +19,8 @@ from nonsmooth.analysis.polygon import Point
 from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
 from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene import Contact, LoadTable, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 import nonsmooth.symbolic.scene_file
-from nonsmooth.symbolic.scene import Rule, Scene, cross, dot
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, cross, dot
 from nonsmooth.symbolic.scene_file import builtin_descriptions, builtin_scenes, load_scene
 
 SQUARE = [(1, 1), (-1, 1), (-1, -1), (1, -1)]

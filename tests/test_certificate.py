@@ -14,9 +14,11 @@ import pytest
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
 from nonsmooth.proofs.certified_disc import certified_disc
 from nonsmooth.proofs.checker import check_certificate, check_file
-from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_ellipse
+from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Translation
-from nonsmooth.symbolic.scene import Contact, LoadTable, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
 
 if TYPE_CHECKING:

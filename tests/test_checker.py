@@ -35,7 +35,8 @@ from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.number_field import NumberField
-from nonsmooth.symbolic.scene import Check, Contact, Friction, LoadTable, Rule, Scene, Wheel
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Check, Contact, Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from nonsmooth.analysis.box import build_box_partition
 from nonsmooth.analysis.filippov import cell_derivatives
 from nonsmooth.analysis.loads import LoadError
 from nonsmooth.proofs.cocircular import cocircular_array, failed_hypotheses
-from nonsmooth.symbolic.scene import Contact, LoadTable, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

@@ -17,10 +17,12 @@ from nonsmooth.analysis.filippov import cell_derivatives
 from nonsmooth.analysis.partition import RefusalError
 from nonsmooth.analysis.sampling import sample_ellipse_derivative
 from nonsmooth.proofs.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.theorem4 import CellCheck, EllipseCheck, check_cells, check_theorem4
+from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.proofs.translation import rest_area
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:

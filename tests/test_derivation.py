@@ -17,7 +17,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.proofs.theorem4 import CellCheck, check_theorem4
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.derivation import REPORT_FORMATS, Report, derive_report, render_report
 from nonsmooth.reports.document import Bullets, Code, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.latex import render_latex

@@ -12,7 +12,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.proofs.theorem4 import build_partition
+from nonsmooth.analysis.contact_partition import build_partition
 from nonsmooth.symbolic.constraints import RowKind, constraint_matrix, roll_row, side_row
 from nonsmooth.symbolic.contact_states import ContactState, regular_states, solve_rows
 from nonsmooth.symbolic.equations import (

@@ -13,10 +13,11 @@ import pytest
 from nonsmooth.analysis.cellwise_field import feedback_field
 from nonsmooth.analysis.feedback_laws import corrected_law
 from nonsmooth.analysis.hysteresis import simulate_hysteresis, simulate_smoothed
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.sign_field import SignField
 from nonsmooth.analysis.smooth_field import affine_surface
-from nonsmooth.analysis.switched_field import Kinematics, array_field
+from nonsmooth.analysis.switched_field import array_field
 from nonsmooth.analysis.switching_modes import AnyField
 from nonsmooth.analysis.trajectory import simulate
 from nonsmooth.analysis.trajectory_result import EndReason, EventKind, Trajectory

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.loads import LoadError, LoadRegion, load_regions, support_polygon, value_at
-from nonsmooth.symbolic.scene import Contact, LoadTable, Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.float_loads import elastic_loads, loads_at, table_loads
 from nonsmooth.analysis.loads import LoadError, load_regions, value_at
-from nonsmooth.symbolic.scene import Contact, LoadTable, Rule
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable
 from nonsmooth.symbolic.scene_file import load_scene
 
 Floats = NDArray[np.float64]

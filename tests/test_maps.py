@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.box import build_box_partition
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.nearest import build_nearest_partition
-from nonsmooth.analysis.switched_field import ConstantField, Kinematics, array_field
+from nonsmooth.analysis.switched_field import ConstantField, array_field
 from nonsmooth.analysis.trajectory_constant import follow_constant
 from nonsmooth.analysis.trajectory_result import EndReason
 from nonsmooth.symbolic.scene_file import load_scene

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.symbolic.scene import Rule, Scene, cross, dot
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, cross, dot
 from nonsmooth.symbolic.scene_file import load_scene
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'

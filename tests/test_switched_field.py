@@ -15,12 +15,13 @@ from nonsmooth.analysis.cell_complex import AtCorner, CellComplex, InCell, OnEdg
 from nonsmooth.analysis.cellwise_field import feedback_field, smooth_form
 from nonsmooth.analysis.convex_weights import basic_weights, least_mix, least_norm_weights
 from nonsmooth.analysis.feedback_laws import corrected_law
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.partition import Partition
 from nonsmooth.analysis.polygon import HalfPlane, Point, square
 from nonsmooth.analysis.sign_field import DegenerateSurfaceError, SignField
 from nonsmooth.analysis.smooth_field import Vector, affine_surface, smooth_surface
-from nonsmooth.analysis.switched_field import Kinematics, array_field, domain_size, flow_of, piecewise_constant
+from nonsmooth.analysis.switched_field import array_field, domain_size, flow_of, piecewise_constant
 from nonsmooth.symbolic.number import sign
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.filippov import upper_derivative_at
-from nonsmooth.proofs.theorem4 import CellCheck, check_cells
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Vector, Wheel
 

@@ -12,11 +12,13 @@ import pytest
 from nonsmooth.proofs.equilibrium import decide_equilibrium
 from nonsmooth.proofs.feedback import decide_feedback
 from nonsmooth.proofs.rotation import decide_rotation
-from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, CellCheck, check_cells, conclude
+from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck, conclude
 from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import possible_triples
-from nonsmooth.symbolic.scene import Rule, Scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

@@ -16,12 +16,13 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.cellwise_field import feedback_field, smooth_form
 from nonsmooth.analysis.feedback_laws import corrected_law, gradient_law, printed_law
 from nonsmooth.analysis.filippov import cell_derivatives
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.polygon import HalfPlane, square
 from nonsmooth.analysis.sign_field import SignField
 from nonsmooth.analysis.smooth_field import SmoothField, Surface, Vector, affine_surface, smooth_surface
-from nonsmooth.analysis.switched_field import ConstantField, Kinematics, array_field, piecewise_constant
+from nonsmooth.analysis.switched_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.trajectory import simulate
 from nonsmooth.analysis.trajectory_result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectory_smooth import follow_smooth

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.nearest import build_nearest_partition
-from nonsmooth.analysis.switched_field import Kinematics, array_field
+from nonsmooth.analysis.switched_field import array_field
 from nonsmooth.analysis.trajectory import simulate
 from nonsmooth.proofs.equilibrium import decide_equilibrium
 from nonsmooth.proofs.fan import FanResult, Move, decide_fan

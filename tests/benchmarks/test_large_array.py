@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.theorem4 import CellCheck, check_cells
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:

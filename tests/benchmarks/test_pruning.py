@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.theorem4 import CellCheck, check_cells
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.contact_states import possible_triples
 from nonsmooth.symbolic.number import Number
 from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene

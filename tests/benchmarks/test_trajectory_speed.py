@@ -12,11 +12,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.hysteresis import simulate_hysteresis
+from nonsmooth.analysis.kinematics import Kinematics
 from nonsmooth.analysis.maps import grid_starts, settle_map
 from nonsmooth.analysis.nearest import build_nearest_partition
 from nonsmooth.analysis.sign_field import SignField
 from nonsmooth.analysis.smooth_field import affine_surface
-from nonsmooth.analysis.switched_field import Kinematics, array_field
+from nonsmooth.analysis.switched_field import array_field
 from nonsmooth.analysis.trajectory import simulate
 from nonsmooth.analysis.trajectory_smooth import follow_smooth
 from nonsmooth.symbolic.scene_file import load_scene

@@ -1,0 +1,164 @@
+"""The verdict of Theorem 4 for one array, with the evidence of every clause.
+
+``holds`` iff the equilibrium holds, translation is (asymptotically) stable, rotation is unstable and, where
+mu_S < mu_R, feedback stabilizes.  A clause that is refuted makes it ``fails``; a missing certificate is not a
+refutation, so it makes it ``undecided``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from nonsmooth.analysis.filippov import filippov_twists
+from nonsmooth.analysis.partition import Partition
+from nonsmooth.proofs.authority import Authority
+from nonsmooth.proofs.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.equilibrium import EquilibriumResult
+from nonsmooth.proofs.fan import build_fan
+from nonsmooth.proofs.feedback import FeedbackResult, decide_feedback
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+from nonsmooth.proofs.rotation import RotationResult, rotation_bound
+from nonsmooth.proofs.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.translation import TranslationResult
+from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
+from nonsmooth.symbolic.contact_states import ContactCensus
+from nonsmooth.symbolic.scene import Scene
+
+Clauses: TypeAlias = tuple[
+    EquilibriumResult | EllipseEquilibrium,
+    TranslationResult | EllipseTranslation,
+    RotationResult,
+    FeedbackResult | SampledFeedback,
+]
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """Work left out because no verdict needs it."""
+
+    what: str
+    count: int
+    why: str
+
+
+@dataclass(frozen=True)
+class Theorem4Result:
+    """What every check reports, whatever the contact rule.
+
+    Attributes:
+        verdict: the theorem's verdict for the array.
+        reason: the clause that decided it.
+        scene: the array as it was given.
+        census: counts of row triples.
+        rotation: clause 3.
+        authority: rank of the roll rows at the checked point.
+        skipped: what was left out and why.
+        seconds: where the time went.
+    """
+
+    verdict: Theorem4
+    reason: str
+    scene: Scene
+    census: ContactCensus
+    rotation: RotationResult
+    authority: Authority
+    skipped: tuple[Skipped, ...]
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class CellCheck(Theorem4Result):
+    """Check under a rule with cells (``nearest``, ``box``).
+
+    Attributes:
+        partition: the cells, about the checked point.
+        equilibrium: clause 1.
+        translation: clause 2.
+        feedback: clause 4; sampled under rule ``box``.
+        others: all equilibria of the square, about the checked point, with their own verdicts; None where they
+            were not searched for.
+    """
+
+    partition: Partition
+    equilibrium: EquilibriumResult
+    translation: TranslationResult
+    feedback: FeedbackResult | SampledFeedback
+    others: tuple[JudgedEquilibrium, ...] | None
+
+    @property
+    def theta_is_weakly_stable(self) -> bool:
+        """Whether some solution keeps theta near its start: the verdicts themselves are strong, of every solution.
+
+        The body arrives after a bounded rotation and may rest without turning, since the drift holds zero.
+        """
+        drift = self.rotation.drift
+        arrives = self.partition.complete and rotation_bound(self.partition, self.translation) is not None
+        return drift is not None and arrives and drift.interval[0] <= 0 <= drift.interval[1]
+
+    def check(self) -> bool:
+        """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
+        clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)
+        verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
+        return verified and self._speaks_of_every_cell() and self.verdict is conclude(*clauses)[0]
+
+    def _speaks_of_every_cell(self) -> bool:
+        """Whether the clauses' evidence is about all cells of this partition, and no others."""
+        partition, translation, zero = self.partition, self.translation, self.scene.field.zero
+        here = filippov_twists(partition, (zero, zero))
+        drift, bound = self.rotation.drift, self.rotation.rotation_per_distance
+        every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
+        return (
+            (partition.tiles if partition.complete else translation.lemma is not None)
+            and self.equilibrium.twists == here
+            and (drift is None or drift.twists == here)
+            and (bound is None or bound == rotation_bound(partition, translation))
+            and [(d.cell, d.twist) for d in translation.derivatives] == every
+            and (translation.fan is None or translation.fan.cones == build_fan(partition))
+            and (isinstance(self.feedback, SampledFeedback) or self.feedback == decide_feedback(partition))
+        )
+
+
+@dataclass(frozen=True)
+class EllipseCheck(Theorem4Result):
+    """Check under rule ``ellipse``, whose field is continuous and has no cells.
+
+    Attributes:
+        equilibrium: clause 1.
+        translation: clause 2, by exact linearization.
+        feedback: clause 4, sampled.
+    """
+
+    equilibrium: EllipseEquilibrium
+    translation: EllipseTranslation
+    feedback: SampledFeedback
+
+    def check(self) -> bool:
+        """Re-verify the evidence of every clause and the conclusion."""
+        clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)
+        verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
+        return verified and self.verdict is conclude(*clauses)[0]
+
+
+def conclude(
+    equilibrium: EquilibriumResult | EllipseEquilibrium,
+    translation: TranslationResult | EllipseTranslation,
+    rotation: RotationResult,
+    feedback: FeedbackResult | SampledFeedback,
+) -> tuple[Theorem4, str]:
+    """The theorem's verdict from the clauses', and the clause that decided it."""
+    if equilibrium.verdict is Equilibrium.FAILS:
+        return Theorem4.HYPOTHESES_NOT_MET, f"the point is no equilibrium: {equilibrium.reason}"
+    if translation.verdict is Translation.UNSTABLE:
+        return Theorem4.FAILS, f"translation is unstable: {translation.reason}"
+    if rotation.verdict is Rotation.NEUTRAL:
+        return Theorem4.FAILS, f"theta is stable: {rotation.reason}"
+    for name, clause, open_verdicts in (
+        ("equilibrium", equilibrium, (Equilibrium.UNDECIDED,)),
+        ("translation", translation, (Translation.UNDECIDED,)),
+        ("rotation", rotation, (Rotation.UNDECIDED,)),
+        ("feedback", feedback, (Feedback.UNDECIDED, Feedback.NO_CERTIFICATE)),
+    ):
+        if clause.verdict in open_verdicts:
+            return Theorem4.UNDECIDED, f"{name}, {clause.verdict}: {clause.reason}"
+    return Theorem4.HOLDS, "every clause holds"

@@ -1,0 +1,36 @@
+"""What a command line offers by name; light, so that ``--help`` loads no mathematics."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from nonsmooth.symbolic.rule import Rule
+
+
+class RuleOrAll(StrEnum):
+    """One contact rule, or all of them in turn."""
+
+    NEAREST = Rule.NEAREST
+    BOX = Rule.BOX
+    ELLIPSE = Rule.ELLIPSE
+    ALL = "all"
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules it stands for."""
+        return tuple(Rule) if self is RuleOrAll.ALL else (Rule(self.value),)
+
+
+class Law(StrEnum):
+    """A feedback law of rule ``nearest``."""
+
+    CORRECTED = "corrected"
+    PRINTED = "printed"
+    GRADIENT = "gradient"
+
+
+class Method(StrEnum):
+    """How the solution is followed."""
+
+    EVENTS = "events"
+    HYSTERESIS = "hysteresis"
