@@ -18,24 +18,24 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.box import build_box_partition
-from nonsmooth.analysis.cell_complex import build_complex
-from nonsmooth.analysis.loads import load_regions
-from nonsmooth.analysis.partition import Partition
-from nonsmooth.analysis.polygon import Point
-from nonsmooth.proofs.certified_disc import Disc, certified_disc
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.cell_complex import build_complex
+from nonsmooth.analysis.partitions.loads import load_regions
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.checker import SCHEMA, check_certificate
-from nonsmooth.proofs.equilibrium import decide_equilibrium
+from nonsmooth.proofs.clauses.certified_disc import Disc, certified_disc
+from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
+from nonsmooth.proofs.clauses.rotation import drift_at_rest
 from nonsmooth.proofs.exact_json import encode, homogeneous
-from nonsmooth.proofs.rotation import drift_at_rest
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.proofs.verdicts import Feedback, Rotation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.number import Number, sign
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, Wheel, cross, dot
-from nonsmooth.symbolic.square_roots import NestingError
 
 Record: TypeAlias = dict[str, Any]
 

@@ -16,9 +16,9 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpz
 
-from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number import Coefficient, Number, bits
-from nonsmooth.symbolic.number_field import NumberField
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Coefficient, Number, bits
+from nonsmooth.symbolic.numbers.number_field import NumberField
 
 Record: TypeAlias = dict[str, Any]
 

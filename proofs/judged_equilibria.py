@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from nonsmooth.analysis.box import build_box_partition
-from nonsmooth.analysis.equilibria import Equilibrium
-from nonsmooth.analysis.nearest import build_nearest_partition
-from nonsmooth.analysis.partition import RefusalError
-from nonsmooth.proofs.rotation import decide_rotation
-from nonsmooth.proofs.translation import decide_translation
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.equilibria import Equilibrium
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
-from nonsmooth.symbolic.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Check, Scene
 

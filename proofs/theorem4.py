@@ -10,20 +10,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from nonsmooth.analysis.box import build_box_partition, build_rest_partition
-from nonsmooth.analysis.equilibria import find_equilibria
-from nonsmooth.analysis.nearest import build_nearest_partition
-from nonsmooth.analysis.partition import Partition
-from nonsmooth.proofs.authority import roll_authority
-from nonsmooth.proofs.cocircular import CocircularArray, cocircular_array
-from nonsmooth.proofs.ellipse_clauses import decide_ellipse
-from nonsmooth.proofs.equilibrium import decide_equilibrium
-from nonsmooth.proofs.feedback import decide_feedback, side_friction_rules
+from nonsmooth.analysis.partitions.box import build_box_partition, build_rest_partition
+from nonsmooth.analysis.partitions.equilibria import find_equilibria
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.authority import roll_authority
+from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
+from nonsmooth.proofs.clauses.ellipse_clauses import decide_ellipse
+from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback import decide_feedback, side_friction_rules
+from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback, sample_feedback
+from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
-from nonsmooth.proofs.rotation import decide_rotation
-from nonsmooth.proofs.sampled_feedback import SampledFeedback, sample_feedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Clauses, EllipseCheck, Skipped, conclude
-from nonsmooth.proofs.translation import decide_translation
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
 from nonsmooth.symbolic.rule import Rule

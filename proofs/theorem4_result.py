@@ -10,17 +10,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from nonsmooth.analysis.filippov import filippov_twists
-from nonsmooth.analysis.partition import Partition
-from nonsmooth.proofs.authority import Authority
-from nonsmooth.proofs.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
-from nonsmooth.proofs.equilibrium import EquilibriumResult
-from nonsmooth.proofs.fan import build_fan
-from nonsmooth.proofs.feedback import FeedbackResult, decide_feedback
+from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.authority import Authority
+from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
+from nonsmooth.proofs.clauses.fan import build_fan
+from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.rotation import RotationResult, rotation_bound
+from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.rotation import RotationResult, rotation_bound
-from nonsmooth.proofs.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.translation import TranslationResult
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import ContactCensus
 from nonsmooth.symbolic.scene import Scene

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nonsmooth.analysis.kinematics import Kinematics
+from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import Law, Method, RuleOrAll
 from nonsmooth.reports.console import (
     PROGRAM,
@@ -33,8 +33,8 @@ from nonsmooth.symbolic.rule import Rule
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.analysis.partition import Partition
-    from nonsmooth.analysis.trajectory_result import Trajectory
+    from nonsmooth.analysis.partitions.partition import Partition
+    from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system import SystemScene
@@ -83,8 +83,8 @@ def check(
     """Check Theorem 4 clause by clause, or the stability of a plain switched system."""
     from nonsmooth.proofs.theorem4 import check_theorem4
     from nonsmooth.reports.records import verified
+    from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.system_file import load_any
 
     several = rule is RuleOrAll.ALL
     scenes = []
@@ -113,7 +113,7 @@ def check(
 
 def _check_system(scene: SystemScene, certificate: str | None, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
-    from nonsmooth.proofs.system_stability import system_check
+    from nonsmooth.proofs.systems.system_stability import system_check
     from nonsmooth.proofs.verdicts import Translation
 
     if certificate is not None:
@@ -150,7 +150,7 @@ def _write_certificate(results: list[CellCheck | EllipseCheck], target: str) -> 
 @contextmanager
 def _refusals_named(scene: Scene | SystemScene) -> Iterator[None]:
     """Name the scene in the refusal of a check."""
-    from nonsmooth.analysis.partition import RefusalError
+    from nonsmooth.analysis.partitions.partition import RefusalError
 
     try:
         yield
@@ -169,13 +169,13 @@ def partition(
     json: Json = False,
 ) -> int:
     """List or draw the cells of the plane, each with its contact state and twist."""
-    from nonsmooth.analysis.contact_partition import build_partition
-    from nonsmooth.symbolic.scene_file import load_scene
+    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.symbolic.files.scene_file import load_scene
 
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     path = None
     if output is not None:
-        from nonsmooth.reports.cell_map import FORMATS, cell_map
+        from nonsmooth.reports.figures.cell_map import FORMATS, cell_map
         from nonsmooth.reports.files import output_path, write_whole
 
         path = output_path(output, FORMATS)
@@ -200,7 +200,7 @@ def partition(
 
 def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
     """The three contact rules side by side."""
-    from nonsmooth.analysis.agreement import compare_rules
+    from nonsmooth.analysis.partitions.agreement import compare_rules
     from nonsmooth.reports.agreement_views import agreement_map, agreement_record, agreement_view
     from nonsmooth.reports.files import write_whole
 
@@ -229,7 +229,7 @@ def derive(
     """Write the derivation report; without -o, as Markdown to standard output."""
     from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
     from nonsmooth.reports.files import output_path, write_whole
-    from nonsmooth.symbolic.scene_file import load_scene
+    from nonsmooth.symbolic.files.scene_file import load_scene
 
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     path = None if output is None else output_path(output, REPORT_FORMATS)
@@ -269,10 +269,10 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     json: Json = False,
 ) -> int:
     """Follow a Filippov solution event by event; say where it is not unique."""
-    from nonsmooth.analysis.contact_partition import build_partition
+    from nonsmooth.analysis.partitions.contact_partition import build_partition
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import output_path, write_whole
-    from nonsmooth.symbolic.scene_file import load_scene
+    from nonsmooth.symbolic.files.scene_file import load_scene
 
     run = views.Run(
         _start(start),
@@ -330,7 +330,7 @@ def _trajectory_bytes(path: Path, partition: Partition, trajectory: Trajectory, 
         case ".json":
             return json_text(record).encode()
         case suffix:
-            from nonsmooth.reports.trajectory_figure import trajectory_figure
+            from nonsmooth.reports.figures.trajectory import trajectory_figure
 
             return trajectory_figure(partition, trajectory, suffix)
 
@@ -357,8 +357,8 @@ def audit(
     json: Json = False,
 ) -> int:
     """Decide whether somebody's function is a Lyapunov function on the checked square."""
-    from nonsmooth.proofs.lyapunov_audit import audit as audit_function
-    from nonsmooth.symbolic.system_file import load_any
+    from nonsmooth.proofs.systems.lyapunov_audit import audit as audit_function
+    from nonsmooth.symbolic.files.system_file import load_any
 
     loaded = load_any(scene, rule=rule, radius=radius, at=at)
     with _refusals_named(loaded):
@@ -379,8 +379,8 @@ def audit(
 @app.command(epilog="Example: nonsmooth scenes")
 def scenes(json: Json = False) -> int:
     """List the built-in scenes."""
-    from nonsmooth.symbolic.scene_file import builtin_descriptions
-    from nonsmooth.symbolic.system_file import system_descriptions
+    from nonsmooth.symbolic.files.scene_file import builtin_descriptions
+    from nonsmooth.symbolic.files.system_file import system_descriptions
 
     descriptions = {**builtin_descriptions(), **system_descriptions()}
     if json:

@@ -12,22 +12,22 @@ from importlib.metadata import version
 
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.audit import audit_section, is_paper_array
+from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.console import json_text, own_version
-from nonsmooth.reports.contact_section import (
+from nonsmooth.reports.document import Bullets, Code, Document, Entry, Math, Section, Text, number, point, table
+from nonsmooth.reports.formats.json import derivation_record
+from nonsmooth.reports.formats.latex import render_latex
+from nonsmooth.reports.formats.markdown import render_markdown
+from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.reports.records import Check, Record, check_record, partition_record, states_record, verified
+from nonsmooth.reports.sections.contact import (
     cells_section,
     constraints_section,
     contact_states_section,
     held_wheels,
 )
-from nonsmooth.reports.document import Bullets, Code, Document, Entry, Math, Section, Text, number, point, table
-from nonsmooth.reports.ellipse_section import ellipse_derivative_section, situation_section
-from nonsmooth.reports.json_report import derivation_record
-from nonsmooth.reports.latex import render_latex
-from nonsmooth.reports.markdown import render_markdown
-from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.records import Check, Record, check_record, partition_record, states_record, verified
-from nonsmooth.reports.stability_section import (
+from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
+from nonsmooth.reports.sections.stability import (
     equilibria_section,
     filippov_section,
     lyapunov_section,

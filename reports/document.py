@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas import SHORT, Real, decimal_latex, decimal_text, number_latex, real_text, settled
-from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.numbers.number import Number
 
 
 @dataclass(frozen=True)

@@ -13,19 +13,19 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.analysis.partition import Partition
-from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
-from nonsmooth.proofs.feedback import FeedbackResult, InputCell
-from nonsmooth.proofs.input_ranks import input_ranks
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.clauses.input_ranks import input_ranks
+from nonsmooth.proofs.clauses.rotation import Drift
+from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.clauses.translation import LYAPUNOV, TranslationResult, Witness
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.rotation import Drift
-from nonsmooth.proofs.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
-from nonsmooth.proofs.translation import LYAPUNOV, TranslationResult, Witness
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import real_text
-from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
 
 CHECK_SCHEMA = "nonsmooth-check/1"

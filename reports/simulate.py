@@ -10,13 +10,13 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.cellwise_field import feedback_field
-from nonsmooth.analysis.feedback_laws import corrected_law, gradient_law, printed_law
-from nonsmooth.analysis.kinematics import Kinematics
-from nonsmooth.analysis.partition import Partition
-from nonsmooth.analysis.switched_field import array_field
-from nonsmooth.analysis.trajectory import simulate
-from nonsmooth.analysis.trajectory_result import Trajectory
+from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.switched_field import array_field
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
@@ -60,7 +60,7 @@ def follow(partition: Partition, run: Run) -> Trajectory:
     if run.law is not None:
         field = feedback_field(partition, LAWS[run.law](GAIN), run.kinematics)
     if run.method is Method.HYSTERESIS:
-        from nonsmooth.analysis.hysteresis import simulate_hysteresis
+        from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 
         return simulate_hysteresis(field, run.start, run.until, run.width)
     return simulate(field, run.start, run.until)

@@ -7,10 +7,10 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.proofs.derivatives import LyapunovResult, Supremum
-from nonsmooth.proofs.lyapunov_audit import AuditResult
-from nonsmooth.proofs.strata import Refutation
-from nonsmooth.proofs.system_stability import SystemResult
+from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
+from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.reports.records import CHECK_SCHEMA, Record, with_exact
 from nonsmooth.reports.terminal import brief, two_columns, verdict_text
 from nonsmooth.symbolic.scene_error import one_line

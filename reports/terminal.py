@@ -13,13 +13,13 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from nonsmooth.analysis.partition import Partition
-from nonsmooth.proofs.ellipse_clauses import EllipseTranslation
-from nonsmooth.proofs.feedback import FeedbackResult
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.rotation import RotationResult
+from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.rotation import RotationResult
-from nonsmooth.proofs.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.translation import TranslationResult
 from nonsmooth.reports.records import Check, minimizing_states, other_equilibria, row_names
 from nonsmooth.symbolic.formulas import Real, decimal_text, real_text
 from nonsmooth.symbolic.scene_error import one_line

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple, TypeAlias
 
-from nonsmooth.symbolic.number import Number
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Vector, Wheel, dot, turned
 
 Triple: TypeAlias = tuple[Number, Number, Number]

@@ -17,10 +17,10 @@ from fractions import Fraction
 
 from flint import fmpq
 
-from nonsmooth.symbolic.number import Coefficient, Number
-from nonsmooth.symbolic.number_field import NumberField, base_order
+from nonsmooth.symbolic.numbers.number import Coefficient, Number
+from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.scene_error import shown
-from nonsmooth.symbolic.square_roots import NestingError
 
 MAX_LENGTH = 400  # characters; longer formulas belong in a CSV file
 MAX_EXPONENT = 64

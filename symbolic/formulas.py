@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb, ctx
 
-from nonsmooth.symbolic.lazy import Lazy
-from nonsmooth.symbolic.number import Number, bits
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number, bits
 from nonsmooth.symbolic.printing import cosine_form, number_text, ordered_masks
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, turn_of
-from nonsmooth.symbolic.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import shown
 
 MAX_TEXT = 2_000  # characters

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from nonsmooth.symbolic.number import bits
+from nonsmooth.symbolic.numbers.number import bits
 
 if TYPE_CHECKING:
     import sympy
 
-    from nonsmooth.symbolic.number import Coefficient, Number
-    from nonsmooth.symbolic.number_field import NumberField
+    from nonsmooth.symbolic.numbers.number import Coefficient, Number
+    from nonsmooth.symbolic.numbers.number_field import NumberField
 
 Cosines = dict[Fraction, Fraction]  # turn -> weight of cos(pi * turn); turn 0 is the constant
 

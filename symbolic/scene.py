@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression
-from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.number_field import NumberField
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.rule import Rule
 
 Vector: TypeAlias = tuple[Number, Number]

@@ -12,9 +12,9 @@ from functools import lru_cache
 
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
-from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.polynomial import Polynomial
-from nonsmooth.symbolic.square_roots import NestingError
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 
 def factorize(polynomial: Polynomial) -> tuple[Number, list[tuple[Polynomial, int]]] | None:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.number_field import NumberField
+from nonsmooth.symbolic.files.scene_values import requirement
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.polynomial import Polynomial
 from nonsmooth.symbolic.scene import Vector
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.scene_values import requirement
 
 PLANE = ("x", "y")
 

@@ -11,9 +11,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.polygon import Point, Polygon
-from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.number_field import NumberField, base_order
+from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Check, Contact, Friction, Scene, Wheel
 

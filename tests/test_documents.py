@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import is_dataclass
 from importlib import import_module
+from importlib.util import find_spec
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -241,8 +242,12 @@ def test_names_of_code_exist(path: Path) -> None:
 
 def resolves(name: str) -> bool:
     """Whether ``room.module.thing`` names a module, a thing in it, or a field or member of a class in it."""
-    room, module, *rest = name.split(".")
-    value: Any = import_module(f"nonsmooth.{room}.{module}")
+    room, *rest = name.split(".")
+    value: Any = import_module(f"nonsmooth.{room}")
+    while rest and find_spec(f"{value.__name__}.{rest[0]}") is not None:
+        value = import_module(f"{value.__name__}.{rest.pop(0)}")
+        if not hasattr(value, "__path__"):
+            break
     for part in rest:
         if not hasattr(value, part):
             return is_dataclass(value) and part == rest[-1] and part in value.__dataclass_fields__

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.box import build_box_partition
-from nonsmooth.analysis.box_minimizers import BoxHighs
-from nonsmooth.analysis.contact_model import contact_model
-from nonsmooth.analysis.dissipation import Functional, dissipation
-from nonsmooth.analysis.float_loads import loads_at
-from nonsmooth.analysis.loads import LoadError
-from nonsmooth.analysis.point_location import PointLocator
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.loads import LoadError
+from nonsmooth.analysis.partitions.point_location import PointLocator
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_file import load_scene
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

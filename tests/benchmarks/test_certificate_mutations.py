@@ -14,7 +14,7 @@ import pytest
 
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.certificate import certificate_text
-from nonsmooth.symbolic.scene_file import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import builtin_scenes
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch
@@ -29,7 +29,7 @@ SLOW = (("grid-4x4", "box"), ("elliptic", "box"), ("ring-8", "box"), ("ring-5", 
 
 def _fast_tests() -> ModuleType:
     """The module of the fast tests, which holds the mutations and the proof of truth."""
-    path = Path(__file__).parents[1] / "test_checker.py"
+    path = Path(__file__).parents[1] / "proofs" / "test_checker.py"
     spec = importlib.util.spec_from_file_location("fast_checker_tests", path)
     if spec is None or spec.loader is None:
         raise ImportError(str(path))

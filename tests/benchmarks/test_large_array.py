@@ -9,7 +9,7 @@ import pytest
 
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.symbolic.scene_file import load_scene
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

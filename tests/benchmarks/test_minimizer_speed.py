@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.box_minimizers import BoxHighs
-from nonsmooth.analysis.contact_model import contact_model
-from nonsmooth.analysis.cvxpy_minimizer import CvxpyMinimizer
-from nonsmooth.analysis.dissipation import Functional
-from nonsmooth.analysis.ellipse_minimizer import EllipseInterior
-from nonsmooth.analysis.float_loads import loads_at
-from nonsmooth.analysis.minimizers import Minimizer
-from nonsmooth.symbolic.scene_file import load_scene
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.choice import Minimizer
+from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
+from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.contact_model import ContactModel, Floats
+    from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
     from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark

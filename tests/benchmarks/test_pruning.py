@@ -9,8 +9,8 @@ import pytest
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.contact_states import possible_triples
-from nonsmooth.symbolic.number import Number
-from nonsmooth.symbolic.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

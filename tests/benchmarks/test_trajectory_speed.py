@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth.analysis.hysteresis import simulate_hysteresis
-from nonsmooth.analysis.kinematics import Kinematics
-from nonsmooth.analysis.maps import grid_starts, settle_map
-from nonsmooth.analysis.nearest import build_nearest_partition
-from nonsmooth.analysis.sign_field import SignField
-from nonsmooth.analysis.smooth_field import affine_surface
-from nonsmooth.analysis.switched_field import array_field
-from nonsmooth.analysis.trajectory import simulate
-from nonsmooth.analysis.trajectory_smooth import follow_smooth
-from nonsmooth.symbolic.scene_file import load_scene
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.smooth_field import affine_surface
+from nonsmooth.analysis.fields.switched_field import array_field
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
+from nonsmooth.analysis.trajectories.maps import grid_starts, settle_map
+from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

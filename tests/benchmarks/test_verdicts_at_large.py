@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.test_verdicts_against_trajectories import compare
+from tests.proofs.test_verdicts_against_trajectories import compare
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

@@ -1,0 +1,1 @@
+"""Switched fields (cells or switching functions, one smooth field each), Filippov sets and upper derivatives."""

@@ -1,0 +1,134 @@
+"""Feedback under the rules ``box`` and ``ellipse``, sampled: two laws, their worst rate of ``V = |c|^2 + theta^2``.
+
+Under these rules the motion depends on all inputs at once, so no law can be read off a contact state.
+
+- *paper*: the nearest two wheels drive, ``u_i = |u_j| + k |c|``, ``u_j = -+k theta`` with the sign the cell needs; all
+  other wheels stand still and brake (Murphey & Burdick, sec. 3.3, signs corrected).
+- *tracking*: every rim moves as the wanted rigid motion would, ``u_i = d_i . (v + omega J(p_i - c))`` with the wanted
+  pose rate ``(v, omega) = -k (c, theta)``.
+
+Sampling proves nothing: a state with ``V' >= 0`` is a witness against a law, its absence is reported as undecided.
+A few rounds of random search around the worst states look for a witness between the samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+
+GAIN = 1.0  # k, 1/time: the rate scales with it
+SEARCH_ROUNDS = 4
+SEARCH_BEST = 8  # worst states around which each round looks
+SEARCH_TRIES = 8  # random states per worst state and round
+# Relative to V: a minimizer with a duality gap of 1e-9 may err by its square root in the twist.
+ZERO_RATE = 1e-4
+
+
+class Law(StrEnum):
+    """A feedback law for all wheels at once."""
+
+    PAPER = "paper, signs corrected"
+    TRACKING = "twist tracking"
+
+
+@dataclass(frozen=True)
+class LoopSample:
+    """Sampled closed loop of one law.
+
+    Attributes:
+        law: the law.
+        states: how many states (c, theta) were evaluated.
+        worst_rate: largest ``V'/V`` found (1/time at gain one).
+        worst_state: where.
+    """
+
+    law: Law
+    states: int
+    worst_rate: float
+    worst_state: tuple[float, float, float]
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the worst state is a witness: V does not decrease there."""
+        return self.worst_rate >= -ZERO_RATE
+
+
+def sample_closed_loop(
+    model: ContactModel, functional: Functional, law: Law, radius: float, samples: int, seed: int = 0
+) -> LoopSample:
+    """Largest ``V'/V`` over random states with ``|c|, |theta| <= radius``, refined by random search."""
+    rng = np.random.default_rng(seed)
+    states = _random_states(rng, samples, radius)
+    rates = relative_rates(model, functional, law, states)
+    for k in range(SEARCH_ROUNDS):
+        worst = states[np.argsort(rates)[-SEARCH_BEST:]]
+        spread = radius * 0.5 ** (k + 1)
+        near = np.repeat(worst, SEARCH_TRIES, axis=0) + spread * rng.normal(size=(SEARCH_BEST * SEARCH_TRIES, 3))
+        near = np.clip(near, -radius, radius)
+        states = np.concatenate([states, near])
+        rates = np.concatenate([rates, relative_rates(model, functional, law, near)])
+    best = int(np.argmax(rates))
+    x, y, theta = (float(s) for s in states[best])
+    return LoopSample(law, len(states), float(rates[best]), (x, y, theta))
+
+
+def _random_states(rng: np.random.Generator, samples: int, radius: float) -> Floats:
+    """States of all sizes: logarithmic distances from the equilibrium, and the axes."""
+    directions = rng.normal(size=(samples, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    states = directions * radius * 10 ** rng.uniform(-3, 0, size=(samples, 1))
+    axes = radius * np.concatenate([np.eye(3), -np.eye(3), 0.1 * np.eye(3), -0.1 * np.eye(3)])
+    return np.concatenate([axes, states])
+
+
+def relative_rates(model: ContactModel, functional: Functional, law: Law, states: Floats) -> Floats:
+    """``V'/V`` at states (m, 3), ``V' = 2 (c . c' + theta omega)``, at gain one."""
+    speeds = _LAWS[law](model, states)
+    twists = _minimizers(model, functional, states[:, :2], speeds)
+    translation = (twists[:, :2] * states[:, :2]).sum(axis=1)  # c . (v + omega J c) = c . v
+    rates = 2 * (translation + states[:, 2] * twists[:, 2])
+    return np.asarray(rates / (states**2).sum(axis=1))
+
+
+def paper_speeds(model: ContactModel, states: Floats) -> Floats:
+    """``u_i = |u_j| + k |c|``, ``u_j = -sgn(d_j . J(p_j - p_i)) k theta``, zero elsewhere."""
+    distances = np.linalg.norm(states[:, None, :2] - model.positions, axis=2)
+    order = np.argsort(distances, axis=1)
+    nearest, second = order[:, 0], order[:, 1]
+    gap = model.positions[second] - model.positions[nearest]
+    lever = model.rims[second, 1] * gap[:, 0] - model.rims[second, 0] * gap[:, 1]
+    steering = -np.sign(lever) * GAIN * states[:, 2]
+    speeds = np.zeros((len(states), model.wheels))
+    rows = np.arange(len(states))
+    speeds[rows, second] = steering
+    speeds[rows, nearest] = np.abs(steering) + GAIN * np.hypot(states[:, 0], states[:, 1])
+    return speeds
+
+
+def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
+    """``u_i = d_i . (v + omega J(p_i - c))`` for the wanted pose rate ``(v, omega) = -k (c, theta)``."""
+    arms = model.positions - states[:, None, :2]
+    turning = np.stack([-arms[..., 1], arms[..., 0]], axis=-1) * states[:, None, 2:]
+    return np.asarray(-GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1))
+
+
+_LAWS = {Law.PAPER: paper_speeds, Law.TRACKING: tracking_speeds}
+
+
+def _minimizers(model: ContactModel, functional: Functional, points: Floats, speeds: Floats) -> Floats:
+    """Twist for each point and its own speeds."""
+    targets = np.zeros((len(points), 2 * model.wheels))
+    targets[:, 0::2] = speeds
+    loads = loads_at(model, points)
+    if functional is Functional.ELLIPSE:
+        return EllipseInterior().twists(model, loads, targets)
+    driven = (replace(model, targets=row) for row in targets)
+    return np.array([BoxHighs().minimize(m, n[None]).twists[0] for m, n in zip(driven, loads, strict=True)])

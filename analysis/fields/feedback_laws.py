@@ -1,0 +1,63 @@
+"""Feedback laws for rule ``nearest`` with both rows of wheel i and the roll row of wheel j: speeds from the pose.
+
+With ``V = |c|^2 + theta^2`` (c from the equilibrium at the origin) and ``xi = g_i u_i + g_j u_j`` the rate is
+``V'/2 = a u_i + b u_j`` with ``a = (c, theta) . g_i``, ``b = (c, theta) . g_j``.
+
+- *gradient*: ``u = -k (a, b)``, so ``V' = -2k (a^2 + b^2)`` (Jurdjevic & Quinn 1978, "L_g V");
+- *printed*: ``u_j = -k theta, u_i = |u_j| + k|c|`` as Murphey & Burdick print it in sec. 3.3; it turns the body the
+  wrong way where the torque of wheel j has the other sign;
+- *corrected*: ``u_j = -g k theta`` with g the sign of that torque.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from nonsmooth.analysis.fields.cellwise_field import Law, Speeds
+from nonsmooth.analysis.fields.smooth_field import Vector
+from nonsmooth.symbolic.constraints import RowKind
+from nonsmooth.symbolic.contact_states import ContactState
+
+
+def gradient_law(gain: float) -> Law:
+    """``u_w = -k (c, theta) . g_w`` for every wheel that acts; ``gain`` is k (1/time, for lengths of unit one)."""
+
+    def prepare(state: ContactState) -> Speeds:
+        fields = {wheel: np.array([float(x) for x in g]) for wheel, g in state.control_fields.items()}
+
+        def speeds(pose: Vector) -> Mapping[int, float]:
+            return {wheel: -gain * float(g @ pose) for wheel, g in fields.items()}
+
+        return speeds
+
+    return prepare
+
+
+def printed_law(gain: float) -> Law:
+    """``u_j = -k theta, u_i = |u_j| + k|c|`` in every cell, as printed."""
+    return _paper_law(gain, corrected=False)
+
+
+def corrected_law(gain: float) -> Law:
+    """``u_j = -g k theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell."""
+    return _paper_law(gain, corrected=True)
+
+
+def _paper_law(gain: float, *, corrected: bool) -> Law:
+    def prepare(state: ContactState) -> Speeds:
+        nearest, last = state.rows[0].wheel.index, state.rows[2]
+        if last.kind is not RowKind.ROLL:
+            raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
+        second = last.wheel.index
+        torque = state.control_fields[second][2]
+        turn = -gain * (torque.sign() if corrected else 1)
+
+        def speeds(pose: Vector) -> Mapping[int, float]:
+            steer = turn * float(pose[2])
+            return {nearest: abs(steer) + gain * float(np.hypot(pose[0], pose[1])), second: steer}
+
+        return speeds
+
+    return prepare

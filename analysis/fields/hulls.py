@@ -1,0 +1,40 @@
+"""V* over convex hulls by CVXPY: the independent numerical way.
+
+At a point the maximum runs over convex weights of the cells that meet there, on a cell over the polygon's
+half-planes.  Used to cross-check the exact evaluation; the answers carry the solver's tolerance.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.polygon import Point
+
+
+def hull_upper_derivative_at(partition: Partition, point: Point) -> float:
+    """``max sum_k lambda_k 2 c . v_k`` over ``lambda >= 0, sum lambda = 1``."""
+    import cvxpy as cp
+
+    c = np.array([float(x) for x in point])
+    velocities = np.array([[float(t.vx), float(t.vy)] for t in filippov_twists(partition, point)])
+    weights = cp.Variable(len(velocities), nonneg=True)
+    total = np.ones(len(velocities)) @ weights
+    problem = cp.Problem(cp.Maximize(2 * (velocities @ c) @ weights), [total == 1])
+    return float(problem.solve())
+
+
+def hull_upper_derivative_on(cell: Cell) -> float:
+    """``max 2 c . v`` over the closed cell, given by its half-planes."""
+    import cvxpy as cp
+
+    c = cp.Variable(2)
+    normals = np.array([[float(x) for x in side.normal] for side in cell.polygon.sides])
+    offsets = np.array([float(side.offset) for side in cell.polygon.sides])
+    best = -np.inf
+    for twist in cell.twists:
+        velocity = np.array([float(twist.vx), float(twist.vy)])
+        problem = cp.Problem(cp.Maximize(2 * velocity @ c), [offsets - normals @ c >= 0])
+        best = max(best, float(problem.solve()))
+    return best

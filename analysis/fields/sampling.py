@@ -1,0 +1,84 @@
+"""Twists and V* at points, in floats.
+
+Rule ``nearest`` the slow literal way (wheel distances, greedy rows and a 3 x 3 solve at every sample) is the oracle
+of the exact cells: it knows nothing of cells, bisectors or fields.  Rule ``ellipse`` is evaluated by the numerical
+minimizer.  A sampled maximum is a lower bound of the true one; it is reported as sampled, never as proved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.symbolic.scene import Scene
+
+RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
+
+
+@dataclass(frozen=True)
+class SampledDerivative:
+    """Largest sampled value of V* and of ``V*/|c|``, with the sample that attains the latter."""
+
+    samples: int
+    largest: float
+    largest_relative: float
+    at: tuple[float, float]
+
+
+def sample_upper_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
+    """Evaluate ``2 c . v`` under rule ``nearest`` at random points of the checked square (centred scene)."""
+    rng = np.random.default_rng(seed)
+    radius = float(scene.check.radius)
+    points = rng.uniform(-radius, radius, size=(samples, 2))
+    rates = np.array([2 * literal_twist(scene, point)[:2] @ point for point in points])
+    relative = rates / np.hypot(*points.T)
+    best = int(np.argmax(relative))
+    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
+
+
+def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Twist of rule ``nearest`` at a point: wheels by distance, larger friction first, greedy to rank three."""
+    rows: list[NDArray[np.float64]] = []
+    rhs: list[float] = []
+    for normal, speed in _ordered_rows(scene, point):
+        if np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE) > len(rows):
+            rows.append(normal)
+            rhs.append(speed)
+        if len(rows) == 3:
+            break
+    return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs)))
+
+
+def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], float]]:
+    wheels = sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
+    ordered: list[tuple[NDArray[np.float64], float]] = []
+    for wheel in wheels:
+        p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
+        n, moved = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
+        roll, side = (np.append(d, d @ moved), float(wheel.speed)), (np.append(n, n @ moved), 0.0)
+        first_side = float(wheel.friction.side) > float(wheel.friction.roll)
+        ordered += [side, roll] if first_side else [roll, side]
+    return ordered
+
+
+def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
+    """Evaluate ``2 c . v`` under rule ``ellipse`` at random points of the checked square (centred scene)."""
+    rng = np.random.default_rng(seed)
+    radius = float(scene.check.radius)
+    points = rng.uniform(-radius, radius, size=(samples, 2))
+    rates = 2 * (ellipse_twists(scene, points)[:, :2] * points).sum(axis=1)
+    relative = rates / np.hypot(*points.T)
+    best = int(np.argmax(relative))
+    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
+
+
+def ellipse_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Twists of rule ``ellipse`` at points (m, 2)."""
+    from nonsmooth.analysis.fields.contact_model import contact_model
+    from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+    from nonsmooth.analysis.minimizers.float_loads import loads_at
+
+    model = contact_model(scene)
+    return EllipseInterior().minimize(model, loads_at(model, points)).twists

@@ -1,0 +1,129 @@
+"""Plain switched systems: one smooth field per sign pattern of some switching functions.
+
+Assumed: on every surface the gradient of its function is nonzero.  ``sign(y**2 - x**2)`` has to be written as the
+product ``sign(y - x) sign(y + x)``: a field may depend on its signs in any way.  Where several surfaces meet, a sign
+pattern counts only if its tangent cone has points: four lines through the origin give eight cells there, not sixteen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import TypeAlias
+
+import numpy as np
+
+from nonsmooth.analysis.fields.convex_weights import origin_distance
+from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, Member, Surface, Vector, Velocity, length
+
+Signs: TypeAlias = tuple[int, ...]
+
+# Relative to unit gradients: an open cone narrower than this is not told from an empty one.
+CONE_SLACK = 1e-9
+
+
+class DegenerateSurfaceError(ValueError):
+    """A switching function whose gradient vanishes on its surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class SignField:
+    """A plain switched system: switching functions and one smooth field per sign pattern.
+
+    Attributes:
+        states: names of the states.
+        surfaces: the switching functions.
+        flow: the field of a sign pattern (one sign -1 or 1 per surface).
+        size: typical size of the states (their unit).
+    """
+
+    states: tuple[str, ...]
+    surfaces: tuple[Surface, ...]
+    flow: Callable[[Signs], Velocity]
+    size: float = 1.0
+    kinematics: str = "given"
+    heading: int | None = None
+    tied: frozenset[str] = frozenset()
+    _known: dict[tuple[object, ...], list[Face]] = field(default_factory=dict, init=False, repr=False)
+    _members: dict[Signs, Member] = field(default_factory=dict, init=False, repr=False)
+
+    def faces_at(self, x: Vector) -> list[Face]:
+        """Faces at a state: every pattern of -, 0, + of the surfaces through it that has points there."""
+        values = [surface.value(x) for surface in self.surfaces]
+        near = [self._active(surface, x, value) for surface, value in zip(self.surfaces, values, strict=True)]
+        active = tuple(k for k, close in enumerate(near) if close)
+        sides = tuple(0 if close else (1 if v > 0 else -1) for v, close in zip(values, near, strict=True))
+        patterns = tuple(sorted(product((-1, 0, 1), repeat=len(active)), key=lambda p: -p.count(0)))
+        if len(active) > 1:
+            gradients = [self.surfaces[k].gradient(x) for k in active]
+            normals = [gradient / length(gradient) for gradient in gradients]
+            patterns = tuple(p for p in patterns if _has_points(p, normals))
+        key = (sides, patterns)
+        if key not in self._known:
+            self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
+        return self._known[key]
+
+    def on_border(self, x: Vector) -> bool:
+        """A plain system has no border."""
+        return False
+
+    def signs_at(self, x: Vector) -> Signs:
+        """Signs of the switching functions, 1 on a surface."""
+        return tuple(-1 if surface.value(x) < 0 else 1 for surface in self.surfaces)
+
+    def _active(self, surface: Surface, x: Vector, value: float) -> bool:
+        """Whether a state is within the slack of a surface."""
+        steepness = length(surface.gradient(x))
+        if abs(value) > SURFACE_SLACK * self.size * steepness:
+            return False
+        if steepness <= SURFACE_SLACK:
+            raise DegenerateSurfaceError(
+                f"required a switching function with nonzero gradient where it vanishes, received {surface.name}: "
+                "write a product as the product of the signs of its factors"
+            )
+        return True
+
+    def _face(self, pattern: Signs, real: Sequence[Signs], active: Sequence[int]) -> Face:
+        keep = tuple(surface for surface, side in zip(self.surfaces, pattern, strict=True) if not side)
+        bounds = tuple((s, side) for s, side in zip(self.surfaces, pattern, strict=True) if side)
+        around = [
+            _filled(pattern, active, p)
+            for p in real
+            if 0 not in p and all(pattern[k] in (0, side) for k, side in zip(active, p, strict=True))
+        ]
+        name = ", ".join(f"{surface.name} = 0" for surface in keep) or self._pattern_name(pattern)
+        return Face(name, keep, bounds, tuple(self._member(signs) for signs in around))
+
+    def _pattern_name(self, signs: Signs) -> str:
+        return ", ".join(f"{s.name} {'>' if side > 0 else '<'} 0" for s, side in zip(self.surfaces, signs, strict=True))
+
+    def _member(self, signs: Signs) -> Member:
+        if signs not in self._members:
+            self._members[signs] = Member(self._pattern_name(signs), self.flow(signs))
+        return self._members[signs]
+
+
+def _filled(sides: Signs, active: Sequence[int], pattern: Signs) -> Signs:
+    """A full pattern with the active entries replaced."""
+    entries = dict(zip(active, pattern, strict=True))
+    return tuple(entries.get(k, side) for k, side in enumerate(sides))
+
+
+def _has_points(pattern: Signs, normals: Sequence[Vector]) -> bool:
+    """Whether the tangent cone ``n_k . d = 0`` (held), ``side n_k . d > 0`` (others) is not empty.
+
+    By Gordan's theorem the open cone is empty iff a convex combination of the projected normals is zero.
+    """
+    held = [n for n, side in zip(normals, pattern, strict=True) if not side]
+    others = [side * n for n, side in zip(normals, pattern, strict=True) if side]
+    if held:
+        basis = _span(np.array(held).T)
+        others = [n - basis @ (basis.T @ n) for n in others]
+    return not others or origin_distance(np.array(others)) > CONE_SLACK
+
+
+def _span(columns: Vector) -> Vector:
+    """Orthonormal basis of the span of some columns."""
+    basis, values, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(basis[:, values > CONE_SLACK])

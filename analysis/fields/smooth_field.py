@@ -1,0 +1,121 @@
+"""Switched fields with one smooth field per cell: surfaces, and the faces that a path can keep to.
+
+A *face* is a set a path can keep to: some surfaces held at zero, the others on one side.  With nothing held it is a
+cell, with one surface held a sliding mode, with more a codimension-two (or higher) mode, in the plane a point of rest.
+Its motions are the elements of the hull of the adjacent cells' fields that are tangent to the surfaces held (Filippov
+1988, sec. 4; Utkin's equivalent control).
+
+:class:`nonsmooth.analysis.fields.sign_field.SignField` is a plain switched system,
+:class:`nonsmooth.analysis.fields.cellwise_field.CellwiseField` an array with feedback.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector: TypeAlias = NDArray[np.float64]
+Velocity: TypeAlias = Callable[[float, Vector], Vector]
+
+# Relative to the size of the domain: the distance within which a state counts as on a surface. Above the integrator's
+# error (1e-12), so that a path aimed at a corner is found to reach it.
+SURFACE_SLACK = 1e-10
+# Relative step of central differences: the cube root of the rounding error, where both errors are 1e-11.
+DIFFERENCE_STEP = 6e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A switching function with its gradient."""
+
+    name: str
+    value: Callable[[Vector], float]
+    gradient: Callable[[Vector], Vector]
+
+
+def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> Surface:
+    """``normal . x - offset``."""
+    vector = np.array(normal, dtype=float)
+    return Surface(name, lambda x: float(vector @ x) - offset, lambda x: vector)
+
+
+def smooth_surface(name: str, value: Callable[[Vector], float]) -> Surface:
+    """A switching function without a given gradient: central differences."""
+
+    def gradient(x: Vector) -> Vector:
+        steps = DIFFERENCE_STEP * np.maximum(1.0, np.abs(x))
+        moves = np.diag(steps)
+        return np.array([(value(x + m) - value(x - m)) / (2 * s) for m, s in zip(moves, steps, strict=True)])
+
+    return Surface(name, value, gradient)
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A cell's smooth field under its name."""
+
+    name: str
+    velocity: Velocity
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A set that a path can keep to.
+
+    Attributes:
+        name: what events call it.
+        keep: surfaces held at zero.
+        bounds: ``side * h >= 0`` for the others.
+        members: fields of the cells around it.
+    """
+
+    name: str
+    keep: tuple[Surface, ...]
+    bounds: tuple[tuple[Surface, int], ...]
+    members: tuple[Member, ...]
+
+
+def length(vector: Vector) -> float:
+    """Euclidean norm."""
+    return math.sqrt(float(vector @ vector))
+
+
+def unit_normal(surface: Surface, x: Vector) -> Vector:
+    """Gradient of unit length."""
+    gradient = surface.gradient(x)
+    return gradient / length(gradient)
+
+
+class SmoothField(Protocol):
+    """What event-driven simulation needs of a switched field."""
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+
+    @property
+    def kinematics(self) -> str:
+        """``exact``, ``leading`` or ``given``."""
+
+    @property
+    def size(self) -> float:
+        """Typical size of the states, which sets the slack of surfaces."""
+
+    @property
+    def tied(self) -> frozenset[str]:
+        """Members that are one of several possible fields of their cell."""
+
+    @property
+    def heading(self) -> int | None:
+        """Index of the state that may drift at rest, where there is one."""
+
+    def faces_at(self, x: Vector) -> list[Face]:
+        """Every face whose closure holds a state, cells last; none outside the domain."""
+
+    def on_border(self, x: Vector) -> bool:
+        """Whether a state lies on the border of the domain."""

@@ -1,0 +1,222 @@
+"""Cells of a switched system: convex regions with one smooth field each, or several where a contact rule ties.
+
+Regions are cut only where a formula asks for a sign that the region does not have: no sign pattern is tried that is
+not there, and lines through one point give cones.  A plain system is cut out of the plane or out of the checked
+square, always through the equilibrium, so that it is a corner of every cell that holds it; a partition of a wheel
+array brings its own polygons, with the exact pose rate ``c' = v + omega J c``.  The Filippov set-valued map is the
+hull of the fields of all closed cells that hold a point; whatever a formula says on a surface itself is ignored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias, TypeVar
+
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.region import Region, Triple, polygon_region, quadrants
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.scene_values import requirement
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.surfaces import switching_factors
+from nonsmooth.symbolic.system import PLANE, SystemScene
+
+MAX_CELLS = 400
+
+Velocity: TypeAlias = tuple[Polynomial, Polynomial]
+Piece = TypeVar("Piece")
+
+
+@dataclass(frozen=True)
+class FieldCell:
+    """A region with the fields that act inside (several where a rule ties)."""
+
+    region: Region
+    velocities: tuple[Velocity, ...]
+
+
+@dataclass(frozen=True)
+class LyapunovCell:
+    """A region on which the fields and V are smooth."""
+
+    region: Region
+    velocities: tuple[Velocity, ...]
+    potential: Polynomial
+
+    @property
+    def gradient(self) -> Velocity:
+        """Of V."""
+        return self.potential.derivative("x"), self.potential.derivative("y")
+
+    @property
+    def rates(self) -> tuple[Polynomial, ...]:
+        """``grad V . f`` for each field."""
+        a, b = self.gradient
+        return tuple(a * f + b * g for f, g in self.velocities)
+
+
+class Unsettled(Exception):
+    """A region on which a surface changes its sign."""
+
+    def __init__(self, surface: Polynomial) -> None:
+        super().__init__(surface)
+        self.surface = surface
+
+
+class TooManyCells(ValueError):
+    """Formulas that cut the plane into more pieces than are looked at."""
+
+
+def smooth_pieces(
+    regions: Iterable[Region], evaluate: Callable[[SignOf], Piece], limit: int = MAX_CELLS
+) -> Iterator[tuple[Region, Piece]]:
+    """Regions cut until the formulas are smooth on each, with their value there.
+
+    Raises:
+        TooManyCells: beyond the limit.
+    """
+    waiting = list(regions)[::-1]
+    while waiting:
+        region = waiting.pop()
+        try:
+            piece = evaluate(lambda surface, r=region: sign_on(r, surface))  # type: ignore[misc]
+        except Unsettled as found:
+            waiting += list(region.split(found.surface))[::-1]
+            continue
+        limit -= 1
+        if limit < 0:
+            raise TooManyCells("required formulas with fewer switching surfaces")
+        yield region, piece
+
+
+def sign_on(region: Region, surface: Polynomial) -> int:
+    """Sign of a polynomial inside a region.
+
+    Raises:
+        Unsettled: with a factor that changes its sign there.
+    """
+    if not surface:
+        return 0
+    total, factors = switching_factors(surface)
+    for factor in factors:
+        here = region.sign_of(factor)
+        if here is None:
+            raise Unsettled(factor)
+        total *= here
+    return total
+
+
+def plane(scene: SystemScene) -> tuple[Region, ...]:
+    """The whole plane, as seen from the equilibrium."""
+    return quadrants(scene.field.one)
+
+
+def square_regions(radius: Number) -> tuple[Region, ...]:
+    """The square ``|x|, |y| <= radius``, as seen from its centre."""
+    zero, one = radius.field.zero, radius.field.one
+    lines: list[Triple] = [(one, zero, radius), (-one, zero, radius), (zero, one, radius), (zero, -one, radius)]
+    regions: list[Region] = []
+    for quadrant in quadrants(one):
+        region: Region | None = quadrant
+        for line in lines:
+            region = region.clipped(line) if region is not None else None
+        if region is not None:
+            regions.append(region)
+    return tuple(regions)
+
+
+def system_cells(scene: SystemScene, regions: Iterable[Region]) -> tuple[FieldCell, ...]:
+    """The cells of a plain system in the given regions.
+
+    Raises:
+        SceneError: for formulas with too many surfaces, or that are no polynomials on some cell.
+    """
+    try:
+        return tuple(FieldCell(region, (field,)) for region, field in smooth_pieces(regions, scene.velocity))
+    except TooManyCells:
+        expected = f"formulas that cut the plane into at most {MAX_CELLS} cells"
+        raise SceneError(scene.source or scene.name, "system.rhs", expected, Fact("more")) from None
+
+
+def partition_cells(partition: Partition) -> tuple[FieldCell, ...]:
+    """The cells of a centred partition with their pose rates."""
+    field = partition.scene.field
+    x, y = (Polynomial.variable(field, PLANE, name) for name in PLANE)
+    return tuple(
+        FieldCell(
+            polygon_region(cell.polygon),
+            tuple((-y * t.omega + t.vx, x * t.omega + t.vy) for t in cell.twists),
+        )
+        for cell in partition.cells
+    )
+
+
+def lyapunov_cells(
+    cells: Iterable[FieldCell],
+    lyapunov: PiecewiseExpression,
+    states: tuple[str, str],
+    file: str,
+    key: str = "check.lyapunov",
+) -> tuple[LyapunovCell, ...]:
+    """The cells cut further until V is smooth on each.
+
+    Raises:
+        SceneError: for a V with too many kinks, or that is no polynomial on some cell.
+    """
+    found: list[LyapunovCell] = []
+    for cell in cells:
+        field = cell.velocities[0][0].field
+        values = {name: Polynomial.variable(field, PLANE, axis) for name, axis in zip(states, PLANE, strict=True)}
+
+        def evaluate(sign_of: SignOf, values: dict[str, Polynomial] = values) -> Polynomial:
+            return lyapunov.polynomial(values, sign_of)
+
+        try:
+            pieces = list(smooth_pieces([cell.region], evaluate, MAX_CELLS - len(found)))
+        except ExpressionError as error:
+            raise SceneError(file, key, requirement(error), lyapunov.text) from None
+        except TooManyCells:
+            expected = f"a V that cuts the plane into at most {MAX_CELLS} cells"
+            raise SceneError(file, key, expected, Fact("more")) from None
+        found += [LyapunovCell(region, cell.velocities, piece) for region, piece in pieces]
+    return tuple(found)
+
+
+def velocities_at(cells: Iterable[FieldCell | LyapunovCell], point: Point) -> tuple[Point, ...]:
+    """The values at a point of the fields of all closed cells that hold it: their hull is the Filippov set."""
+    return distinct((f(point), g(point)) for cell in cells if cell.region.contains(point) for f, g in cell.velocities)
+
+
+def gradients_at(cells: Iterable[LyapunovCell], point: Point) -> tuple[Point, ...]:
+    """The gradients of all pieces of V that hold a point: their hull is the Clarke gradient."""
+    return distinct((a(point), b(point)) for cell in cells if cell.region.contains(point) for a, b in [cell.gradient])
+
+
+def distinct(points: Iterable[Point]) -> tuple[Point, ...]:
+    """Points without repetitions (late numbers have no hash)."""
+    found: list[Point] = []
+    for point in points:
+        if not any(point[0] == x and point[1] == y for x, y in found):
+            found.append(point)
+    return tuple(found)
+
+
+def holds_zero(vectors: Iterable[Point]) -> bool:
+    """Whether the hull of plane vectors holds zero: alone, on a segment, or inside a triangle."""
+    known = list(vectors)
+    if any(not any(v) for v in known):
+        return True
+    for k, a in enumerate(known):
+        for j, b in enumerate(known[:k]):
+            turn = sign(a[0] * b[1] - a[1] * b[0])
+            if not turn and sign(a[0] * b[0] + a[1] * b[1]) < 0:
+                return True
+            for c in known[:j]:
+                turns = {turn, sign(b[0] * c[1] - b[1] * c[0]), sign(c[0] * a[1] - c[1] * a[0])}
+                if turns in ({1}, {-1}):
+                    return True
+    return False

@@ -1,0 +1,1 @@
+"""The dissipation and its minimizers at a point: several numeric methods, one way to check them."""

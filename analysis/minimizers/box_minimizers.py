@@ -1,0 +1,139 @@
+"""Minimizers of the box functional ``D = sum_i N_i (mu_R |r_i| + mu_S |s_i|)``: a weighted L1 fit.
+
+Its dual is force balance: the friction forces inside their limits that take the most power from the wheels,
+``max sum f_k b_k`` subject to ``sum f_k a_k = 0, |f_k| <= mu N``; the minimizing twist is the multiplier of the
+balance.  :class:`BoxHighs` solves that linear program, with three equations however many wheels there are, and
+:class:`BoxEnumeration` tries every twist that satisfies three independent rows, of which one is always a
+minimizer (Theorem 1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, rounding_error
+from nonsmooth.analysis.minimizers.force_balance import balance_forces
+from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, SAME_VERTEX, distinct
+
+HIGHS_FEASIBILITY = 1e-10  # smallest feasibility tolerance of HiGHS, on rows and limits of order 1
+REGULAR = 1e-10  # volume of three unit rows below which they count as dependent
+ZERO_SLIP = 1e-9  # relative to the largest speed: a smaller slip is rounding of a satisfied row
+MAX_WHEELS = 40  # 82,160 triples: about a second and 20 MB for each
+
+
+@dataclass(frozen=True)
+class BoxHighs:
+    """The dual linear program, by HiGHS (dual simplex), point by point; exact to rounding."""
+
+    @property
+    def functional(self) -> Functional:
+        """The box."""
+        return Functional.BOX
+
+    def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
+        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
+        normal = model.checked_loads(loads)
+        scale, speed = _units(model)
+        rows, targets = (model.rows / scale).T, model.targets / speed
+        twists, forces = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
+        for k, limits in enumerate(model.limits(normal)):
+            most = float(limits.max()) or 1.0
+            shares, multipliers = _most_power(rows, targets, limits.reshape(-1) / most)
+            forces[k] = most * shares.reshape(-1, 2)
+            twists[k] = speed * multipliers / scale
+        return Minima.certified(self.functional, model, normal, twists, forces)
+
+
+def _most_power(rows: Floats, targets: Floats, limits: Floats) -> tuple[Floats, Floats]:
+    """``max targets . f`` subject to ``rows f = 0, |f| <= limits``: f and the multipliers of the equations."""
+    from scipy.optimize import linprog
+
+    bounds = np.column_stack([-limits, limits])
+    options = {"primal_feasibility_tolerance": HIGHS_FEASIBILITY, "dual_feasibility_tolerance": HIGHS_FEASIBILITY}
+    result = linprog(-targets, A_eq=rows, b_eq=np.zeros(3), bounds=bounds, method="highs-ds", options=options)
+    if not result.success:
+        raise RuntimeError(f"required an optimal linear program, received: {result.message}")
+    return np.asarray(result.x), -np.asarray(result.eqlin.marginals)
+
+
+def _units(model: ContactRows) -> tuple[Floats, float]:
+    """Column scales of the rows and a speed, so that the linear program has entries of order 1."""
+    columns = np.abs(model.rows).max(axis=0)
+    return np.where(columns > 0, columns, 1.0), float(np.abs(model.targets).max()) or 1.0
+
+
+@dataclass(frozen=True)
+class BoxEnumeration:
+    """Every twist that satisfies three independent loaded rows, as Theorem 1 reads; the oracle of small arrays."""
+
+    @property
+    def functional(self) -> Functional:
+        """The box."""
+        return Functional.BOX
+
+    def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
+        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`.
+
+        Raises:
+            ValueError: for more than :data:`MAX_WHEELS` wheels, or fewer than three independent loaded rows.
+        """
+        normal = model.checked_loads(loads)
+        triples, candidates = regular_triples(model)
+        twists, forces = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
+        faces = {}
+        for k, load in enumerate(normal):
+            loaded = (model.limits(load).reshape(-1) > 0)[triples].all(axis=1)
+            if not loaded.any():
+                raise ValueError(f"required three independent loaded rows, received loads {load}")
+            best = _best(model, load, candidates[loaded])
+            twists[k], forces[k] = best[0], forces_at(model, load, best.mean(axis=0))
+            if len(best) > 1:
+                faces[k] = best
+        forces = balance_forces(self.functional, model, normal, forces)
+        return Minima(self.functional, model, normal, twists, forces, faces)
+
+
+def regular_triples(model: ContactRows) -> tuple[NDArray[np.int_], Floats]:
+    """Triples of independent rows, shape (t, 3), and the twist of each, shape (t, 3).
+
+    Raises:
+        ValueError: for more than :data:`MAX_WHEELS` wheels.
+    """
+    if model.wheels > MAX_WHEELS:
+        raise ValueError(f"required at most {MAX_WHEELS} wheels to try all triples, received {model.wheels}")
+    scale, _ = _units(model)
+    triples = np.array(list(combinations(range(len(model.rows)), 3)))
+    matrices = (model.rows / scale)[triples]
+    sizes = np.linalg.norm(matrices, axis=2).prod(axis=1)
+    triples = triples[np.abs(np.linalg.det(matrices)) > REGULAR * sizes]
+    twists = np.linalg.solve((model.rows / scale)[triples], model.targets[triples][..., None])[..., 0] / scale
+    return triples, twists
+
+
+def _best(model: ContactRows, loads: Floats, candidates: Floats) -> Floats:
+    """The distinct candidates that dissipate the least, shape (k, 3)."""
+    values = dissipation(Functional.BOX, model, loads, candidates)
+    least = int(values.argmin())
+    allowed = SAME_VALUE * values[least] + rounding_error(model, loads, candidates)
+    best = candidates[values <= values[least] + allowed]
+    slips = model.slips(best).reshape(len(best), -1)
+    return best[distinct(slips, SAME_VERTEX * float(np.abs(slips).max()))]
+
+
+def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
+    """Balanced forces at a minimizer: minus the limit times the slip's sign, free where a row does not slip."""
+    from scipy.optimize import lsq_linear
+
+    limits, slips = model.limits(loads).reshape(-1), model.slips(twist).reshape(-1)
+    free = (np.abs(slips) <= ZERO_SLIP * _units(model)[1]) & (limits > 0)
+    forces = np.where(free, 0.0, -limits * np.sign(slips))
+    rows = model.rows / _units(model)[0]
+    bounds = (-limits[free], limits[free])
+    forces[free] = lsq_linear(rows[free].T, -rows.T @ forces, bounds, method="bvls").x
+    return np.asarray(forces.reshape(-1, 2))

@@ -1,0 +1,76 @@
+"""Minimizers of both functionals stated to CVXPY as they stand: the independent references.
+
+``min sum_i N_i |(mu_R r_i, mu_S s_i)|`` over twists and slips, linked by ``slips = rows . twist - targets``; the
+link's multipliers are the friction forces.  The norm is the sum of absolute values (box: a linear program) or the
+length (ellipse: a second-order cone program), both solved by Clarabel, point by point: hundreds of times slower
+than the program's own solvers, and less exact.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.minimum import Minima
+
+# Clarabel stops here or as near as it gets. On the ellipse it often ends a digit short and says so; the gap that
+# counts is computed from its twist and forces afterwards.
+CLARABEL = {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12}
+
+
+@dataclass(frozen=True)
+class CvxpyMinimizer:
+    """Either functional by CVXPY and Clarabel.
+
+    Attributes:
+        functional: box or ellipse.
+        compiled: state the program once, with the loads as parameters; if not, afresh at every point, as in plain
+            use of CVXPY.
+    """
+
+    functional: Functional
+    compiled: bool = True
+
+    def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
+        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
+        normal = model.checked_loads(loads)
+        twists, multipliers = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
+        program = _Program(self.functional, model) if self.compiled else None
+        for k, load in enumerate(normal):
+            twists[k], multipliers[k] = (program or _Program(self.functional, model)).solve(load)
+        return Minima.certified(self.functional, model, normal, twists, multipliers)
+
+
+class _Program:
+    """``min N . t`` subject to ``|weighted slips of wheel i| <= t_i``."""
+
+    def __init__(self, functional: Functional, model: ContactRows) -> None:
+        import cvxpy as cp
+
+        self.friction = model.friction.reshape(-1, 2)
+        self.twist, self.slips = cp.Variable(3), cp.Variable(self.friction.shape)
+        self.loads = cp.Parameter(model.wheels, nonneg=True)
+        slips = self.slips.flatten(order="C")
+        self.link = slips == model.friction[:, None] * model.rows @ self.twist - model.friction * model.targets
+        if functional is Functional.BOX:
+            parts = cp.Variable(self.friction.shape)
+            sizes, cones = parts @ np.ones(2), [self.slips <= parts, -parts <= self.slips]
+        else:
+            sizes = cp.Variable(model.wheels)
+            cones = [cp.SOC(sizes, self.slips, axis=1)]
+        self.problem = cp.Problem(cp.Minimize(self.loads @ sizes), [self.link, *cones])
+
+    def solve(self, loads: Floats) -> tuple[Floats, Floats]:
+        """Twist (3,) and friction forces (n, 2)."""
+        import cvxpy as cp
+
+        self.loads.value = loads
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Solution may be inaccurate", UserWarning)  # see CLARABEL
+            self.problem.solve(solver=cp.CLARABEL, **CLARABEL)
+        return np.asarray(self.twist.value), np.asarray(self.link.dual_value).reshape(-1, 2) * self.friction

@@ -1,0 +1,133 @@
+"""Minimizers of the dissipation together with the forces that prove them.
+
+A :class:`Minima` holds many results at once, a :class:`Minimum` one of them.  Nothing a solver says about its own
+quality is stored: admissibility, balance and gap are computed here from twist and forces alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, input_power, rounding_error, usage
+from nonsmooth.analysis.minimizers.force_balance import balance_forces, imbalance
+from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, optimal_face, undetermined
+
+GAP = 1e-9  # largest duality gap of a certified minimum, relative to its value
+IMBALANCE = 1e-11  # largest relative imbalance of forces and moments: rounding of sums over hundreds of wheels
+EXCESS = 1e-12  # largest relative excess over a friction limit: rounding of one quotient
+
+
+@dataclass(frozen=True, eq=False)
+class Minima:
+    """Minimizers of D at m points.
+
+    Attributes:
+        functional: box or ellipse.
+        model: the contact rows.
+        loads: normal forces, shape (m, n).
+        twists: minimizing twists ``xi``, shape (m, 3).
+        forces: friction forces on the body along and across the rims, shape (m, n, 2).
+        faces: by point, the vertices (k, 3) of the set of all minimizers, where it is more than one twist
+            (Theorem 2: all convex combinations have the same D).
+    """
+
+    functional: Functional
+    model: ContactRows
+    loads: Floats
+    twists: Floats
+    forces: Floats
+    faces: dict[int, Floats] = field(default_factory=dict)
+
+    @classmethod
+    def certified(
+        cls, functional: Functional, model: ContactRows, loads: Floats, twists: Floats, multipliers: Floats
+    ) -> Minima:
+        """Complete a solver's answer: multipliers become balanced, admissible forces, and faces are found."""
+        forces = balance_forces(functional, model, loads, multipliers)
+        faces = {}
+        for k in np.flatnonzero(undetermined(functional, model, loads, forces)):
+            face = optimal_face(functional, model, loads[k], twists[k], forces[k])
+            if face is not None:
+                faces[int(k)] = face
+        return cls(functional, model, loads, twists, forces, faces)
+
+    def __len__(self) -> int:
+        return len(self.twists)
+
+    def __getitem__(self, k: int) -> Minimum:
+        k = range(len(self))[k]
+        return Minimum(self.functional, self.model, self.loads[k], self.twists[k], self.forces[k], self.faces.get(k))
+
+    def __iter__(self) -> Iterator[Minimum]:
+        return (self[k] for k in range(len(self)))
+
+    @property
+    def values(self) -> Floats:
+        """``D(xi)``, shape (m,)."""
+        return dissipation(self.functional, self.model, self.loads, self.twists)
+
+    @property
+    def gaps(self) -> Floats:
+        """``D(xi) - sum_k f_k b_k``, shape (m,): no twist dissipates less than ``values - gaps``."""
+        return self.values - input_power(self.model, self.forces)
+
+    @property
+    def relative_gaps(self) -> Floats:
+        """Gaps over values, shape (m,); 0 where the gap is rounding of the terms of D."""
+        gaps, values = self.gaps, self.values
+        rounding = rounding_error(self.model, self.loads, self.twists)
+        return np.divide(gaps, values, out=np.zeros_like(gaps), where=np.abs(gaps) > rounding)
+
+    def check(self, gap: float = GAP) -> NDArray[np.bool_]:
+        """Verify every point from twists and forces alone, shape (m,).
+
+        Forces inside their limits, forces and moments in balance, and no gap between dissipated and input power:
+        together they prove optimality.
+        """
+        shares = usage(self.functional, self.model, self.loads, self.forces)
+        allowed = gap * self.values + rounding_error(self.model, self.loads, self.twists)
+        admissible = (shares <= 1 + EXCESS).all(axis=-1)
+        balanced = imbalance(self.model, self.forces) <= IMBALANCE
+        return np.asarray(admissible & balanced & (np.abs(self.gaps) <= allowed))
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """One minimizer of D: the fields of :class:`Minima` without their first axis; ``face`` None if unique."""
+
+    functional: Functional
+    model: ContactRows
+    loads: Floats
+    twist: Floats
+    forces: Floats
+    face: Floats | None = None
+
+    @property
+    def value(self) -> float:
+        """``D(xi)``."""
+        return float(dissipation(self.functional, self.model, self.loads, self.twist))
+
+    @property
+    def gap(self) -> float:
+        """``D(xi) - sum_k f_k b_k``: no twist dissipates less than ``value - gap``."""
+        return self.value - float(input_power(self.model, self.forces))
+
+    @property
+    def usage(self) -> Floats:
+        """Share of its friction limit that each wheel uses, shape (n,); a wheel that slips uses 1."""
+        return usage(self.functional, self.model, self.loads, self.forces)
+
+    def check(self, gap: float = GAP) -> bool:
+        """:meth:`Minima.check`, and equal dissipation at all vertices of the face."""
+        alone = Minima(self.functional, self.model, self.loads[None], self.twist[None], self.forces[None])
+        return bool(alone.check(gap)[0]) and (self.face is None or self._is_face(self.face))
+
+    def _is_face(self, face: Floats) -> bool:
+        values = dissipation(self.functional, self.model, self.loads, face)
+        allowed = SAME_VALUE * self.value + rounding_error(self.model, self.loads, face)
+        return len(face) > 1 and bool((np.abs(values - self.value) <= allowed).all())

@@ -1,0 +1,143 @@
+"""Where the contact rules agree: exact shares of area, and differences of twist on a grid.
+
+Rules ``nearest`` and ``box`` both give polygons with constant twists, so the share of the square on which they agree
+is a sum of areas of intersections, exact like the cells.  Rule ``ellipse`` has no cells: its twist is compared with
+the others' on a fixed grid, in the norm ``sqrt(|v|^2 + (R omega)^2)``, R the largest distance of a wheel from the
+checked point, relative to the larger of the two.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.sampling import ellipse_twists
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.point_location import PointLocator
+from nonsmooth.analysis.partitions.polygon import Polygon
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, Scene
+
+GRID = 40  # points per side of the comparison grid
+
+
+@dataclass(frozen=True)
+class SharedArea:
+    """Area on which two partitions of one square prescribe the same set of twists.
+
+    Attributes:
+        area: the common area.
+        share: divided by the square's area.
+        shared_twists: twists that own common area.
+    """
+
+    area: Number | Lazy
+    share: Number | Lazy
+    shared_twists: tuple[Twist, ...]
+
+
+def intersect(first: Polygon, second: Polygon) -> Polygon | None:
+    """Intersection of two convex polygons; None when it has no area."""
+    common = first
+    for side in second.sides:
+        clipped = common.clipped(side)
+        if clipped is None:
+            return None
+        common = clipped
+    return common
+
+
+def shared_area(first: Partition, second: Partition) -> SharedArea:
+    """Exact area of agreement of two partitions of the same square."""
+    by_motion: dict[frozenset[Twist], list[Cell]] = defaultdict(list)
+    for cell in second.cells:
+        by_motion[frozenset(cell.twists)].append(cell)
+    total: Number | Lazy = first.scene.field.zero
+    twists: dict[Twist, None] = {}
+    for cell in first.cells:
+        for other in by_motion.get(frozenset(cell.twists), []):
+            common = intersect(cell.polygon, other.polygon)
+            if common is not None:
+                total = total + common.area
+                twists.update(dict.fromkeys(cell.twists))
+    return SharedArea(total, total / first.domain.area, tuple(twists))
+
+
+@dataclass(frozen=True)
+class TwistDifference:
+    """Relative difference of two rules' twists over a grid.
+
+    Attributes:
+        points: number of grid points.
+        mean: mean relative difference.
+        largest: largest relative difference.
+        at: where it occurs.
+    """
+
+    points: int
+    mean: float
+    largest: float
+    at: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """The three contact rules side by side.
+
+    Attributes:
+        nearest, box: the partitions, in the scene's coordinates.
+        shared: where they prescribe the same motion.
+        ellipse_nearest, ellipse_box: differences of rule ``ellipse`` from either.
+    """
+
+    nearest: Partition
+    box: Partition
+    shared: SharedArea
+    ellipse_nearest: TwistDifference
+    ellipse_box: TwistDifference
+
+
+def compare_rules(scene: Scene) -> Agreement:
+    """Compare the three contact rules on the checked square.
+
+    Raises:
+        nonsmooth.analysis.partitions.partition.RefusalError: where the loads do not exist.
+    """
+    ruled = {rule: replace(scene, contact=Contact(rule, scene.contact.loads)) for rule in Rule}
+    nearest, box = build_nearest_partition(ruled[Rule.NEAREST]), build_box_partition(ruled[Rule.BOX])
+    points = comparison_grid(scene)
+    twists = ellipse_twists(scene, points)
+    differences = [
+        _difference(scene, points, twists, PointLocator(partition).twists(points)) for partition in (nearest, box)
+    ]
+    return Agreement(nearest, box, shared_area(nearest, box), *differences)
+
+
+def comparison_grid(scene: Scene) -> NDArray[np.float64]:
+    """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
+    centre = np.array([float(x) for x in scene.check.equilibrium])
+    across, up = (float(scene.check.radius) * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
+    return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
+
+
+def _difference(
+    scene: Scene, points: NDArray[np.float64], first: NDArray[np.float64], second: NDArray[np.float64]
+) -> TwistDifference:
+    centre = np.array([float(x) for x in scene.check.equilibrium])
+    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    scale = np.array([1.0, 1.0, np.hypot(*(wheels - centre).T).max()])
+    sizes = np.maximum(np.linalg.norm(first * scale, axis=1), np.linalg.norm(second * scale, axis=1))
+    apart = np.linalg.norm((first - second) * scale, axis=1)
+    relative = np.divide(apart, sizes, out=np.zeros_like(apart), where=sizes > 0)
+    worst = int(np.argmax(relative))
+    return TwistDifference(
+        len(points), float(relative.mean()), float(relative[worst]), (points[worst, 0], points[worst, 1])
+    )

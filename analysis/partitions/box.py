@@ -1,0 +1,193 @@
+"""Rule ``box``: the exact minimizer of the power dissipation functional, one twist per polygon of the plane.
+
+Each slope of D at a vertex of the arrangement (:mod:`nonsmooth.analysis.partitions.arrangement`) is affine in the
+centre of mass, so the cell of a vertex, where all its slopes are non-negative, is a convex polygon in explicit
+half-plane form.  Where a slope vanishes, D is flat along that edge up to the next vertex: that vertex owns the cell
+beyond. So the partition is found by walking from cell to neighbouring cell, one ratio test per side, never by trying
+all C(2n, 3) triples.  Ties beyond a side (symmetric arrays) are resolved by an exact descent just outside it: slopes
+are compared by value first, then by derivative along the outward normal.  The cells' areas must add up to the
+domain's: that checks the walk, and it is Theorem 1 of Murphey & Burdick made checkable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from nonsmooth.analysis.partitions.arrangement import Arrangement, Slope, Vertex, float_corners, friction_of, order
+from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, at_least_zero, load_regions
+from nonsmooth.analysis.partitions.nearest import pair_states
+from nonsmooth.analysis.partitions.partition import Cell, Partition, RefusalError
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+
+
+def build_box_partition(scene: Scene) -> Partition:
+    """Cells of rule ``box`` in the checked square.
+
+    Raises:
+        nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+    """
+    _require_resistance(scene)
+    cells: list[Cell] = []
+    for region in load_regions(scene):
+        for states, polygon in _Walk(scene, region).cells():
+            cells.append(Cell(len(cells) + 1, polygon, states))
+    domain = square(scene.check.equilibrium, scene.check.radius)
+    return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
+
+
+def _require_resistance(scene: Scene) -> None:
+    """Refuse arrays whose rows with friction leave a motion free: D is constant along it."""
+    rubbing = [row.normal for row in scene_rows(scene) if friction_of(row)]
+    if len(independent(rubbing)) < 3:
+        raise RefusalError(
+            "friction: required rows with friction in three independent directions, "
+            f"received {len(independent(rubbing))}: the motion is not determined"
+        )
+
+
+def build_rest_partition(scene: Scene) -> Partition | None:
+    """The cells of rest alone, where they hold the centred equilibrium in their interior; None where they do not.
+
+    Raises:
+        nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+    """
+    zero = scene.field.zero
+    cells: list[Cell] = []
+    for region in load_regions(scene):
+        walk = _Walk(scene, region)
+        found = walk.cell_of(Twist(zero, zero, zero)) if region.polygon.contains((zero, zero)) else None
+        if found is not None:
+            states, polygon = found
+            cells.append(Cell(len(cells) + 1, polygon, states))
+    inner = [cell for cell in cells if _surrounds(cell.polygon, (zero, zero))]
+    if len(cells) != len(inner):
+        return None
+    domain = square(scene.check.equilibrium, scene.check.radius)
+    return Partition(scene, Rule.BOX, domain, tuple(inner), len(scene.wheels), complete=False) if inner else None
+
+
+def _surrounds(polygon: Polygon, point: Point) -> bool:
+    """Whether no side of the cell passes through the point, but for the boundary of a load region."""
+    return all(side.slack(point).sign() > 0 for side in polygon.sides if side.label.startswith("slope"))
+
+
+class _Walk:
+    """The cells of one load region."""
+
+    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+        self.scene = scene
+        self.region = region
+        self.arrangement = Arrangement(scene, region)
+        self.lazy = len(scene.field.radicands) > FEW_ROOTS
+
+    def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
+        """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
+        signs = [row.residual(twist).sign() for row in self.arrangement.rows]
+        tight = [row.normal for row, sign in zip(self.arrangement.rows, signs, strict=True) if not sign]
+        if len(independent(tight)) < 3:
+            return None
+        vertex = self.arrangement.vertex(twist)
+        polygon, _ = self._polygon(vertex)
+        return None if polygon is None else (tuple(self._state(v) for v in self._face(vertex)), polygon)
+
+    def cells(self) -> Iterator[tuple[tuple[ContactState, ...], Polygon]]:
+        """Cells (tied states, polygon) of the region, each once."""
+        done: set[Twist] = set()
+        waiting = [self._first()]
+        while waiting:
+            vertex = waiting.pop()
+            if vertex.twist in done:
+                continue
+            face = self._face(vertex)
+            done.update(v.twist for v in face)
+            polygon, origins = self._polygon(vertex)
+            if polygon is None:
+                continue
+            yield tuple(self._state(v) for v in face), polygon
+            for k, side in enumerate(polygon.sides):
+                slope = origins.get(side.label)
+                if slope is not None:
+                    waiting.append(self._neighbour(vertex, slope, _midpoint(polygon, k), side.normal))
+
+    def _first(self) -> Vertex:
+        """Descend to the optimal vertex just beside the centre of the region, from the nearest wheels' state."""
+        centre = self.region.polygon.centre
+        # two nearest wheels to start with: any independent rows would do
+        wheels = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
+        state = pair_states(wheels[0], wheels[1])[0]
+        one = self.scene.field.one
+        outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
+        return self._descend(self.arrangement.vertex(state.twist), centre, outward)
+
+    def _neighbour(self, vertex: Vertex, slope: Slope, point: Point, outward: Point) -> Vertex:
+        """The vertex that is optimal just beyond a side of the cell."""
+        twist = self.arrangement.line_search(vertex, slope, point, outward)
+        return self._descend(self.arrangement.vertex(twist), point, outward)
+
+    def _descend(self, vertex: Vertex, point: Point, outward: Point) -> Vertex:
+        """Exact descent at ``point + epsilon outward``: every step lowers D, so it ends at the minimizer."""
+        while True:
+            place = np.array([[1.0, float(point[0]), float(point[1])]])
+            doubtful = (vertex.slopes[k] for k in vertex.doubtful(place))
+            falling = next((s for s in doubtful if order(s.form, point, outward) < (0, 0)), None)
+            if falling is None:
+                return vertex
+            vertex = self.arrangement.vertex(self.arrangement.line_search(vertex, falling, point, outward))
+
+    def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, Slope]]:
+        """The vertex's cell, and the slope behind each of its inner sides, by label."""
+        polygon = self.region.polygon
+        origins: dict[str, Slope] = {}
+        waiting = vertex.doubtful(self.arrangement.corners)
+        while waiting:
+            k = waiting.pop(0)
+            slope = vertex.slopes[k]
+            if not any(slope.form):
+                continue
+            origins[f"slope {k}"] = slope
+            clipped = polygon.clipped(self._half_plane(slope.form, f"slope {k}"))
+            if clipped is None:
+                return None, origins
+            if clipped is not polygon:
+                polygon = clipped
+                still = set(vertex.doubtful(float_corners(polygon)))
+                waiting = [j for j in waiting if j in still]
+        return polygon, origins
+
+    def _half_plane(self, form: Affine, label: str) -> HalfPlane:
+        if self.lazy:
+            form = (Lazy.of(form[0]), Lazy.of(form[1]), Lazy.of(form[2]))
+        return at_least_zero(form, label)
+
+    def _face(self, vertex: Vertex) -> list[Vertex]:
+        """All vertices that tie with this one on its whole cell (Theorem 2: their hull minimizes D)."""
+        face, waiting = [vertex], [vertex]
+        while waiting:
+            here = waiting.pop()
+            for slope in here.flat:
+                step, _ = next(self.arrangement.breakpoints(here, slope.direction))
+                twist = Twist(*(x + step * m for x, m in zip(here.twist, slope.direction, strict=True)))
+                if all(twist != known.twist for known in face):
+                    face.append(self.arrangement.vertex(twist))
+                    waiting.append(face[-1])
+        return face
+
+    def _state(self, vertex: Vertex) -> ContactState:
+        return ContactState(tuple(self.arrangement.rows[k] for k in vertex.tight), vertex.twist)
+
+
+def _midpoint(polygon: Polygon, k: int) -> Point:
+    (x1, y1), (x2, y2) = polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+    return (x1 + x2) / 2, (y1 + y2) / 2
+
+
+def rest_cells(partition: Partition) -> Sequence[Cell]:
+    """Cells whose twist is zero: the dead zone."""
+    return [cell for cell in partition.cells if any(not any(twist) for twist in cell.twists)]

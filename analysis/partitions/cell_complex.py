@@ -1,0 +1,243 @@
+"""Corners, edges and cells of a polygonal partition: what a path can meet, each piece of it once.
+
+Simulation needs more than polygons: which cells lie on the two sides of an edge, which edges leave a corner, and
+where a side of one cell meets several of another.  These relations are found with exact numbers: floats only sort out
+what is certainly apart.  :meth:`CellComplex.floats` keeps them and rounds the coordinates, so that the float form
+inherits exact combinatorics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import cross, dot
+
+# Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
+SAME_CORNER_DOUBT = 1e-9
+# Length relative to the size of the domain: a float point comes from a handful of operations on coordinates of that
+# size, so it lies within some 2^-49 of the line or corner that it was computed to reach; four bits are added.
+PLACE_SLACK = 2.0**-45
+
+
+class InCell(NamedTuple):
+    """Inside a cell."""
+
+    cell: int
+
+
+class OnEdge(NamedTuple):
+    """On an edge (also one on the border of the domain), away from its corners."""
+
+    edge: int
+
+
+class AtCorner(NamedTuple):
+    """At a corner."""
+
+    corner: int
+
+
+Place: TypeAlias = InCell | OnEdge | AtCorner
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A segment from corner ``start`` to corner ``end`` with a cell on each side (None beyond the domain)."""
+
+    start: int
+    end: int
+    left: int | None
+    right: int | None
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """The cells beside it."""
+        return tuple(cell for cell in (self.left, self.right) if cell is not None)
+
+
+@dataclass(frozen=True)
+class Corner:
+    """A point where edges end, with the cells whose closure holds it."""
+
+    point: Point
+    cells: tuple[int, ...]
+    edges: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class CellComplex:
+    """A polygonal partition with its incidences.
+
+    Attributes:
+        polygons: the cells, convex, with disjoint interiors.
+        corners: every vertex of every cell, once.
+        edges: the sides, cut at the corners.
+        borders: ``borders[i][k]`` are the edges on side k of cell i, in the direction of the side.
+        size: half-width of the domain plus the distance of its centre from the origin (length).
+        slack: distance within which a point counts as on an edge or corner (length; zero for exact numbers).
+    """
+
+    polygons: tuple[Polygon, ...]
+    corners: tuple[Corner, ...]
+    edges: tuple[Edge, ...]
+    borders: tuple[tuple[tuple[int, ...], ...], ...]
+    size: float
+    slack: float = 0.0
+
+    @cached_property
+    def points(self) -> tuple[Point, ...]:
+        """The corners' coordinates."""
+        return tuple(corner.point for corner in self.corners)
+
+    def direction(self, edge: int) -> Point:
+        """From start to end; of unit length in floats, of any length in exact numbers (no square root)."""
+        (x1, y1), (x2, y2) = (self.points[k] for k in (self.edges[edge].start, self.edges[edge].end))
+        if not self.slack:
+            return x2 - x1, y2 - y1
+        length = float(np.hypot(x2 - x1, y2 - y1))
+        return (x2 - x1) / length, (y2 - y1) / length
+
+    def active_sides(self, cell: int, corner: int) -> tuple[int, ...]:
+        """Sides of a cell that hold a corner."""
+        return tuple(
+            k
+            for k, border in enumerate(self.borders[cell])
+            if any(corner in (self.edges[e].start, self.edges[e].end) for e in border)
+        )
+
+    def side_of(self, cell: int, edge: int) -> int:
+        """The side of a cell on which an edge lies."""
+        return next(k for k, border in enumerate(self.borders[cell]) if edge in border)
+
+    def locate(self, point: Point) -> Place | None:
+        """Where a point lies; None outside the domain."""
+        for k, corner in enumerate(self.points):
+            if not self._apart(point, corner):
+                return AtCorner(k)
+        for k in range(len(self.edges)):
+            if self.on_edge(k, point):
+                return OnEdge(k)
+        for k, polygon in enumerate(self.polygons):
+            if all(sign(side.slack(point)) > 0 for side in polygon.sides):
+                return InCell(k)
+        return None
+
+    def on_edge(self, edge: int, point: Point) -> bool:
+        """Whether a point that is no corner lies on an edge."""
+        r = self.direction(edge)
+        (x1, y1), (x2, y2) = (self.points[k] for k in (self.edges[edge].start, self.edges[edge].end))
+        from_start, to_end = (point[0] - x1, point[1] - y1), (x2 - point[0], y2 - point[1])
+        return not self.beyond(cross(r, from_start)) and sign(dot(r, from_start)) > 0 and sign(dot(r, to_end)) > 0
+
+    def beyond(self, length: Any) -> int:
+        """Sign of a length, zero within the slack."""
+        if self.slack:
+            return 0 if abs(length) <= self.slack else sign(length)
+        return sign(length)
+
+    def _apart(self, p: Point, q: Point) -> bool:
+        return bool(self.beyond(p[0] - q[0]) or self.beyond(p[1] - q[1]))
+
+    def floats(self) -> CellComplex:
+        """The same complex with float coordinates and sides of unit normals."""
+        points = [(float(x), float(y)) for x, y in self.points]
+        return replace(
+            self,
+            polygons=tuple(_float_polygon(polygon) for polygon in self.polygons),
+            corners=tuple(replace(c, point=p) for c, p in zip(self.corners, points, strict=True)),
+            slack=PLACE_SLACK * self.size,
+        )
+
+
+def _float_polygon(polygon: Polygon) -> Polygon:
+    sides = []
+    for side in polygon.sides:
+        a, b = float(side.normal[0]), float(side.normal[1])
+        length = float(np.hypot(a, b))
+        sides.append(HalfPlane((a / length, b / length), float(side.offset) / length, side.label))
+    return Polygon(tuple((float(x), float(y)) for x, y in polygon.vertices), tuple(sides))
+
+
+def build_complex(polygons: Sequence[Polygon], size: float) -> CellComplex:
+    """Find corners and edges of convex polygons with disjoint interiors, exactly.
+
+    Args:
+        polygons: cells over exact numbers (field elements, lazy numbers or fractions).
+        size: size of the domain (length), for the float filter and the slack of the float form.
+    """
+    points, numbers = _corners(polygons, size)
+    places = np.array([[float(x), float(y)] for x, y in points])
+    beside: dict[tuple[int, int], list[int | None]] = {}
+    order: list[tuple[int, int]] = []
+    chains: list[list[list[tuple[int, int]]]] = []
+    for cell, (polygon, own) in enumerate(zip(polygons, numbers, strict=True)):
+        chains.append([])
+        for k in range(len(own)):
+            chain = list(pairwise(_stops(points, places, own[k], own[(k + 1) % len(own)], polygon.sides[k], size)))
+            for a, b in chain:
+                key = (min(a, b), max(a, b))
+                if key not in beside:
+                    beside[key] = [None, None]
+                    order.append(key)
+                beside[key][0 if a < b else 1] = cell
+            chains[cell].append(chain)
+    numbering = {key: k for k, key in enumerate(order)}
+    borders = tuple(tuple(tuple(numbering[min(s), max(s)] for s in chain) for chain in sides) for sides in chains)
+    edges = tuple(Edge(a, b, *beside[a, b]) for a, b in order)
+    corners = tuple(_corner(k, point, edges) for k, point in enumerate(points))
+    return CellComplex(tuple(polygons), corners, edges, borders, size)
+
+
+def _corner(number: int, point: Point, edges: Sequence[Edge]) -> Corner:
+    own = tuple(k for k, edge in enumerate(edges) if number in (edge.start, edge.end))
+    return Corner(point, tuple(sorted({cell for k in own for cell in edges[k].cells})), own)
+
+
+def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[int]]]:
+    """Distinct vertices, and their numbers polygon by polygon."""
+    points: list[Point] = []
+    places: list[tuple[float, float]] = []
+    numbers: list[list[int]] = []
+    for polygon in polygons:
+        own: list[int] = []
+        for point in polygon.vertices:
+            x, y = float(point[0]), float(point[1])
+            doubt = SAME_CORNER_DOUBT * size
+            close = (k for k, (a, b) in enumerate(places) if abs(a - x) <= doubt and abs(b - y) <= doubt)
+            known = next((k for k in close if points[k][0] == point[0] and points[k][1] == point[1]), None)
+            if known is None:
+                known = len(points)
+                points.append(point)
+                places.append((x, y))
+            own.append(known)
+        numbers.append(own)
+    return points, numbers
+
+
+def _stops(points: Sequence[Point], places: Any, first: int, last: int, side: HalfPlane, size: float) -> list[int]:
+    """Corners on a side, from its first vertex to its last."""
+    along = places[last] - places[first]
+    offset = places - places[first]
+    doubt = SAME_CORNER_DOUBT * size * (float(np.hypot(*along)) + size)
+    near = np.abs(along[0] * offset[:, 1] - along[1] * offset[:, 0]) <= doubt
+    reach = offset @ along
+    candidates = np.flatnonzero(near & (reach > -doubt) & (reach < along @ along + doubt))
+    (x1, y1), (x2, y2) = points[first], points[last]
+    r = (x2 - x1, y2 - y1)
+    between = [
+        k
+        for k in candidates.tolist()
+        if k not in (first, last)
+        and not sign(side.slack(points[k]))
+        and sign(dot(r, (points[k][0] - x1, points[k][1] - y1))) > 0
+        and sign(dot(r, (x2 - points[k][0], y2 - points[k][1]))) > 0
+    ]
+    return [first, *sorted(between, key=lambda k: reach[k]), last]

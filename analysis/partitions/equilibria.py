@@ -1,0 +1,255 @@
+"""All equilibria of the checked square: points with zero velocity in F, exactly.
+
+With exact kinematics ``c' = v + omega J c`` a point is an equilibrium of the translation
+
+- inside a cell, where the cell rests (an area) or turns about the point (its instant centre ``c = J v/omega``);
+- on a common side of two cells, where their velocities oppose each other: parallel (linear in the position along
+  the side, because both turning terms point the same way) with a product that is not positive;
+- at a vertex, where the convex hull of the velocities that meet there holds zero;
+- where two motions tie in a cell (mu_R = mu_S), along the line on which these two oppose each other.
+
+Areas and segments of equilibria are reported as such, points once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations, pairwise, product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import cross, dot
+
+# Relative to the size of the square: cells whose float bounding boxes are farther apart share no side.
+BOX_MARGIN = 1e-9
+
+
+class Place(StrEnum):
+    """Where an equilibrium lies."""
+
+    AREA = "rest area"
+    CENTRE = "instant centre"
+    SIDE = "side"
+    SEGMENT = "segment"
+    VERTEX = "vertex"
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A point, segment or polygon of equilibria: its points, and the cells that meet there."""
+
+    place: Place
+    points: tuple[Point, ...]
+    cells: tuple[int, ...]
+
+
+def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
+    """Every equilibrium of the square, areas first."""
+    areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if _rests(c)]
+    found = [*areas, *_centres(partition), *_ties(partition)]
+    places = _Places(partition)
+    for side in places.shared_sides():
+        found += _on_side(side)
+    resting = {cell for area in areas for cell in area.cells}
+    for point, cells in places.vertices():
+        if resting & {cell.index for cell in cells}:
+            continue
+        rates = [twist.pose_rate(point) for cell in cells for twist in cell.twists]
+        if _hull_holds_zero(rates) and not any(_covers(known, point) for known in found):
+            found.append(Equilibrium(Place.VERTEX, (point,), tuple(cell.index for cell in cells)))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class SharedSide:
+    """A segment of positive length that two cells have in common."""
+
+    start: Point
+    end: Point
+    first: Cell
+    second: Cell
+
+
+def shared_sides(partition: Partition) -> Iterator[SharedSide]:
+    """Common segments of all pairs of cells; also where a side of one meets several of the other."""
+    return _Places(partition).shared_sides()
+
+
+class _Places:
+    """Float bounding boxes of the cells: they tell which cells are certainly apart."""
+
+    def __init__(self, partition: Partition) -> None:
+        self.cells = partition.cells
+        corners = [np.array([[float(x), float(y)] for x, y in cell.polygon.vertices]) for cell in partition.cells]
+        margin = float(partition.scene.check.radius) * BOX_MARGIN
+        with np.errstate(invalid="ignore"):  # beyond the range of floats nothing is known to be apart
+            self.low = np.array([c.min(axis=0) for c in corners]) - margin
+            self.high = np.array([c.max(axis=0) for c in corners]) + margin
+
+    def shared_sides(self) -> Iterator[SharedSide]:
+        """Common segments of pairs of cells."""
+        for i, first in enumerate(self.cells):
+            for j in self._near(self.low[i], self.high[i]):
+                segment = _common_segment(first.polygon, self.cells[j].polygon) if j > i else None
+                if segment is not None:
+                    yield SharedSide(*segment, first, self.cells[j])
+
+    def vertices(self) -> Iterator[tuple[Point, list[Cell]]]:
+        """Each vertex once, with the closed cells that hold it: it is told by the first of these."""
+        for i, cell in enumerate(self.cells):
+            for point in cell.polygon.vertices:
+                place = np.array([float(point[0]), float(point[1])])
+                holders = [j for j in self._near(place, place) if self.cells[j].polygon.contains(point)]
+                earlier = (self.cells[j] for j in holders if j < i)
+                if not any(_is_vertex(other.polygon, point) for other in earlier):
+                    yield point, [self.cells[j] for j in holders]
+
+    def _near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
+        """Cells that are not certainly apart from a box."""
+        with np.errstate(invalid="ignore"):
+            apart = ((self.high < low) | (high < self.low)).any(axis=1)
+        return np.flatnonzero(~apart).tolist()
+
+
+def _is_vertex(polygon: Polygon, point: Point) -> bool:
+    return any(x == point[0] and y == point[1] for x, y in polygon.vertices)
+
+
+def _common_segment(first: Polygon, second: Polygon) -> tuple[Point, Point] | None:
+    """Two convex polygons with disjoint interiors meet in a segment on one line, a point, or not at all."""
+    shared = [v for v in first.vertices if second.contains(v)]
+    shared += [v for v in second.vertices if first.contains(v)]
+    for p, q in combinations(shared, 2):
+        if sign(p[0] - q[0]) or sign(p[1] - q[1]):
+            along = (q[0] - p[0], q[1] - p[1])
+            ends = [p, q]
+            for r in shared:
+                if sign(dot(along, (r[0] - ends[0][0], r[1] - ends[0][1]))) < 0:
+                    ends[0] = r
+                if sign(dot(along, (r[0] - ends[1][0], r[1] - ends[1][1]))) > 0:
+                    ends[1] = r
+            return ends[0], ends[1]
+    return None
+
+
+def _rests(cell: Cell) -> bool:
+    return any(not any(twist) for twist in cell.twists)
+
+
+def _centres(partition: Partition) -> Iterator[Equilibrium]:
+    """Cells that turn about a point of their own."""
+    for cell in partition.cells:
+        turning = [twist for twist in cell.twists if twist.omega]
+        centres = dict.fromkeys((-twist.vy / twist.omega, twist.vx / twist.omega) for twist in turning)
+        for centre in centres:
+            if all(sign(side.slack(centre)) > 0 for side in cell.polygon.sides):
+                yield Equilibrium(Place.CENTRE, (centre,), (cell.index,))
+
+
+def _ties(partition: Partition) -> Iterator[Equilibrium]:
+    """Equilibria of cells with several motions: ``f_1 x f_2`` is affine in c, so they lie on a line or everywhere."""
+    for cell in partition.cells:
+        if _rests(cell):
+            continue
+        for a, b in combinations(cell.twists, 2):
+            values = [_opposition(a, b, vertex) for vertex in cell.polygon.vertices]
+            if not any(values):
+                middle = cell.polygon.centre
+                if sign(dot(a.pose_rate(middle), b.pose_rate(middle))) < 0:
+                    yield Equilibrium(Place.AREA, cell.polygon.vertices, (cell.index,))
+                continue
+            ends = _zeros_on_boundary(cell.polygon, values)
+            if len(ends) == 2:
+                yield from _segments(a, b, SharedSide(ends[0], ends[1], cell, cell), (cell.index, cell.index))
+
+
+def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
+    """Boundary points where an affine function, given at the vertices, vanishes (two, unless it only touches)."""
+    points: list[Point] = []
+    for k, here in enumerate(values):
+        p, after = polygon.vertices[k], values[(k + 1) % len(values)]
+        q = polygon.vertices[(k + 1) % len(values)]
+        if not here:
+            points.append(p)
+        elif sign(here) * sign(after) < 0:
+            t = here / (here - after)
+            points.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
+    return points
+
+
+def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
+    """Equilibria in the open common segment of two cells."""
+    if _rests(side.first) or _rests(side.second):
+        return
+    cells = (side.first.index, side.second.index)
+    for a, b in product(side.first.twists, side.second.twists):
+        at_start, at_end = _opposition(a, b, side.start), _opposition(a, b, side.end)
+        if not at_start and not at_end:
+            yield from _segments(a, b, side, cells)
+        elif sign(at_start) * sign(at_end) < 0:
+            t = at_start / (at_start - at_end)
+            point = _between(side, t)
+            if sign(dot(a.pose_rate(point), b.pose_rate(point))) <= 0:
+                yield Equilibrium(Place.SIDE, (point,), cells)
+
+
+def _opposition(a: Twist, b: Twist, point: Point) -> Any:
+    """Zero where the two velocities are parallel; linear along a side."""
+    return cross(a.pose_rate(point), b.pose_rate(point))
+
+
+def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> Iterator[Equilibrium]:
+    """Parts of a side with parallel velocities on which these oppose each other.
+
+    Both velocities lie along one line there, so each changes sign at most once along the side: the zeros of the
+    two split the side into pieces of constant sign.
+    """
+    breaks: list[Any] = []
+    for twist in (a, b):
+        before, after = twist.pose_rate(side.start), twist.pose_rate(side.end)
+        change = (after[0] - before[0], after[1] - before[1])
+        if any(change):
+            t = -dot(before, change) / dot(change, change)
+            if sign(t) > 0 and sign(t - 1) < 0:
+                breaks.append(t)
+    zero = side.start[0] - side.start[0]
+    marks = sorted([zero, zero + 1, *breaks])
+    for lower, upper in pairwise(marks):
+        middle = _between(side, (lower + upper) / 2)
+        if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
+            yield Equilibrium(Place.SEGMENT, (_between(side, lower), _between(side, upper)), cells)
+
+
+def _between(side: SharedSide, t: Any) -> Point:
+    (x1, y1), (x2, y2) = side.start, side.end
+    return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
+
+
+def _hull_holds_zero(velocities: list[Point]) -> bool:
+    """Whether the convex hull of plane vectors holds the origin: no open half-plane holds them all."""
+    nonzero = [v for v in velocities if any(v)]
+    if len(nonzero) < len(velocities):
+        return True
+    for v in nonzero:  # v is the last counterclockwise of an open half-plane iff all others lie clockwise of it
+        sides = [(sign(cross(v, w)), sign(dot(v, w))) for w in nonzero]
+        if all(turn < 0 or (turn == 0 and along > 0) for turn, along in sides):
+            return False
+    return True
+
+
+def _covers(known: Equilibrium, point: Point) -> bool:
+    """Whether a known segment (or point) holds the point."""
+    first, last = known.points[0], known.points[-1]
+    if known.place is Place.AREA:
+        return False
+    to_first = (point[0] - first[0], point[1] - first[1])
+    to_last = (point[0] - last[0], point[1] - last[1])
+    return not cross(to_first, to_last) and sign(dot(to_first, to_last)) <= 0

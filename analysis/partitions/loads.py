@@ -1,0 +1,202 @@
+"""Normal forces, exactly: affine in the centre of mass on polygons of the plane.
+
+Elastic loads (identical springs under a rigid plate, no tension) solve ``min |N|^2`` subject to
+``sum N_i = 1, sum N_i p_i = c, N >= 0`` (total weight 1).  With ``m_i = (1, p_i)`` the optimality conditions are
+``N_i = max(0, m_i . y)``, so for a set A of loaded wheels ``N_i = m_i^T G_A^-1 (1, c)``, ``G_A = sum_A m_i m_i^T``:
+affine in c.  The plane inside the support polygon splits into convex regions by A; crossing a side of a region
+changes A by one wheel, which is how the regions are found.  Outside the support polygon the body tips, and for
+collinear wheels the loads are undetermined: both are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cmp_to_key
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.symbolic.constraints import Triple, inner, outer
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import Scene, Vector, cross
+
+Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
+
+
+class LoadError(RefusalError):
+    """Normal forces that do not exist in the checked square; the message names the place."""
+
+
+@dataclass(frozen=True)
+class LoadRegion:
+    """A polygon on which every load is affine: ``N_i(c) = forces[i] . (1, c)``, zero for idle wheels.
+
+    Attributes:
+        polygon: part of the checked square.
+        forces: one affine form per wheel, total weight 1.
+        loaded: indices of the wheels that carry load.
+    """
+
+    polygon: Polygon
+    forces: tuple[Affine, ...]
+    loaded: frozenset[int]
+
+
+def value_at(form: Affine, point: Point) -> Any:
+    """``a + b x + c y``."""
+    return form[0] + form[1] * point[0] + form[2] * point[1]
+
+
+def at_least_zero(form: Affine, label: str) -> HalfPlane:
+    """The half-plane on which an affine form is non-negative."""
+    return HalfPlane((-form[1], -form[2]), form[0], label)
+
+
+def load_regions(scene: Scene) -> tuple[LoadRegion, ...]:
+    """Split the checked square by the affine pieces of the loads.
+
+    Raises:
+        LoadError: where the body tips, wheels are collinear, or a table gives a negative load.
+    """
+    domain = square(scene.check.equilibrium, scene.check.radius)
+    table = scene.contact.loads
+    if table is not None:
+        _require_positive(scene, table.rows, domain)
+        return (LoadRegion(domain, table.rows, frozenset(w.index for w in scene.wheels)),)
+    _require_support(scene, domain)
+    return _elastic_regions(scene, domain)
+
+
+def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> None:
+    for wheel, form in zip(scene.wheels, rows, strict=True):
+        for x, y in domain.vertices:
+            if value_at(form, (x, y)).sign() < 0:
+                raise LoadError(
+                    "contact.loads: required loads >= 0 in the square, received a negative load "
+                    f"of wheel {wheel.index} at ({x}, {y})"
+                )
+
+
+def support_polygon(positions: Sequence[Vector]) -> list[Vector]:
+    """Convex hull, counterclockwise, by Andrew's monotone chain with exact comparisons."""
+    ordered = sorted(set(positions), key=cmp_to_key(_compare_points))
+
+    def chain(points: Sequence[Vector]) -> list[Vector]:
+        hull: list[Vector] = []
+        for p in points:
+            while len(hull) > 1 and cross(_minus(hull[-1], hull[-2]), _minus(p, hull[-1])).sign() <= 0:
+                hull.pop()
+            hull.append(p)
+        return hull[:-1]
+
+    return chain(ordered) + chain(ordered[::-1])
+
+
+def _compare_points(p: Vector, q: Vector) -> int:
+    return sign(p[0] - q[0]) or sign(p[1] - q[1])
+
+
+def _minus(p: Vector, q: Vector) -> Vector:
+    return p[0] - q[0], p[1] - q[1]
+
+
+def _require_support(scene: Scene, domain: Polygon) -> None:
+    """Refuse squares that leave the support polygon."""
+    hull = support_polygon([wheel.position for wheel in scene.wheels])
+    if len(hull) < 3:
+        raise LoadError(
+            "contact.loads: required three wheels that are not collinear, "
+            f"received {len(scene.wheels)} wheels on one line: elastic loads are undetermined"
+        )
+    for k, corner in enumerate(hull):
+        along = _minus(hull[(k + 1) % len(hull)], corner)
+        for vertex in domain.vertices:
+            if cross(along, _minus(vertex, corner)).sign() < 0:
+                raise LoadError(_tipping_message(scene, hull, vertex))
+
+
+def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str:
+    """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
+    (x, y), reach = scene.check.equilibrium, []
+    for k, corner in enumerate(hull):
+        along = _minus(hull[(k + 1) % len(hull)], corner)
+        reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
+    largest = min(reach)
+    corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
+    advice = f"at most {largest} ~ {float(largest):.6g}" if largest.sign() > 0 else "an equilibrium inside it"
+    return (
+        f"check.radius: required {advice}, received {scene.check.radius}: "
+        f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"
+    )
+
+
+def _elastic_regions(scene: Scene, domain: Polygon) -> tuple[LoadRegion, ...]:
+    """Walk from the region where the search starts to its neighbours until the square is covered."""
+    moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
+    everyone = frozenset(range(len(moments)))
+    found: dict[frozenset[int], LoadRegion | None] = {}
+    waiting = [_loaded_at(moments, everyone, domain.centre)]
+    while waiting:
+        active = waiting.pop()
+        if active in found:
+            continue
+        region, crossings = _region(moments, active, domain)
+        found[active] = region
+        waiting += [active ^ {i} for i in crossings]
+    return tuple(region for region in found.values() if region is not None)
+
+
+def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -> frozenset[int]:
+    """Loaded wheels at a point: drop wheels in tension, add wheels in reach, until both conditions hold."""
+    one = moments[0][0]
+    while True:
+        forms = _forms(moments, active)
+        values = [inner(form, (one, *point)) for form in forms]
+        tension = [i for i in active if values[i].sign() < 0]
+        if tension:
+            worst = min(tension, key=lambda i: values[i])
+            active = active - {worst}
+            continue
+        contact = [i for i in range(len(moments)) if i not in active and values[i].sign() > 0]
+        if not contact:
+            return active
+        active = active | {max(contact, key=lambda i: values[i])}
+
+
+def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> tuple[LoadRegion | None, list[int]]:
+    """The polygon on which exactly ``active`` carries load, and the wheels whose state changes at its sides."""
+    forms = _forms(moments, active)
+    zero = moments[0][0] - moments[0][0]
+    polygon = domain
+    for i, form in enumerate(forms):
+        bound = form if i in active else (-form[0], -form[1], -form[2])
+        clipped = polygon.clipped(at_least_zero(bound, f"load {i}"))
+        if clipped is None:
+            return None, []
+        polygon = clipped
+    crossings = [int(side.label.split()[1]) for side in polygon.sides if side.label.startswith("load")]
+    forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
+    return LoadRegion(polygon, forces, frozenset(i + 1 for i in active)), crossings
+
+
+def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:
+    """``G_A^-1 m_i`` for every wheel: its affine load while A is the loaded set."""
+    rows: list[Triple] = []
+    for r in range(3):
+        row = [sum((moments[i][r] * moments[i][s] for i in sorted(active)), moments[0][0] * 0) for s in range(3)]
+        rows.append((row[0], row[1], row[2]))
+    columns = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
+    determinant = inner(rows[0], columns[0])
+    if not determinant:
+        raise LoadError(
+            "check.radius: required a smaller square, received one crossed by a line of wheels that carries the whole "
+            "load: beside it the loaded wheels change all at once, which is not followed"
+        )
+    inverse = determinant.inverse()
+    adjugate = [(columns[0][r], columns[1][r], columns[2][r]) for r in range(3)]
+    forms: list[Triple] = []
+    for m in moments:
+        a, b, c = (inner(row, m) * inverse for row in adjugate)
+        forms.append((a, b, c))
+    return forms

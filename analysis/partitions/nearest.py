@@ -1,0 +1,160 @@
+"""Rule ``nearest``: the contact states of the paper (Murphey & Burdick, sec. 3.1) and their exact cells.
+
+Wheels are ordered by distance to the centre of mass; within a wheel the row with the larger friction comes
+first; rows are taken greedily while independent, until three.  Both rows of the nearest wheel i are always
+independent, and of the second-nearest wheel j one row at least completes them (a rigid motion that leaves
+``p_i`` at rest and both rows of j idle is zero, since ``p_j != p_i``).  So the contact state depends on the
+ordered pair (i, j) alone and its cells are the ordered order-2 Voronoi cells, cut exactly by bisectors.
+
+Floats only propose which wheels can be among the two nearest; the margin keeps every doubtful one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.symbolic.constraints import Row, roll_row, side_row
+from nonsmooth.symbolic.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, Wheel, dot
+
+# Relative to the coordinates and distances at hand: in double precision they err by less than 1e-14, so a wheel
+# beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.
+CANDIDATE_MARGIN = 1e-9
+SMALLEST_NORMAL = np.finfo(np.float64).tiny  # below it floats lose their relative accuracy
+
+
+def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
+    """Cells of rule ``nearest`` in the checked square.
+
+    Args:
+        scene: the array.
+        prune: look only at wheels that can be among the two nearest; without, at every pair.
+    """
+    domain = square(scene.check.equilibrium, scene.check.radius)
+    positions = np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
+    everyone = np.arange(len(scene.wheels))
+    active = _contenders(positions, everyone, domain, 2) if prune else everyone
+    cells: list[Cell] = []
+    for i, j, polygon in _ordered_pairs(scene.wheels, positions, active, domain, prune=prune):
+        cells.append(Cell(len(cells) + 1, polygon, pair_states(scene.wheels[i], scene.wheels[j])))
+    return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(active))
+
+
+def _ordered_pairs(
+    wheels: Sequence[Wheel],
+    positions: NDArray[np.float64],
+    active: NDArray[np.int_],
+    domain: Polygon,
+    *,
+    prune: bool,
+) -> Iterator[tuple[int, int, Polygon]]:
+    """(nearest, second-nearest, cell) for every pair that owns area in the domain."""
+    for i in active:
+        rivals = active[np.argsort(_distances(positions[active], positions[i]), kind="stable")]
+        first = _region(wheels, i, rivals, domain, positions if prune else None)
+        if first is None:
+            continue
+        others = active[active != i]
+        contenders = _contenders(positions, others, first, 1) if prune else others
+        for j in contenders:
+            cell = _region(wheels, j, contenders, first)
+            if cell is not None:
+                yield int(i), int(j), cell
+
+
+def _contenders(
+    positions: NDArray[np.float64], among: NDArray[np.int_], region: Polygon, rank: int
+) -> NDArray[np.int_]:
+    """Wheels that can be among the ``rank`` nearest somewhere in the region, nearest to its centre first.
+
+    With reach r of the region about its centre, a wheel farther from the centre than the rank-th nearest
+    wheel plus 2 r cannot.  Where coordinates overflow the distance is nan, and the wheel is kept.
+    """
+    centre = np.array([float(x) for x in region.centre])
+    vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
+    rank = min(rank, len(among))
+    with np.errstate(over="ignore", invalid="ignore"):
+        reach = np.max(np.hypot(*(vertices - centre).T))
+        distances = np.hypot(*(positions[among] - centre).T)
+        bound = np.partition(distances, rank - 1)[rank - 1] + 2 * reach
+        slack = CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
+        near = np.flatnonzero(~(distances > bound + slack))
+    order = near[np.argsort(distances[near], kind="stable")]
+    return np.asarray(among[order])
+
+
+def _region(
+    wheels: Sequence[Wheel],
+    i: int,
+    rivals: Iterable[int],
+    within: Polygon,
+    positions: NDArray[np.float64] | None = None,
+) -> Polygon | None:
+    """Points of ``within`` at least as near to wheel i as to every rival.
+
+    With positions, and rivals in the order of their distance from wheel i, it stops at the first rival whose
+    bisector lies beyond the farthest vertex of the region: twice as far from the wheel as that.
+    """
+    region = within
+    reach = np.nan if positions is None else _reach(region, positions[i])
+    for k in rivals:
+        if positions is not None and _distances(positions[k], positions[i]) > 2 * reach:
+            break
+        if k != i:
+            closer = region.clipped(bisector(wheels[i], wheels[k]))
+            if closer is None:
+                return None
+            if closer is not region and positions is not None:
+                reach = _reach(closer, positions[i])
+            region = closer
+    return region
+
+
+def _reach(region: Polygon, place: NDArray[np.float64]) -> float:
+    """Distance from a wheel to the farthest vertex, never too small."""
+    vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.abs(vertices).max() + np.abs(place).max()
+        return float(_distances(vertices, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
+
+
+def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        difference = points - place
+        return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
+
+
+def bisector(near: Wheel, far: Wheel) -> HalfPlane:
+    """``|c - p_near|^2 <= |c - p_far|^2``, linear in c."""
+    (a, b), (c, d) = near.position, far.position
+    normal = (2 * (c - a), 2 * (d - b))
+    offset = dot(far.position, far.position) - dot(near.position, near.position)
+    return HalfPlane(normal, offset, f"{near.index}|{far.index}")
+
+
+def pair_states(nearest: Wheel, second: Wheel) -> tuple[ContactState, ...]:
+    """Contact states for an ordered pair: one, or two where the second wheel's friction ties."""
+    pair = (roll_row(nearest), side_row(nearest))
+    states = [solve_rows((*pair, row)) for row in preferred_rows(second)]
+    regular = tuple(state for state in states if state is not None)
+    tie = second.friction.roll == second.friction.side
+    return regular if tie else regular[:1]
+
+
+def preferred_rows(wheel: Wheel) -> tuple[Row, Row]:
+    """The wheel's rows, larger friction first (roll first on a tie)."""
+    roll, side = roll_row(wheel), side_row(wheel)
+    return (side, roll) if sign(wheel.friction.side - wheel.friction.roll) > 0 else (roll, side)
+
+
+def nearest_states(scene: Scene, point: Point) -> tuple[ContactState, ...]:
+    """Literal rule at one point, for a strict order of distances: the slow definition the cells are tested against."""
+    ordered = sorted(scene.wheels, key=lambda w: (point[0] - w.position[0]) ** 2 + (point[1] - w.position[1]) ** 2)
+    return pair_states(ordered[0], ordered[1])

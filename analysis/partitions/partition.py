@@ -1,0 +1,111 @@
+"""Cells of the plane with one motion each, and the partition of the checked square they form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import arb
+
+from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+
+# An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
+AREA_ROOTS = 4
+
+
+class RefusalError(ValueError):
+    """A scene whose motion is not determined; the message names key, requirement and what was received."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A convex polygon of centres of mass that share their contact state.
+
+    Where the rule ties (mu_R = mu_S for rule ``nearest``) there are several states and the motion is
+    any convex combination of their twists.
+    """
+
+    index: int
+    polygon: Polygon
+    states: tuple[ContactState, ...]
+
+    @property
+    def twists(self) -> tuple[Twist, ...]:
+        """The twist of each state: the vertices of the cell's hull."""
+        return tuple(state.twist for state in self.states)
+
+    @property
+    def wheels(self) -> tuple[int, ...]:
+        """Indices of the wheels whose rows are held, in the rule's order."""
+        return tuple(dict.fromkeys(row.wheel.index for row in self.states[0].rows))
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Cells that cover the checked square.
+
+    Attributes:
+        scene: the array, in the coordinates of the cells.
+        rule: the contact rule.
+        domain: the checked square.
+        cells: convex, with disjoint interiors.
+        wheels_considered: how many wheels could matter in the square.
+        complete: whether the cells cover the square; otherwise they are those at the equilibrium only.
+    """
+
+    scene: Scene
+    rule: Rule
+    domain: Polygon
+    cells: tuple[Cell, ...]
+    wheels_considered: int
+    complete: bool = True
+
+    @cached_property
+    def area_error(self) -> Number | arb:
+        """Domain area minus the cells' areas: exactly zero when they tile.
+
+        Over a field of too many square roots for exact quotients the difference is a ball around zero.
+        """
+        total: Number | Lazy = self.domain.area
+        for cell in self.cells:
+            total = total - (cell.polygon.area if len(self.scene.field.radicands) > AREA_ROOTS else _exact_area(cell))
+        return total.ball if isinstance(total, Lazy) else total
+
+    @property
+    def tiles(self) -> bool:
+        """Whether the cells' areas add up to the square's (as far as the ball tells, over many square roots)."""
+        error = self.area_error
+        return error.contains(0) if isinstance(error, arb) else not error
+
+    @cached_property
+    def tied_area(self) -> Number | Lazy:
+        """Area on which the minimizer is not unique: the exception to Theorem 1 of Murphey & Burdick."""
+        zero: Number | Lazy = self.scene.field.zero
+        return sum((cell.polygon.area for cell in self.cells if len(cell.states) > 1), zero)
+
+    @cached_property
+    def states(self) -> tuple[ContactState, ...]:
+        """Distinct contact states that own a cell, in cell order."""
+        by_rows = {frozenset(row.name for row in s.rows): s for cell in self.cells for s in cell.states}
+        return tuple(by_rows.values())
+
+    def cells_at(self, point: Point) -> tuple[Cell, ...]:
+        """The cells whose closure holds the point."""
+        return tuple(cell for cell in self.cells if cell.polygon.contains(point))
+
+
+def _exact_area(cell: Cell) -> Number:
+    """Area with every vertex as a field element."""
+    exact = tuple((_evaluated(x), _evaluated(y)) for x, y in cell.polygon.vertices)
+    area: Number = Polygon(exact, cell.polygon.sides).area
+    return area
+
+
+def _evaluated(value: Number | Lazy) -> Number:
+    return value.exact() if isinstance(value, Lazy) else value

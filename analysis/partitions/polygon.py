@@ -1,0 +1,111 @@
+"""Convex polygons in the plane over any ordered field: exact with field numbers, fast with floats.
+
+A polygon is kept in both forms, vertices (counterclockwise) and the half-plane behind each side, because
+inequalities are proved on vertices and crossings are found on sides.  Clipping evaluates one sign per vertex
+and intersects two lines per cut; with exact numbers every result is exact, and a polygon of zero area is None.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+from nonsmooth.symbolic.numbers.number import sign
+
+Point: TypeAlias = tuple[Any, Any]
+
+
+@dataclass(frozen=True)
+class HalfPlane:
+    """``normal . c <= offset``; ``label`` says where the line comes from (domain, bisector 1|2, ...)."""
+
+    normal: Point
+    offset: Any
+    label: str = ""
+
+    def slack(self, point: Point) -> Any:
+        """``offset - normal . point``: positive inside, zero on the line."""
+        return self.offset - (self.normal[0] * point[0] + self.normal[1] * point[1])
+
+    def opposite(self) -> HalfPlane:
+        """The closed complement."""
+        return HalfPlane((-self.normal[0], -self.normal[1]), -self.offset, self.label)
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """Convex polygon of positive area; side k runs from vertex k to vertex k + 1.
+
+    Attributes:
+        vertices: counterclockwise.
+        sides: the half-plane of each side.
+    """
+
+    vertices: tuple[Point, ...]
+    sides: tuple[HalfPlane, ...]
+
+    @cached_property
+    def area(self) -> Any:
+        """Shoelace formula."""
+        (x0, y0), total = self.vertices[0], 0
+        for (x1, y1), (x2, y2) in zip(self.vertices[1:], self.vertices[2:], strict=False):
+            total = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0) + total
+        return total / 2
+
+    @cached_property
+    def centre(self) -> Point:
+        """Mean of the vertices: an interior point."""
+        n = len(self.vertices)
+        return sum((x for x, _ in self.vertices)) / n, sum((y for _, y in self.vertices)) / n
+
+    def contains(self, point: Point) -> bool:
+        """Whether the closed polygon holds the point."""
+        return all(sign(side.slack(point)) >= 0 for side in self.sides)
+
+    def clipped(self, half_plane: HalfPlane) -> Polygon | None:
+        """Intersection with a closed half-plane; None when no area is left."""
+        slacks = [half_plane.slack(vertex) for vertex in self.vertices]
+        signs = [sign(slack) for slack in slacks]
+        if min(signs) >= 0:
+            return self
+        if max(signs) <= 0:
+            return None
+        vertices: list[Point] = []
+        sides: list[HalfPlane] = []
+        for k, here in enumerate(signs):
+            after = signs[(k + 1) % len(signs)]
+            if here >= 0:
+                vertices.append(self.vertices[k])
+                sides.append(half_plane if here == 0 and after < 0 else self.sides[k])
+            if here * after < 0:
+                vertices.append(intersection(self.sides[k], half_plane))
+                sides.append(half_plane if here > 0 else self.sides[k])
+        return Polygon(tuple(vertices), tuple(sides))
+
+
+def intersection(first: HalfPlane, second: HalfPlane) -> Point:
+    """Common point of two boundary lines that are not parallel (Cramer's rule).
+
+    Vertices are always computed from the lines themselves, never from other vertices, so exact numbers do not
+    grow from clip to clip.
+    """
+    (a, b), (c, d) = first.normal, second.normal
+    determinant = a * d - b * c
+    x = first.offset * d - b * second.offset
+    y = a * second.offset - first.offset * c
+    return x / determinant, y / determinant
+
+
+def square(centre: Point, radius: Any) -> Polygon:
+    """The square ``|x - x*|, |y - y*| <= radius``."""
+    (x, y), r = centre, radius
+    one = r / r
+    zero = r - r
+    sides = (
+        HalfPlane((zero, -one), r - y, "domain"),
+        HalfPlane((one, zero), x + r, "domain"),
+        HalfPlane((zero, one), y + r, "domain"),
+        HalfPlane((-one, zero), r - x, "domain"),
+    )
+    return Polygon(((x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)), sides)

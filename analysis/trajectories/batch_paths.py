@@ -1,0 +1,262 @@
+"""Many paths of one field of constant twists, leg by leg, until each has ended.
+
+The method is that of :mod:`nonsmooth.analysis.trajectories.constant`; all starts that are in the same cell, on the same
+edge or at the same corner move together.  Only the generic case is vectorized: paths through cells, strict crossings,
+strict sliding and rest on an edge.  What happens at a corner or where sliding ends is the same for all that get there,
+so it is decided once.  Every other start (on an edge, tangent to one) is handed to the scalar integrator.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.partitions.cell_complex import AtCorner, OnEdge
+from nonsmooth.analysis.trajectories.batch_motion import (
+    Floats,
+    crossing_times,
+    edge_speeds,
+    positions,
+    slide_ends,
+    velocities,
+)
+from nonsmooth.analysis.trajectories.choices import Choice, choices_at
+from nonsmooth.analysis.trajectories.constant import follow_constant
+from nonsmooth.analysis.trajectories.junction import Junction, Signs, junction_at
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind
+from nonsmooth.analysis.trajectories.turns import Turns
+
+MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
+DONE = -1
+
+Numbers = NDArray[np.int_]
+
+
+class BatchPaths:
+    """Starts on their way.
+
+    ``place`` numbers cells, then edges, then corners; ``entry`` is the edge or corner from which a cell was entered.
+    """
+
+    def __init__(self, field: ConstantField, points: Floats, theta: float) -> None:
+        count = len(points)
+        self.field, self.cells, self.signs = field, field.cells, Signs(field)
+        self.turns = Turns(field, self.signs)
+        self.points, self.theta, self.time = points.copy(), np.full(count, theta), np.zeros(count)
+        self.unique = np.ones(count, dtype=bool)
+        self.ends: list[tuple[EndReason, str] | None] = [None] * count
+        self.first_edge = len(field.flows)
+        self.first_corner = self.first_edge + len(field.cells.edges)
+        self.place, self.entry = np.full(count, DONE), np.full(count, DONE)
+        self.anchors, self.anchored = np.full((count, 2), np.nan), np.full((count, 2), DONE)
+        self.corners: dict[int, tuple[Junction, list[Choice]]] = {}
+        near = np.ones(count, dtype=bool)
+        for k, polygon in enumerate(self.cells.polygons):
+            gaps = [side.offset - points @ np.array(side.normal) for side in polygon.sides]
+            inside = np.min(gaps, axis=0) > self.cells.slack
+            self.place[inside], near[inside] = k, False
+        self._one_by_one(np.flatnonzero(near))
+
+    def run(self) -> None:
+        """Leg after leg."""
+        for leg in range(MAX_LEGS):
+            self._find_orbits(np.flatnonzero(self.place != DONE), anchor=leg & (leg - 1) == 0)
+            going = np.flatnonzero(self.place != DONE)
+            if not len(going):
+                return
+            groups, member = np.unique(
+                np.stack([self.place[going], self.entry[going]], axis=1), axis=0, return_inverse=True
+            )
+            for k, (place, entry) in enumerate(groups.tolist()):
+                self._move(place, entry, going[member.ravel() == k])
+        rest = np.flatnonzero(self.place != DONE)
+        self.time[rest], self.theta[rest] = np.inf, np.nan
+        self._finish(rest, EndReason.EVENTS, "")
+
+    def _move(self, place: int, entry: int, own: Numbers) -> None:
+        if place < self.first_edge:
+            self._through(place, entry, own)
+        elif place < self.first_corner:
+            self._on_edge(place - self.first_edge, own)
+        else:
+            self._at_corner(place - self.first_corner, own)
+
+    def _find_orbits(self, going: Numbers, *, anchor: bool) -> None:
+        """Paths that enter a cell where they entered it before are periodic (Brent: remember legs 1, 2, 4, 8, ...)."""
+        inside = going[(self.place[going] < self.first_edge) & (self.entry[going] != DONE)]
+        same = (self.anchored[inside] == np.stack([self.place[inside], self.entry[inside]], axis=1)).all(axis=1)
+        back = same & (np.abs(self.points[inside] - self.anchors[inside]).max(axis=1, initial=0) <= self.cells.slack)
+        for k in inside[back]:
+            rate = self.field.flows[self.place[k]][0].omega
+            self.time[k], self.theta[k] = np.inf, np.copysign(np.inf, rate) if rate else np.nan
+            self._finish(np.array([k]), EndReason.CIRCLES, self.field.names[self.place[k]])
+        if anchor:
+            self.anchors[inside] = self.points[inside]
+            self.anchored[inside] = np.stack([self.place[inside], self.entry[inside]], axis=1)
+
+    # ---- legs ----------------------------------------------------------------------------
+
+    def _through(self, cell: int, entry: int, own: Numbers) -> None:
+        """Through a cell to its border."""
+        self.unique[own] &= not self.field.tied(cell)
+        flow, name = self.field.flows[cell][0], self.field.names[cell]
+        still = np.abs(velocities(flow, self.points[own])).max(axis=1) <= self.signs.speed_slack
+        self._rest(own[still], np.full(int(still.sum()), flow.omega), name)
+        own = own[~still]
+        active = self._active(cell, entry)
+        times = crossing_times(flow, self.cells.polygons[cell].sides, self.points[own], active, self.signs.speed_slack)
+        side = np.argmin(times, axis=1)
+        time = times[np.arange(len(own)), side]
+        circling = own[np.isinf(time)]
+        self.time[circling], self.theta[circling] = np.inf, np.copysign(np.inf, flow.omega)
+        self._finish(circling, EndReason.CIRCLES, name)
+        own, side, time = (values[np.isfinite(time)] for values in (own, side, time))
+        self.points[own] = positions(flow, self.points[own], time)
+        self.theta[own] += flow.omega * time
+        self.time[own] += time
+        for k in np.unique(side).tolist():
+            self._land(cell, k, own[side == k])
+
+    def _active(self, cell: int, entry: int) -> frozenset[int]:
+        """Sides on which a cell was entered."""
+        if entry == DONE:
+            return frozenset()
+        if entry < self.first_corner:
+            return frozenset((self.cells.side_of(cell, entry - self.first_edge),))
+        return frozenset(self.cells.active_sides(cell, entry - self.first_corner))
+
+    def _land(self, cell: int, side: int, own: Numbers) -> None:
+        """Onto the edge or corner of a side, exactly."""
+        for number in self.cells.borders[cell][side]:
+            edge, r = self.cells.edges[number], np.array(self.cells.direction(number))
+            start, end = np.array(self.cells.points[edge.start]), np.array(self.cells.points[edge.end])
+            along, length = (self.points[own] - start) @ r, float((end - start) @ r)
+            on = (along > self.cells.slack) & (along < length - self.cells.slack)
+            self.points[own[on]], self.place[own[on]] = start + along[on, None] * r, self.first_edge + number
+            for corner, distance in ((edge.start, along), (edge.end, along - length)):
+                self._reach(corner, own[np.abs(distance) <= self.cells.slack])
+
+    def _reach(self, corner: int, own: Numbers) -> None:
+        self.points[own], self.place[own] = self.cells.points[corner], self.first_corner + corner
+
+    def _on_edge(self, number: int, own: Numbers) -> None:
+        """Across an edge, along it, or at rest on it."""
+        edge, name = self.cells.edges[number], self.field.place_name(OnEdge(number))
+        if edge.left is None or edge.right is None:
+            self._finish(own, EndReason.OUTSIDE, name)
+            return
+        left, right = self.field.flows[edge.left][0], self.field.flows[edge.right][0]
+        speeds = edge_speeds(left, right, self.cells.direction(number), self.points[own])
+        n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0).astype(int) for n in speeds[:2])
+        push = speeds.right * speeds.left_along - speeds.left * speeds.right_along
+        opposed, moves = n1 * n2 < 0, np.abs(push) > self.signs.product_slack
+        for sense, cell in ((1, edge.left), (-1, edge.right)):
+            self._cross(number, cell, own[(n1 == sense) & (n2 == sense)])
+        self.unique[own[opposed & (n1 > 0)]] = False
+        self.unique[own[opposed]] &= not (self.field.tied(edge.left) or self.field.tied(edge.right))
+        for direction in (1, -1):
+            self._slide(number, direction, own[opposed & moves & (np.sign(push) * n2 == direction)])
+        rests = opposed & ~moves
+        turn = speeds.right[rests] * left.omega - speeds.left[rests] * right.omega
+        self._rest(own[rests], turn / (speeds.right - speeds.left)[rests], name)
+        self._one_by_one(own[n1 * n2 == 0])
+
+    def _cross(self, number: int, cell: int, own: Numbers) -> None:
+        """Into a cell, or to the limit of infinitely many small turns around a corner of the edge."""
+        self.place[own], self.entry[own] = cell, self.first_edge + number
+        for corner in (self.cells.edges[number].start, self.cells.edges[number].end):
+            distance = np.hypot(*(self.points[own] - self.cells.points[corner]).T)
+            if not (distance <= self.turns.small).any():
+                continue
+            turn = self.turns.inward_from(number, cell, corner)
+            if turn is None:
+                continue
+            near = (distance <= self.turns.small) & np.array([turn.fits(s) for s in distance])
+            time, rotation = turn.per_unit()
+            self.time[own[near]] += distance[near] * time / (1 - turn.gain)
+            self.theta[own[near]] += distance[near] * rotation / (1 - turn.gain)
+            self._reach(corner, own[near])
+
+    def _slide(self, number: int, direction: int, own: Numbers) -> None:
+        """Along an edge to its corner, to where sliding ends, or towards an equilibrium."""
+        edge = self.cells.edges[number]
+        beside = (edge.left, edge.right) if direction > 0 else (edge.right, edge.left)
+        left, right = (self.field.flows[cell][0] for cell in beside if cell is not None)
+        rx, ry = self.cells.direction(number)
+        r = (rx * direction, ry * direction)
+        corner = edge.end if direction > 0 else edge.start
+        ends = (np.array(self.cells.points[corner]) - self.points[own]) @ np.array(r)
+        speeds = edge_speeds(left, right, r, self.points[own])
+        reach, time, rotation = slide_ends(speeds, left, right, ends)
+        self.points[own] += reach[:, None] * np.array(r)
+        self.time[own] += time
+        self.theta[own] += rotation
+        endless = np.isinf(time)
+        self._finish(own[endless], EndReason.APPROACH, self.field.place_name(OnEdge(number)))
+        there = ~endless & (ends - reach <= self.cells.slack)
+        self._reach(corner, own[there])
+        self._leave(number, own[~endless & ~there])
+
+    def _leave(self, number: int, own: Numbers) -> None:
+        """Where sliding ends in between: at one point for all, hence decided once."""
+        if not len(own):
+            return
+        x, y = self.points[own[0]].tolist()
+        choices = choices_at(self.field, junction_at(self.field, OnEdge(number), (x, y)), 0.0, self.signs)
+        same = float(np.ptp(self.points[own], axis=0).max()) <= self.cells.slack
+        if same and len(choices) == 1 and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = choices[0].cells[0], self.first_edge + number
+        else:
+            self._one_by_one(own)
+
+    def _at_corner(self, corner: int, own: Numbers) -> None:
+        """From a corner: all go the same way."""
+        if corner not in self.corners:
+            junction = junction_at(self.field, AtCorner(corner), self.cells.points[corner])
+            self.corners[corner] = junction, choices_at(self.field, junction, 0.0, self.signs)
+        junction, choices = self.corners[corner]
+        name, only = self.field.place_name(AtCorner(corner)), len(choices) == 1
+        if not choices and junction.border:
+            self._finish(own, EndReason.OUTSIDE, name)
+        elif only and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = choices[0].cells[0], self.first_corner + corner
+        elif only and choices[0].kind is EventKind.REST:
+            self.unique[own] &= not self.turns.lead_outward(corner)
+            self._rest(own, np.full(len(own), choices[0].rate), name)
+        else:
+            self._one_by_one(own)
+
+    # ---- ends ----------------------------------------------------------------------------
+
+    def _rest(self, own: Numbers, rates: Floats, name: str) -> None:
+        """At rest; where theta drifts on, it has no limit."""
+        turning = np.abs(rates) > self.signs.rate_slack
+        self.theta[own[turning]] = np.copysign(np.inf, rates[turning])
+        self._finish(own[turning], EndReason.TURNING, name)
+        self._finish(own[~turning], EndReason.REST, name)
+
+    def _finish(self, own: Numbers, reason: EndReason, name: str) -> None:
+        self.place[own] = DONE
+        for k in own:
+            self.ends[k] = (reason, name)
+
+    def _one_by_one(self, own: Numbers) -> None:
+        """Follow starts by the scalar integrator from where they are."""
+        for k in own:
+            path = follow_constant(self.field, (*self.points[k].tolist(), float(self.theta[k])), None, None)
+            last = path.pieces[-1] if path.pieces else None
+            name = last.place if last else self._place_of(self.points[k])
+            self.time[k] += float(path.end.t)
+            self.points[k], self.theta[k] = path.end.state[:2], path.end.state[2]
+            if path.end.reason is EndReason.TURNING and last is not None:
+                self.theta[k] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
+            elif path.end.reason in (EndReason.CIRCLES, EndReason.EVENTS):
+                self.time[k], self.theta[k] = np.inf, np.nan
+            branches = (e for e in path.events if e.kind is EventKind.NONUNIQUE)
+            self.unique[k] &= all(e.rates is not None and "; spiral" not in e.note for e in branches)
+            self._finish(np.array([k]), path.end.reason, name)
+
+    def _place_of(self, point: Floats) -> str:
+        place = self.cells.locate((float(point[0]), float(point[1])))
+        return "" if place is None else self.field.place_name(place)

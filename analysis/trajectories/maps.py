@@ -1,0 +1,90 @@
+"""Maps of where a body comes to rest: heading, arrival time and basin over many starts at once.
+
+For cells with constant twist, under both kinematics; :mod:`nonsmooth.analysis.trajectories.batch_paths` follows all
+starts together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.trajectories.batch_motion import Floats
+from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths
+from nonsmooth.analysis.trajectories.result import EndReason
+
+
+@dataclass(frozen=True)
+class SettleMap:
+    """Ends of paths from m starts.
+
+    Attributes:
+        starts: (m, 2) positions.
+        theta: heading at the end (radian), infinite where the body turns forever, not a number where nothing is known.
+        arrival: time of arrival, infinite where an equilibrium is only approached or never reached.
+        points: (m, 2) final positions.
+        basin: number of the end in ``ends``.
+        ends: reason and place of every kind of end that occurs.
+        unique: whether no other solution branches off before the end; that theta may drift at rest is not counted.
+    """
+
+    starts: Floats
+    theta: Floats
+    arrival: Floats
+    points: Floats
+    basin: NDArray[np.int_]
+    ends: tuple[tuple[EndReason, str], ...]
+    unique: NDArray[np.bool_]
+
+    def record(self) -> dict[str, Any]:
+        """JSON-ready; None for what is not finite."""
+        return {
+            "starts": self.starts.tolist(),
+            "theta": _finite(self.theta),
+            "arrival": _finite(self.arrival),
+            "points": self.points.tolist(),
+            "basin": self.basin.tolist(),
+            "ends": [{"reason": reason.value, "place": place} for reason, place in self.ends],
+            "unique": self.unique.tolist(),
+        }
+
+
+def _finite(values: Floats) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+def grid_starts(field: ConstantField, count: int) -> Floats:
+    """``count x count`` starts, evenly over the bounding box of the domain, borders included; x runs first.
+
+    Raises:
+        ValueError: for fewer than two starts in a row.
+    """
+    if count < 2:
+        raise ValueError(f"required at least two starts in a row, received {count}")
+    corners = np.array([[float(x), float(y)] for x, y in field.cells.points])
+    axes = [np.linspace(low, high, count) for low, high in zip(corners.min(axis=0), corners.max(axis=0), strict=True)]
+    x, y = np.meshgrid(*axes)
+    return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
+def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0) -> SettleMap:
+    """Follow every start to its end.
+
+    Args:
+        field: constant twists on polygons (exact numbers are rounded).
+        starts: (m, 2) positions inside the domain.
+        theta: initial heading of all.
+
+    Raises:
+        ValueError: for a start outside the domain.
+    """
+    paths = BatchPaths(field.floats() if field.exact else field, np.array(starts, dtype=float), theta)
+    paths.run()
+    kinds = dict.fromkeys(end for end in paths.ends if end is not None)
+    numbers = {end: k for k, end in enumerate(kinds)}
+    basin = np.array([DONE if end is None else numbers[end] for end in paths.ends], dtype=int)
+    return SettleMap(np.array(starts), paths.theta, paths.time, paths.points, basin, tuple(kinds), paths.unique)

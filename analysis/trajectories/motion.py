@@ -1,0 +1,108 @@
+"""Closed forms of the motions between events on cells with constant twist.
+
+- *free* in a cell: with ``c' = v + w J c`` and initial velocity v0,
+  ``c(t) = c0 + (sin wt)/w v0 + (1 - cos wt)/w J v0``, a straight line for w = 0.  The time to a line ``m . c = b``
+  solves a quadratic in ``z = (2/w) tan(wt/2)``, which turns into the linear equation of a straight path as w -> 0: no
+  case of nearly straight arcs loses digits.
+- *rest*: c stays, theta drifts at a constant rate.
+
+With w = 0 every formula is rational, so exact numbers stay exact.  None stands for a time that never comes.  Sliding
+has a file of its own, :mod:`nonsmooth.analysis.trajectories.slides`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+from nonsmooth.analysis.fields.switched_field import Flow
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import dot, turned
+
+State: TypeAlias = tuple[Any, Any, Any]
+
+
+class Crossing(NamedTuple):
+    """A side that a free motion reaches, and when."""
+
+    time: Any
+    side: int
+
+
+@dataclass(frozen=True)
+class Free:
+    """Motion inside a cell from ``point`` with heading ``theta``."""
+
+    point: Point
+    theta: Any
+    flow: Flow
+
+    def state(self, time: Any) -> State:
+        """``(x, y, theta)`` after ``time``."""
+        (vx, vy), w = self.flow.velocity(self.point), self.flow.turn
+        theta = self.theta + self.flow.omega * time
+        if not w:
+            return self.point[0] + vx * time, self.point[1] + vy * time, theta
+        half = w * time / 2
+        along = math.sin(w * time) / w
+        across = math.sin(half) ** 2 * 2 / w
+        return self.point[0] + along * vx - across * vy, self.point[1] + along * vy + across * vx, theta
+
+    def first_crossing(self, sides: Iterable[HalfPlane], active: frozenset[int], slack: float) -> Crossing | None:
+        """The side through which the path leaves a convex cell.
+
+        It departs from the active sides; from those along which it moves, within a slack of the speed, it bends away.
+        """
+        best: Crossing | None = None
+        for k, side in enumerate(sides):
+            time = self._time_to(side) if k not in active else self._time_back(side, slack)
+            if time is not None and (best is None or time < best.time):
+                best = Crossing(time, k)
+        return best
+
+    def _time_to(self, side: HalfPlane) -> Any | None:
+        """Time until a line ahead is crossed."""
+        velocity, w = self.flow.velocity(self.point), self.flow.turn
+        rate = dot(side.normal, velocity)
+        if not w:
+            return None if sign(rate) <= 0 else side.slack(self.point) / rate
+        slack = max(side.slack(self.point), 0.0)
+        quadratic = w * (2 * dot(side.normal, turned(velocity)) - w * slack) / 4
+        discriminant = rate * rate + 4 * quadratic * slack
+        if discriminant < 0:
+            return None
+        q = -(rate + math.copysign(math.sqrt(discriminant), rate)) / 2
+        roots = [-slack / q] if q else []
+        roots.append(q / quadratic if quadratic else math.inf)
+        return min(self._time(root) for root in roots)
+
+    def _time_back(self, side: HalfPlane, slack: float) -> Any | None:
+        """Time until an arc is back on a line that it departs from: the root z = 0 is the departure itself."""
+        velocity, w = self.flow.velocity(self.point), self.flow.turn
+        rate = dot(side.normal, velocity)
+        if not w or abs(rate) <= slack:
+            return None
+        quadratic = w * dot(side.normal, turned(velocity)) / 2
+        return self._time(-rate / quadratic if quadratic else math.inf)
+
+    def _time(self, z: float) -> float:
+        """Time in ``(0, 2 pi/|w|)`` at which ``(2/w) tan(wt/2) = z``."""
+        w = abs(self.flow.turn)
+        angle = math.atan(w * abs(z) / 2)
+        return 2 / w * (angle if z > 0 else math.pi - angle)
+
+
+@dataclass(frozen=True)
+class Rest:
+    """c stays; theta drifts at ``rate``."""
+
+    point: Point
+    theta: Any
+    rate: Any
+
+    def state(self, time: Any) -> State:
+        """``(x, y, theta)`` after ``time``."""
+        return self.point[0], self.point[1], self.theta + self.rate * time

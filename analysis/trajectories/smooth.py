@@ -1,0 +1,208 @@
+"""Event-driven Filippov paths of smooth switched fields: DOP853 on a face, events polished on its dense output.
+
+The path keeps to one face (a cell, a sliding mode, a point of rest) until one of its guards changes sign: a bound of
+the face, a member's normal speed (tangential exit from sliding), or the existence of the mode itself
+(:mod:`nonsmooth.analysis.trajectories.stretch`).  Then the state is moved onto the surfaces it met and all
+continuations are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).  Switches that accumulate end at their
+limit (:mod:`nonsmooth.analysis.trajectories.loops`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, SmoothField, Surface, Vector
+from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices, largest
+from nonsmooth.analysis.trajectories.loops import LoopMemory
+from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
+from nonsmooth.analysis.trajectories.result import (
+    End,
+    EndReason,
+    Event,
+    EventKind,
+    Piece,
+    Trajectory,
+    TrajectoryError,
+    samples,
+)
+from nonsmooth.analysis.trajectories.stretch import Stretch, follow_face
+
+RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
+ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
+MAX_EVENTS = 2_000
+MAX_STALLED = 20  # switches that may follow each other at one moment: more than there are faces at a point
+REST_SPEED = 1e-9  # relative to the fields around a point: a slower motion is called rest
+NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach rounding
+RULE = "the path drawn keeps to the surfaces if it can, with the velocity of least norm"
+
+
+def follow_smooth(
+    field: SmoothField,
+    start: Sequence[float],
+    until: float,
+    watch: LyapunovWatch | None = None,
+    *,
+    max_events: int = MAX_EVENTS,
+    rtol: float = RELATIVE_TOLERANCE,
+    atol: float | None = None,
+) -> Trajectory:
+    """Follow a Filippov solution from a state at time zero.
+
+    Args:
+        field: the field.
+        start: initial state.
+        until: last time.
+        watch: bound on V' to check every piece against.
+        max_events: number of events after which the path ends in any case.
+        rtol: relative tolerance of DOP853.
+        atol: absolute tolerance; None for :data:`ABSOLUTE_TOLERANCE` times the size of the states.
+
+    Raises:
+        ValueError: for a start outside the domain.
+        TrajectoryError: for a violated Lyapunov bound or a state without continuation.
+    """
+    x = np.array([float(value) for value in start])
+    if not np.isfinite(x).all() or not field.faces_at(x):
+        raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
+    atol = ABSOLUTE_TOLERANCE * field.size if atol is None else atol
+    return _SmoothPath(field, x, until, watch, (rtol, atol)).follow(max_events)
+
+
+class _SmoothPath:
+    """A path while it is being followed."""
+
+    def __init__(
+        self,
+        field: SmoothField,
+        x: Vector,
+        until: float,
+        watch: LyapunovWatch | None,
+        tolerances: tuple[float, float],
+    ) -> None:
+        self.field, self.until, self.watch, self.tolerances = field, until, watch, tolerances
+        self.time, self.x, self.faces = 0.0, x, field.faces_at(x)
+        self.held: int | None = None
+        self.step: float | None = None
+        self.stalled = 0
+        self.events: list[Event] = []
+        self.pieces: list[Piece] = []
+        self.unique = True
+        self.memory = LoopMemory()
+
+    def follow(self, max_events: int) -> Trajectory:
+        """Face after face."""
+        reason = EndReason.TIME
+        while self.time < self.until:
+            choices = face_choices(self.field, self.faces, self.time, self.x)
+            if not choices and not self.field.on_border(self.x):
+                raise TrajectoryError(f"no Filippov continuation found at t = {self.time:.6g}, {self.x.tolist()}")
+            if not choices or len(self.events) >= max_events:
+                reason = EndReason.EVENTS if choices else EndReason.OUTSIDE
+                break
+            self._say(choices)
+            self._advance(choices[0])
+        end = End(self.time, tuple(self.x.tolist()), reason)
+        times, states = samples(self.pieces, end)
+        events, pieces = tuple(self.events), tuple(self.pieces)
+        return Trajectory(self.field.kinematics, "events", times, states, events, end, self.unique, pieces)
+
+    def _advance(self, choice: FaceChoice) -> None:
+        """Follow a face to its end, and a loop of crossings to its limit."""
+        face = choice.motion.face
+        stretch = follow_face(
+            self.field, choice, (self.time, self.x), self.until, tolerances=self.tolerances, first_step=self.step
+        )
+        self.step = stretch.step
+        self.stalled = self.stalled + 1 if stretch.times[-1] == stretch.times[0] else 0
+        if self.stalled > MAX_STALLED:
+            raise TrajectoryError(f"no progress at t = {self.time:.6g}, {self.x.tolist()}: please report this")
+        self._add(_piece(stretch, face))
+        self._arrive(float(stretch.times[-1]), stretch.end, [*face.keep, *stretch.met])
+        limit = None
+        if stretch.met and not face.keep:
+            limit = self.memory.limit_after(self.time, self.x, face.name, self.until)
+        if limit is not None:
+            self._add(limit.piece)
+            self._event(EventKind.CROSS, limit.piece.place, note="infinitely many switches accumulate here")
+            around = [s for state in limit.states for other in self.field.faces_at(state) for s in other.keep]
+            self.memory = LoopMemory()
+            self._arrive(limit.time, limit.x, around)
+
+    def _add(self, piece: Piece) -> None:
+        self.pieces.append(piece)
+        if self.watch is not None:
+            self.watch.check(piece)
+
+    def _arrive(self, time: float, x: Vector, surfaces: Sequence[Surface]) -> None:
+        """Move a state onto the surfaces it has reached, and onto any other within the slack of it."""
+        self.time, self.x = time, onto(x, surfaces, self.field.size)
+        self.faces = self.field.faces_at(self.x)
+        near = [surface for face in self.faces for surface in face.keep]
+        if any(surface not in surfaces for surface in near):
+            self.x = onto(self.x, list(dict.fromkeys(near)), self.field.size)
+            self.faces = self.field.faces_at(self.x)
+
+    # ---- what is said about it -----------------------------------------------------------
+
+    def _say(self, choices: Sequence[FaceChoice]) -> None:
+        """Events of a switch: what the path does, then whether it had to."""
+        choice = choices[0]
+        face, before = choice.motion.face, self.held
+        self.held = len(face.keep)
+        weights = choice.motion.weights(self.time, self.x)
+        if face.keep or (before is None and self._rests(choice)):
+            self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
+        elif before is not None:
+            self._event(EventKind.LEAVE if before else EventKind.CROSS, self.faces[0].name)
+        notes = [f"keep to {other.motion.face.name}" for other in choices[1:]]
+        if choice.free:
+            notes.append("theta may drift at any rate of an interval" if choice.rates else "the weights are free")
+        tied = [member.name for member in face.members if member.name in self.field.tied]
+        if tied and self.unique:
+            notes.append(f"any mixture of the motions that tie in {tied[0]}")
+        if notes:
+            self.unique = False
+            note = f"also possible: {'; '.join(notes)}; {RULE}"
+            self._event(EventKind.NONUNIQUE, face.name, weights, choice.rates, note)
+
+    def _rests(self, choice: FaceChoice) -> bool:
+        """Whether the motion stands still (the drifting state apart)."""
+        velocity = choice.motion(self.time, self.x)
+        if self.field.heading is not None:
+            velocity = np.delete(velocity, self.field.heading)
+        return largest(velocity) <= REST_SPEED * largest(choice.motion.fields(self.time, self.x))
+
+    def _event(
+        self,
+        kind: EventKind,
+        surface: str,
+        weights: tuple[tuple[str, float], ...] = (),
+        rates: tuple[float, float] | None = None,
+        note: str = "",
+    ) -> None:
+        self.events.append(Event(self.time, tuple(self.x.tolist()), kind, surface, weights, rates, note))
+
+
+def _piece(stretch: Stretch, face: Face) -> Piece:
+    names = tuple(member.name for member in face.members)
+    times = tuple(stretch.times)
+    return Piece(times[0], times[-1], face.name, names, stretch.state_since_start, times)
+
+
+def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
+    """The nearest state on some surfaces: Newton's method along their gradients, from within the slack."""
+    for _ in range(NEWTON_STEPS if surfaces else 0):
+        values = np.array([surface.value(x) for surface in surfaces])
+        if not values.any():
+            break
+        gradients = np.array([surface.gradient(x) for surface in surfaces])
+        if len(surfaces) == 1:
+            move = gradients[0] * (values[0] / float(gradients[0] @ gradients[0]))
+        else:
+            move = np.linalg.lstsq(gradients, values, rcond=SURFACE_SLACK)[0]
+        if largest(move) > size:
+            break
+        x = x - move
+    return x

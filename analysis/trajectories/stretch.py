@@ -1,0 +1,111 @@
+"""One stretch of a smooth path: DOP853 on a face until the first of its guards falls below zero."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector
+from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
+from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A piece of solution.
+
+    Attributes:
+        times: step times, the event last.
+        states: states at those times.
+        interpolants: dense output of each step.
+        met: the surface it met at its end, if any.
+        step: size of the last full step, to start the next stretch with.
+    """
+
+    times: list[float]
+    states: list[Vector]
+    interpolants: list[Interpolant]
+    met: tuple[Surface, ...]
+    step: float
+
+    @property
+    def end(self) -> Vector:
+        """Last state."""
+        return self.states[-1]
+
+    def state_since_start(self, time: Any) -> tuple[float, ...]:
+        """State a time after the start."""
+        t = self.times[0] + float(time)
+        k = bisect_right(self.times, t) - 1
+        if k >= len(self.interpolants):
+            return tuple(self.states[-1].tolist())
+        return tuple(self.states[k].tolist()) if t == self.times[k] else tuple(self.interpolants[k](t).tolist())
+
+
+class _LateInterpolant:
+    """Dense output of a step, made only when it is asked for: by taking the same step once more."""
+
+    def __init__(
+        self, motion: FaceMotion, start: tuple[float, Vector], end: float, tolerances: tuple[float, float]
+    ) -> None:
+        self._data = motion, start, end, tolerances
+        self._made: Interpolant | None = None
+
+    def __call__(self, t: float) -> Vector:
+        """State at a time within the step."""
+        if self._made is None:
+            from scipy.integrate import DOP853
+
+            motion, (first, x), end, (rtol, atol) = self._data
+            solver = DOP853(motion, first, x, end, rtol=rtol, atol=atol, first_step=end - first)
+            solver.step()
+            self._made = solver.dense_output()
+        return np.asarray(self._made(t))
+
+
+def follow_face(
+    field: SmoothField,
+    choice: FaceChoice,
+    start: tuple[float, Vector],
+    until: float,
+    *,
+    tolerances: tuple[float, float],
+    first_step: float | None,
+) -> Stretch:
+    """Integrate a face's motion to its first event, or to ``until``.
+
+    Raises:
+        TrajectoryError: where the integrator gives up.
+    """
+    from scipy.integrate import DOP853
+
+    t, x = start
+    step = None if first_step is None else min(first_step, until - t)
+    solver = DOP853(choice.motion.velocity, t, x, until, rtol=tolerances[0], atol=tolerances[1], first_step=step)
+    guards = guards_of(field, choice, t, x)
+    values = [guard.value(t, x) for guard in guards]
+    times, states = [t], [x]
+    interpolants: list[Interpolant] = []
+    while True:
+        before = (solver.t, solver.y, solver.f)
+        message = solver.step()
+        if solver.status == "failed":
+            raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
+        following = [guard.value(solver.t, solver.y) for guard in guards]
+        taken = Step(before, (solver.t, solver.y, solver.f), solver.dense_output)
+        found = first_event(guards, values, following, taken)
+        size = float(solver.t - before[0])
+        if found is not None:
+            met = () if found[1].surface is None else (found[1].surface,)
+            interpolants.append(taken.interpolant)
+            return Stretch([*times, found[0]], [*states, taken.interpolant(found[0])], interpolants, met, size)
+        interpolants.append(_LateInterpolant(choice.motion, before[:2], float(solver.t), tolerances))
+        times.append(float(solver.t))
+        states.append(solver.y)
+        values = following
+        if solver.status == "finished":
+            return Stretch(times, states, interpolants, (), size)

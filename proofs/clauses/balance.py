@@ -1,0 +1,314 @@
+"""Equilibrium and linearization under rule ``ellipse``, exactly.
+
+At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with friction ellipses
+``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, iff ``0 in dD(0)``.  Where every loaded wheel slips at rest (``u_i != 0``),
+D is smooth there and that is the balance ::
+
+    sum_i N_i mu_R sgn(u_i) a_i = 0,      a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
+
+Wheels that stick at rest (``u_i = 0``) may carry any force in their ellipse.  The least-norm forces that restore
+balance are tried: inside the ellipses they prove equilibrium, strictly inside (with rows of rank three) they prove
+that rest is the only minimizer in a neighbourhood.  Arrays with torque may *spin* at the equilibrium: the twist
+``(0, 0, omega)`` is a minimizer iff the gradient ``sum N_i (mu_R^2 r_i a_i + mu_S^2 s_i b_i)/f_i`` vanishes at it.
+
+About such a smooth minimizer, to first order ``xi = (0, 0, omega) - H^-1 G c`` with ::
+
+    H = sum N_i mu_R^2 mu_S^2/f_i^3 w_i w_i^T,   w_i = s_i a_i - r_i b_i,      G = d gradient/dc through N_i(c)
+
+and ``c' = A c``, A the translation part of ``-H^-1 G`` plus ``omega J``: field operations on the scene's numbers, so
+the eigenvalues are decided exactly.  (At rest H is ``sum N_i mu_S^2/(mu_R |u_i|) b_i b_i^T``.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
+from nonsmooth.symbolic.constraints import Row, Triple, inner, outer, roll_row, side_row
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Scene, Wheel
+
+
+@dataclass(frozen=True)
+class StuckForce:
+    """Force of a wheel that sticks at rest, in units of its friction ellipse."""
+
+    wheel: int
+    along: Number
+    across: Number
+
+    @property
+    def squared(self) -> Number:
+        """``|f|^2``; admissible up to one."""
+        return self.along * self.along + self.across * self.across
+
+
+@dataclass(frozen=True)
+class RestBalance:
+    """Force and moment of the slipping wheels at rest, and the stuck wheels' forces that answer it.
+
+    Attributes:
+        residual: ``sum N_i mu_R sgn(u_i) a_i`` over the wheels that slip at rest.
+        stuck: forces of the wheels that stick; None where the least-norm forces leave an ellipse.
+        rank: rank of the stuck wheels' rows.
+        smooth: whether every loaded wheel slips at rest.
+    """
+
+    residual: Triple
+    stuck: tuple[StuckForce, ...] | None
+    rank: int
+    smooth: bool
+
+    @property
+    def holds(self) -> bool:
+        """Whether rest is proved to be a minimizer."""
+        if self.smooth or not self.stuck:
+            return not any(self.residual)
+        return all(force.squared <= 1 for force in self.stuck)
+
+    @property
+    def fails(self) -> bool:
+        """Whether rest is refuted: D is smooth at rest and its gradient does not vanish."""
+        return self.smooth and any(self.residual)
+
+    @property
+    def strict(self) -> bool:
+        """Whether rest is the only minimizer in a neighbourhood of the equilibrium."""
+        return bool(self.stuck) and self.rank == 3 and all(f.squared < 1 for f in self.stuck or ())
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """``xi = (0, 0, omega) + M c`` and ``c' = A c`` to first order at a smooth minimizer.
+
+    Attributes:
+        omega: rotation rate at the equilibrium.
+        hessian: H (3 x 3).
+        slope: the columns of G, one per coordinate of c.
+        columns: the columns of ``M = -H^-1 G``: change of the twist per unit of x and of y.
+    """
+
+    omega: Number
+    hessian: tuple[Triple, Triple, Triple]
+    slope: tuple[Triple, Triple]
+    columns: tuple[Triple, Triple]
+
+    @property
+    def translation(self) -> tuple[tuple[Number, Number], tuple[Number, Number]]:
+        """A of ``c' = A c``, by rows."""
+        x, y = self.columns
+        return (x[0], y[0] - self.omega), (x[1] + self.omega, y[1])
+
+    @property
+    def trace(self) -> Number:
+        """Sum of the eigenvalues of A."""
+        (a, _), (_, d) = self.translation
+        return a + d
+
+    @property
+    def determinant(self) -> Number:
+        """Product of the eigenvalues of A."""
+        (a, b), (c, d) = self.translation
+        return a * d - b * c
+
+    @property
+    def spectral_abscissa(self) -> Number:
+        """Largest real part of the eigenvalues of A."""
+        discriminant = self.trace * self.trace - 4 * self.determinant
+        return (self.trace + discriminant.sqrt()) / 2 if discriminant.sign() > 0 else self.trace / 2
+
+    @property
+    def is_positive_definite(self) -> bool:
+        """Whether H is positive definite, so that the minimizer is unique and smooth in c (Sylvester)."""
+        a, b, c = self.hessian
+        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, outer(b, c)).sign() > 0
+
+    @property
+    def rotation_map(self) -> tuple[Number, Number]:
+        """The row m of ``theta_inf - theta_0 = m . c_0`` (where omega = 0): ``m = -M_3 A^-1``."""
+        (a, b), (c, d) = self.translation
+        p, q = self.columns[0][2], self.columns[1][2]
+        scale = self.determinant.inverse()
+        return (q * c - p * d) * scale, (p * b - q * a) * scale
+
+    def check(self) -> bool:
+        """Re-verify ``H M + G = 0``."""
+        return all(
+            inner(row, column) + slope[r] == 0
+            for column, slope in zip(self.columns, self.slope, strict=True)
+            for r, row in enumerate(self.hessian)
+        )
+
+
+@dataclass(frozen=True)
+class Slip:
+    """Slip of a loaded wheel under the twist ``(0, 0, omega)``.
+
+    Attributes:
+        force: its load as an affine form of c.
+        along: ``r_i``.
+        across: ``s_i``.
+        rows: ``a_i`` and ``b_i``.
+        friction: ``mu_R^2`` and ``mu_S^2``.
+    """
+
+    force: Affine
+    along: Number
+    across: Number
+    rows: tuple[Triple, Triple]
+    friction: tuple[Number, Number]
+
+    @property
+    def squared_size(self) -> Number:
+        """``f_i^2``."""
+        return self.friction[0] * self.along * self.along + self.friction[1] * self.across * self.across
+
+    @property
+    def pull(self) -> Triple:
+        """``(mu_R^2 r_i a_i + mu_S^2 s_i b_i)``: the gradient of ``f_i^2/2``."""
+        a, b = self.rows
+        return _plus(_times(a, self.friction[0] * self.along), _times(b, self.friction[1] * self.across))
+
+
+def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
+    """Balance of forces at rest at the centred scene's equilibrium, which the load region holds."""
+    forces = [form[0] for form in region.forces]
+    residual = _sum(scene, (_pull(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force))
+    loaded = [(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force]
+    sticking = [(wheel, force) for wheel, force in loaded if not _slips_smoothly(wheel)]
+    columns = [
+        (wheel.index, row.kind, _times(_unit(row), force * friction))
+        for wheel, force in sticking
+        for row, friction in _sticking_rows(wheel)
+        if friction
+    ]
+    answer, rank = _least_norm([column for _, _, column in columns], residual)
+    if answer is None:
+        return RestBalance(residual, None if columns else (), rank, not sticking)
+    by_wheel: dict[int, dict[str, Number]] = {}
+    for (index, kind, _), value in zip(columns, answer, strict=True):
+        by_wheel.setdefault(index, {})[kind] = value
+    zero = scene.field.zero
+    stuck = tuple(StuckForce(i, parts.get("R", zero), parts.get("S", zero)) for i, parts in by_wheel.items())
+    return RestBalance(residual, stuck, rank, not sticking)
+
+
+def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip, ...]:
+    """Slips of the loaded wheels that have friction, under the twist ``(0, 0, omega)``."""
+    slips = []
+    for wheel, form in zip(scene.wheels, region.forces, strict=True):
+        squares = (wheel.friction.roll**2, wheel.friction.side**2)
+        if any(form) and any(squares):
+            a, b = _unit(roll_row(wheel)), _unit(side_row(wheel))
+            slips.append(Slip(form, a[2] * omega - wheel.speed, b[2] * omega, (a, b), squares))
+    return tuple(slips)
+
+
+def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
+    """Gradient of D at c = 0, where no loaded wheel sticks."""
+    return _sum(scene, (_times(s.pull, s.force[0] / s.squared_size.sqrt()) for s in slips if s.force[0]))
+
+
+def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
+    """Rates omega at which a wheel alone would have its least slip: the spin of arrays whose wheels are all alike.
+
+    ``mu_R^2 r a_3 + mu_S^2 s b_3 = 0`` gives ``omega = mu_R^2 a_3 u/(mu_R^2 a_3^2 + mu_S^2 b_3^2)``.
+    """
+    rates: dict[Number, None] = {}
+    for slip in slips_at(scene, region, scene.field.zero):
+        (a, b), (roll, side) = slip.rows, slip.friction
+        stiffness = roll * a[2] * a[2] + side * b[2] * b[2]
+        if stiffness:
+            rates[-roll * a[2] * slip.along / stiffness] = None
+    return tuple(rates)
+
+
+def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization | None:
+    """First-order twist about ``(0, 0, omega)``; None where a wheel sticks there or H is singular."""
+    slips = slips_at(scene, region, omega)
+    if not all(slip.squared_size for slip in slips):
+        return None
+    zero = scene.field.zero
+    hessian = [[zero] * 3 for _ in range(3)]
+    slopes = [(zero, zero, zero), (zero, zero, zero)]
+    for slip in slips:
+        size = slip.squared_size.sqrt()
+        _add_curvature(hessian, slip, size)
+        slopes = [_plus(g, _times(slip.pull, slip.force[1 + axis] / size)) for axis, g in enumerate(slopes)]
+    rows = [(row[0], row[1], row[2]) for row in hessian]
+    columns = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
+    determinant = inner(rows[0], columns[0])
+    if not determinant:
+        return None
+    scale = -determinant.inverse()
+    x, y = (_times(_combine(slope, columns), scale) for slope in slopes)
+    return Linearization(omega, (rows[0], rows[1], rows[2]), (slopes[0], slopes[1]), (x, y))
+
+
+def _slips_smoothly(wheel: Wheel) -> bool:
+    """Whether the wheel's term of D is smooth at rest: it slips along its rim and that costs."""
+    return bool(wheel.scaled_speed) and bool(wheel.friction.roll)
+
+
+def _sticking_rows(wheel: Wheel) -> list[tuple[Row, Number]]:
+    """Rows in which a wheel that is not smooth at rest may carry any admissible force."""
+    side = (side_row(wheel), wheel.friction.side)
+    return [side] if wheel.scaled_speed else [(roll_row(wheel), wheel.friction.roll), side]
+
+
+def _pull(wheel: Wheel, force: Number) -> Triple:
+    """``N mu_R sgn(u) a``; zero for a wheel at rest."""
+    return _times(_unit(roll_row(wheel)), force * wheel.friction.roll * wheel.scaled_speed.sign())
+
+
+def _add_curvature(hessian: list[list[Number]], slip: Slip, size: Number) -> None:
+    """Add ``N mu_R^2 mu_S^2/f^3 w w^T``."""
+    a, b = slip.rows
+    w = _plus(_times(a, slip.across), _times(b, -slip.along))
+    factor = slip.force[0] * slip.friction[0] * slip.friction[1] / (size * slip.squared_size)
+    for r in range(3):
+        for s in range(3):
+            hessian[r][s] = hessian[r][s] + factor * w[r] * w[s]
+
+
+def _least_norm(columns: Sequence[Triple], target: Triple) -> tuple[list[Number] | None, int]:
+    """Least-norm f with ``sum f_k columns_k = target`` and the rank of the columns; None where they have rank < 3."""
+    if len(columns) < 3:
+        return None, len(columns)
+    gram = [[sum((c[r] * c[s] for c in columns), columns[0][0] * 0) for s in range(3)] for r in range(3)]
+    rows = [(row[0], row[1], row[2]) for row in gram]
+    cofactors = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
+    determinant = inner(rows[0], cofactors[0])
+    if not determinant:
+        return None, 2
+    multiplier = _times(_combine(target, cofactors), determinant.inverse())
+    return [inner(column, multiplier) for column in columns], 3
+
+
+def _unit(row: Row) -> Triple:
+    """The row scaled back to a unit rim direction."""
+    return _times(row.normal, row.wheel.length.inverse())
+
+
+def _combine(weights: Triple, columns: Sequence[Triple]) -> Triple:
+    total = _times(columns[0], weights[0])
+    for weight, column in zip(weights[1:], columns[1:], strict=True):
+        total = _plus(total, _times(column, weight))
+    return total
+
+
+def _times(vector: Triple, factor: Number) -> Triple:
+    return vector[0] * factor, vector[1] * factor, vector[2] * factor
+
+
+def _plus(a: Triple, b: Triple) -> Triple:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _sum(scene: Scene, vectors: Iterable[Triple]) -> Triple:
+    zero = scene.field.zero
+    total: Affine = (zero, zero, zero)
+    for vector in vectors:
+        total = _plus(total, vector)
+    return total

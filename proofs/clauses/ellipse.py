@@ -1,0 +1,221 @@
+"""The clauses under rule ``ellipse``: what the body does at the equilibrium, and what follows near it.
+
+Five situations are told apart, each by exact evidence:
+
+- *carried*: one twist satisfies every row of every wheel, so D = 0 wherever the centre of mass lies: the body moves
+  rigidly with the wheels (a rotation about the equilibrium is stable, not attractive);
+- *smooth rest* and *smooth spin*: the gradient of D vanishes at ``(0, 0, omega)`` and H is positive definite there: the
+  field is smooth, and the eigenvalues of its linearization decide (Hurwitz: exponentially stable);
+- *held*: wheels that stick answer the balance strictly inside their ellipses: rest fills a neighbourhood;
+- *moved*: the best rotation about the point is enclosed between two rational rates, and over the enclosure the
+  gradient of D in the translation directions stays away from zero (balls): no equilibrium;
+- otherwise the point is not decided, and the reason says why.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from flint import arb, ctx, fmpq
+
+from nonsmooth.analysis.partitions.arrangement import friction_of
+from nonsmooth.analysis.partitions.loads import LoadRegion
+from nonsmooth.proofs.clauses.balance import (
+    Linearization,
+    RestBalance,
+    Slip,
+    gradient,
+    linearize,
+    rest_balance,
+    slips_at,
+    spin_candidates,
+)
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
+from nonsmooth.symbolic.contact_states import solve_rows
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Scene
+
+_PRECISION = 256
+_BISECTIONS = 120  # halvings of the bracket of the best rotation rate
+_DOUBLINGS = 80
+
+
+class Situation(StrEnum):
+    """What the body does at the equilibrium."""
+
+    CARRIED = "carried by all wheels without slip"
+    SMOOTH = "smooth minimizer"
+    HELD = "held at rest by sticking wheels"
+    MOVED = "driven away"
+    OPEN = "not decided"
+
+
+@dataclass(frozen=True)
+class EllipsePoint:
+    """The situation at the equilibrium with its evidence.
+
+    Attributes:
+        scene: the array, centred.
+        region: the load region that holds the equilibrium (the first, where several meet).
+        situation: see :class:`Situation`.
+        twist: the exact minimizer at the equilibrium, where it is known.
+        balance: forces at rest.
+        linearization: first-order motion (smooth minimizers whose loads are smooth too).
+        reason: one sentence for people.
+    """
+
+    scene: Scene
+    region: LoadRegion
+    situation: Situation
+    twist: Twist | None
+    balance: RestBalance
+    linearization: Linearization | None
+    reason: str
+
+    @property
+    def equilibrium(self) -> Equilibrium:
+        """Whether the translation part of the motion vanishes at the point."""
+        if self.twist is not None:
+            return Equilibrium.FAILS if any(self.twist.velocity) else Equilibrium.HOLDS
+        return Equilibrium.FAILS if self.situation is Situation.MOVED else Equilibrium.UNDECIDED
+
+    @property
+    def translation(self) -> Translation:
+        """Strong stability of (x, y)."""
+        if self.equilibrium is not Equilibrium.HOLDS:
+            return Translation.UNDECIDED
+        if self.situation in (Situation.CARRIED, Situation.HELD):
+            return Translation.STABLE
+        if self.linearization is None:
+            return Translation.UNDECIDED
+        trace, det = self.linearization.trace.sign(), self.linearization.determinant.sign()
+        if trace < 0 < det:
+            return Translation.ASYMPTOTICALLY_STABLE
+        return Translation.UNSTABLE if det < 0 or trace > 0 else Translation.UNDECIDED
+
+    def check(self) -> bool:
+        """Re-verify the evidence from the definitions."""
+        again = ellipse_point(self.scene, (self.region,))
+        verified = self.linearization is None or self.linearization.check()
+        return verified and (again.situation, again.twist) == (self.situation, self.twist)
+
+
+def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint:
+    """Decide the situation at the equilibrium of a centred scene."""
+    zero = scene.field.zero
+    here = [region for region in regions if region.polygon.contains((zero, zero))]
+    region, balance = here[0], rest_balance(scene, here[0])
+
+    def point(situation: Situation, reason: str, twist: Twist | None = None) -> EllipsePoint:
+        return EllipsePoint(scene, region, situation, twist, balance, None, reason)
+
+    carried = common_twist(scene, region)
+    if carried is not None:
+        return point(Situation.CARRIED, f"the twist {_text(carried)} satisfies every row of every wheel", carried)
+    if balance.strict and balance.holds:
+        reason = "the sticking wheels balance the others strictly inside their friction ellipses"
+        return point(Situation.HELD, reason, Twist(zero, zero, zero))
+    rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
+    for rate in rates:
+        slips = slips_at(scene, region, rate)
+        if all(slip.squared_size for slip in slips) and not any(gradient(scene, slips)):
+            return _smooth_point(scene, region, balance, rate, kinked=len(here) > 1)
+    if _is_moved(scene, region):
+        return point(Situation.MOVED, "the translation part of the gradient of D stays away from zero for every spin")
+    return point(Situation.OPEN, "wheels stick at the best motion, or its rotation rate is not a number of the scene")
+
+
+def _smooth_point(
+    scene: Scene, region: LoadRegion, balance: RestBalance, rate: Number, *, kinked: bool
+) -> EllipsePoint:
+    linear = linearize(scene, region, rate)
+    zero = scene.field.zero
+    if linear is None or not linear.is_positive_definite:
+        reason = (
+            f"the twist (0, 0, {brief_text(rate)}) minimizes D, but its Hessian is singular there: "
+            "the motion near the point is not determined to first order"
+        )
+        return EllipsePoint(scene, region, Situation.OPEN, Twist(zero, zero, rate), balance, None, reason)
+    what = f"the body spins at {rate}" if rate else "rest"
+    reason = f"the gradient of D vanishes at {what} and its Hessian is positive definite"
+    if kinked:
+        reason += "; the loads change their form at the equilibrium, so there is no linearization"
+    return EllipsePoint(
+        scene, region, Situation.SMOOTH, Twist(zero, zero, rate), balance, None if kinked else linear, reason
+    )
+
+
+def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
+    """The twist that satisfies every row with friction of every wheel, where the wheels loaded at the point fix it."""
+    rows = [row for row in scene_rows(scene) if friction_of(row)]
+    loaded = [row for row in rows if region.forces[row.wheel.index - 1][0]]
+    basis = independent([row.normal for row in loaded])
+    if len(basis) < 3:
+        return None
+    state = solve_rows((loaded[basis[0]], loaded[basis[1]], loaded[basis[2]]))
+    if state is None or any(row.residual(state.twist) for row in rows):
+        return None
+    return state.twist
+
+
+def _text(twist: Twist) -> str:
+    return f"({twist.vx}, {twist.vy}, {twist.omega})"
+
+
+# ---- no equilibrium: enclosures ----------------------------------------------------------
+
+
+def _is_moved(scene: Scene, region: LoadRegion) -> bool:
+    """Whether no ``(0, 0, omega)`` minimizes D: enclose the best omega, then the gradient over the enclosure."""
+    slips = [slip for slip in slips_at(scene, region, scene.field.zero) if slip.force[0]]
+    with ctx.workprec(_PRECISION):
+        bracket = _best_rate(slips)
+        if bracket is None:
+            return False
+        lower, upper = bracket
+        pull = _gradient_ball(slips, arb(lower).union(arb(upper)))
+    return pull is not None and (not pull[0].contains(0) or not pull[1].contains(0))
+
+
+def _best_rate(slips: list[Slip]) -> tuple[fmpq, fmpq] | None:
+    """Rational bracket of the zero of dD/domega along pure rotations; None where its sign is not certain."""
+    bound = fmpq(1)
+    for _ in range(_DOUBLINGS):
+        ends = [_torque_sign(slips, sign * bound) for sign in (-1, 1)]
+        if ends == [-1, 1]:
+            break
+        bound *= 2
+    else:
+        return None
+    lower, upper = -bound, bound
+    for _ in range(_BISECTIONS):
+        for share in (fmpq(3, 8), fmpq(1, 2), fmpq(5, 8)):  # a zero at the middle leaves its sign open
+            rate = lower + (upper - lower) * share
+            side = _torque_sign(slips, rate)
+            lower, upper = (rate, upper) if side == -1 else (lower, rate) if side == 1 else (lower, upper)
+    return lower, upper
+
+
+def _torque_sign(slips: list[Slip], rate: fmpq) -> int | None:
+    pull = _gradient_ball(slips, arb(rate))
+    if pull is None or pull[2].contains(0):
+        return None
+    return 1 if pull[2] > 0 else -1
+
+
+def _gradient_ball(slips: list[Slip], rate: arb) -> tuple[arb, arb, arb] | None:
+    """Enclosure of the gradient of D at ``(0, 0, rate)``; None where a wheel may stick."""
+    total = [arb(0), arb(0), arb(0)]
+    for slip in slips:
+        (a, b), (roll, side) = ([x.ball() for x in row] for row in slip.rows), (x.ball() for x in slip.friction)
+        r, s = a[2] * rate + slip.along.ball(), b[2] * rate + slip.across.ball()
+        square = roll * r * r + side * s * s
+        if not square > 0:
+            return None
+        scale = slip.force[0].ball() / square.sqrt()
+        for k in range(3):
+            total[k] += scale * (roll * r * a[k] + side * s * b[k])
+    return total[0], total[1], total[2]

@@ -1,0 +1,226 @@
+"""Clause 4: discontinuous feedback where the third row is a roll row (mu_S < mu_R).
+
+In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i, u_j`` act through ::
+
+    omega = (u_j - u_i d_i.d_j)/Delta,   v = u_i d_i - omega J p_i,   Delta = d_j . J(p_j - p_i)
+
+so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``,
+``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the
+L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero
+c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  With a side row third only
+``u_i`` acts and V' vanishes on a plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, certified_rate
+from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.constraints import RowKind
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
+
+LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
+
+
+@dataclass(frozen=True)
+class InputCell:
+    """One closed cell with the data of its law.
+
+    Attributes:
+        cell: the cell.
+        state: its contact state.
+        nearest: wheel i, both rows held.
+        second: wheel j, one row held.
+        lever: ``d_j . J(p_j - p_i)`` scaled by ``|D_j|``, or None where the third row is a side row.
+        projections: ``c . D_i`` at the vertices (a positive multiple of ``c . d_i``).
+    """
+
+    cell: Cell
+    state: ContactState
+    nearest: Wheel
+    second: Wheel
+    lever: Number | None
+    projections: tuple[Number, ...]
+
+    @property
+    def torque_sign(self) -> int:
+        """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
+        return 0 if self.lever is None else self.lever.sign()
+
+    def coefficients(self, point: Point, theta: Number) -> tuple[Number, ...]:
+        """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
+        fields = self.state.control_fields.values()
+        return tuple(point[0] * x + point[1] * y + theta * turn for x, y, turn in fields)
+
+    def idle_plane(self) -> Witness:
+        """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
+
+        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre with
+        ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where ``g_omega = 0``.
+        """
+        meaning = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
+        ((x, y, turn),) = self.state.control_fields.values()
+        if not turn:
+            return Witness((turn, turn), turn.field.one, meaning)
+        point = self.cell.polygon.centre
+        return Witness(point, -dot(point, (x, y)) / turn, meaning)
+
+    def stall(self) -> Point | None:
+        """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
+        vertices = self.cell.polygon.vertices
+        for k, here in enumerate(self.projections):
+            if not here and any(vertices[k]):
+                return vertices[k]
+            following = (k + 1) % len(vertices)
+            after = self.projections[following]
+            if here.sign() * after.sign() < 0:
+                t = here / (here - after)
+                point = tuple(p + t * (q - p) for p, q in zip(vertices[k], vertices[following], strict=True))
+                if any(point):
+                    return point
+        return None
+
+
+@dataclass(frozen=True)
+class FeedbackResult:
+    """Verdict with its evidence.
+
+    Attributes:
+        verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
+        cells: the data of the law in every cell (empty where not applicable).
+        local: numbers of the cells whose closure holds the equilibrium; these decide.
+        witness: a nonzero c with its theta (the value) at which no input changes V.
+        reason: one sentence for people.
+        rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
+    """
+
+    verdict: Feedback
+    cells: tuple[InputCell, ...]
+    local: frozenset[int]
+    witness: Witness | None
+    reason: str
+    rate: FeedbackRate | None = None
+
+    @property
+    def law(self) -> str | None:
+        """The stabilizing law, where there is one."""
+        return LAW if self.verdict is Feedback.STABILIZABLE else None
+
+    @property
+    def printed_sign_fails(self) -> tuple[int, ...]:
+        """Cells in which the paper's ``u_j = -k theta`` turns the body away from theta = 0."""
+        return tuple(data.cell.index for data in self.cells if data.torque_sign < 0)
+
+    def check(self) -> bool:
+        """Re-verify the sign condition (stabilizable) or the witness (no certificate)."""
+        if self.verdict is Feedback.NOT_APPLICABLE:
+            return True
+        local = [data for data in self.cells if _is_local(data.cell)]
+        genuine = bool(local) and all(data == _input_cell(data.cell, data.state) for data in local)
+        if self.verdict is Feedback.STABILIZABLE:
+            decreasing = all(data.lever is not None and _one_strict_sign(data) for data in local)
+            return genuine and decreasing and (self.rate is None or self.rate.check())
+        return genuine and self.witness is not None and any(_is_idle(data, self.witness) for data in local)
+
+
+def decide_feedback(partition: Partition) -> FeedbackResult:
+    """Decide the feedback clause for a centred partition of rule ``nearest``."""
+    scene = partition.scene
+    blocked = side_friction_rules(_acting_wheels(scene, partition))
+    if blocked:
+        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), _single_input(partition), blocked)
+    cells = tuple(_input_cell(cell, state) for cell in partition.cells for state in cell.states)
+    local = frozenset(cell.index for cell in partition.cells if _is_local(cell))
+    for data in cells:
+        if data.cell.index in local and data.lever is None:
+            witness = data.idle_plane()
+            reason = (
+                f"cell {data.cell.index} ({data.state.name}) holds a side row in third place, so one input acts alone"
+            )
+            return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
+    for data in cells:
+        stall = data.stall() if data.cell.index in local else None
+        if stall is not None:
+            theta = dot(stall, turned(data.nearest.position))
+            witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
+            reason = (
+                f"in cell {data.cell.index} V' = 0 for every input at c = "
+                f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
+                "|c|^2 + theta^2 is no control Lyapunov function"
+            )
+            return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
+    reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
+    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition))
+
+
+def _single_input(partition: Partition) -> Witness | None:
+    """Where a side row in third place leaves one input alone at the equilibrium: the plane on which V' vanishes."""
+    for cell in partition.cells:
+        if _is_local(cell):
+            for state in cell.states:
+                data = _input_cell(cell, state)
+                if data.lever is None:
+                    return data.idle_plane()
+    return None
+
+
+def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
+    """Why the clause does not apply, or None: it speaks of arrays with mu_S < mu_R."""
+    for wheel in wheels:
+        if wheel.friction.side >= wheel.friction.roll:
+            return (
+                f"mu_side < mu_roll is required, received mu_side = {wheel.friction.side}, "
+                f"mu_roll = {wheel.friction.roll} at wheel {wheel.index}"
+            )
+    return None
+
+
+def _acting_wheels(scene: Scene, partition: Partition) -> list[Wheel]:
+    """The wheels whose rows are held at the equilibrium."""
+    near = [state for cell in partition.cells if _is_local(cell) for state in cell.states]
+    held = {row.wheel.index for state in near for row in state.rows}
+    return [wheel for wheel in scene.wheels if wheel.index in held]
+
+
+def _input_cell(cell: Cell, state: ContactState) -> InputCell:
+    nearest, second = state.rows[0].wheel, state.rows[2].wheel
+    lever = None
+    if state.rows[2].kind is RowKind.ROLL:
+        gap = (second.position[0] - nearest.position[0], second.position[1] - nearest.position[1])
+        lever = dot(second.direction, turned(gap))
+    projections = tuple(dot(vertex, nearest.direction) for vertex in cell.polygon.vertices)
+    return InputCell(cell, state, nearest, second, lever, projections)
+
+
+def _is_local(cell: Cell) -> bool:
+    """Whether the closed cell holds the equilibrium."""
+    zero = cell.twists[0].omega.field.zero
+    return cell.polygon.contains((zero, zero))
+
+
+def _is_idle(data: InputCell, witness: Witness) -> bool:
+    """Whether no input of the closed cell changes V at the witness, which is not the equilibrium itself."""
+    nonzero = any(witness.point) or bool(witness.value)
+    return (
+        nonzero
+        and data.cell.polygon.contains(witness.point)
+        and not any(data.coefficients(witness.point, witness.value))
+    )
+
+
+def _pairs(data: InputCell) -> Iterator[tuple[Number, Point]]:
+    return zip(data.projections, data.cell.polygon.vertices, strict=True)
+
+
+def _one_strict_sign(data: InputCell) -> bool:
+    """``c . D_i`` has one strict sign at the nonzero vertices (and so on the closed cell without 0)."""
+    signs = {p.sign() for p, vertex in _pairs(data) if any(vertex)}
+    return signs in ({1}, {-1})

@@ -1,0 +1,165 @@
+"""A quadratic Lyapunov function where ``|c|^2`` is none: ``V = c^T P c`` with ``V* < 0`` on the fan.
+
+On a cone with rays ``r_1, r_2`` and velocity v the derivative ``2 c^T P v`` is linear in c, so ``V* < 0`` off the
+equilibrium iff ``r^T P v < 0`` at both rays of every cone: linear in P.  A small conic program (CVXPY) proposes
+``P = [[1 + a, b], [b, 1 - a]]``, a and b are rounded to rationals, and the inequalities are verified exactly.  With
+``-r^T P v >= m |r|`` on all rays the velocities alone give ``-2 m |c|``.  Exact kinematics add ``2 omega c^T P J c``,
+at most ``2 |omega| rho |c|^2`` with ``rho^2 = a^2 + b^2``; where ``|c| <= m/(2 |omega| rho)`` that is at most half as
+much, so ``V* <= -m |c|`` on the region; since P has trace 2, the body arrives within ``4 |c_0|/m``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import isqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.fan import Cone
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.scene import Vector, dot
+
+DENOMINATOR = 2**12  # of the rounded a and b
+_DECAY_STEPS = 40
+_INSIDE = 0.98  # largest radius of (a, b): keeps P away from singular
+
+
+@dataclass(frozen=True)
+class QuadraticCertificate:
+    """``V = c^T P c`` that decreases on every cone of a fan.
+
+    Attributes:
+        shape: (a, b) of ``P = [[1 + a, b], [b, 1 - a]]``.
+        decay: m > 0 with ``V* <= -m |c|`` on the region, under exact and leading-order kinematics.
+        level: the region ``V < level`` lies in the cells of the fan.
+        cones: the fan.
+    """
+
+    shape: tuple[Fraction, Fraction]
+    decay: Fraction
+    level: Number
+    cones: tuple[Cone, ...]
+
+    def __str__(self) -> str:
+        a, b = self.shape
+        return f"({1 + a})*x**2 + ({2 * b})*x*y + ({1 - a})*y**2"
+
+    @property
+    def arrival_per_distance(self) -> Fraction:
+        """Bound on the arrival time per unit of |c_0|: ``4/m``."""
+        return 4 / self.decay
+
+    def value(self, c: Point) -> Number:
+        """``c^T P c``."""
+        return dot(c, self._times(c))
+
+    def check(self) -> bool:
+        """Re-verify that P is positive definite, the decay on every ray, and that the region stays in the fan."""
+        a, b = self.shape
+        positive = a * a + b * b < 1 and self.decay > 0 and sign(self.level) > 0
+        falling = all(_falls(self, ray, v, self.decay) for ray, v in _pairs(self.cones))
+        return positive and falling and self.level <= self.largest_level()
+
+    def largest_level(self) -> Number:
+        """Level of the largest region: inside the fan's cells, and where turning costs at most half the decay.
+
+        ``V < level`` implies ``|c|^2 < level/(1 - rho)``; with ``rho <= r`` rational the bound is
+        ``(1 - r) m^2/(4 omega^2 r^2)``.
+        """
+        level = min(self.least_on(p, q) for p, q in _rim(self.cones))
+        fastest = max(abs(twist.omega) for cone in self.cones for twist in cone.twists)
+        r = _root_above(self.shape[0] ** 2 + self.shape[1] ** 2)
+        if not fastest or not r:
+            return level
+        turning = (1 - r) * self.decay * self.decay / (4 * r * r) / (fastest * fastest)
+        return min(level, turning)
+
+    def _times(self, c: Point) -> Vector:
+        a, b = self.shape
+        return (1 + a) * c[0] + b * c[1], b * c[0] + (1 - a) * c[1]
+
+    def least_on(self, start: Point, end: Point) -> Number:
+        """Least value of V on a segment."""
+        along = (end[0] - start[0], end[1] - start[1])
+        curvature, slope = self.value(along), -dot(start, self._times(along))
+        if sign(slope) <= 0:
+            return self.value(start)
+        if sign(slope - curvature) >= 0:
+            return self.value(end)
+        return self.value(start) - slope * slope / curvature
+
+
+def find_quadratic(cones: tuple[Cone, ...]) -> QuadraticCertificate | None:
+    """Search P for the fan; None where the search or the exact verification fails."""
+    shape = _propose(cones)
+    if shape is None:
+        return None
+    trial = QuadraticCertificate(shape, Fraction(0), cones[0].start[0].field.one, cones)
+    decay = Fraction(1)
+    for _ in range(_DECAY_STEPS):
+        if all(_falls(trial, ray, v, decay) for ray, v in _pairs(cones)):
+            trial = replace(trial, decay=decay)
+            found = replace(trial, level=trial.largest_level())
+            return found if found.check() else None
+        decay /= 2
+    return None
+
+
+def _propose(cones: tuple[Cone, ...]) -> tuple[Fraction, Fraction] | None:
+    """The P whose worst ray decreases fastest, from a second-order cone program."""
+    import cvxpy as cp
+
+    shape, margin = cp.Variable(2), cp.Variable()
+    constraints: list[cp.Constraint] = [cp.SOC(cp.Constant(_INSIDE), shape)]
+    for ray, velocity in _pairs(cones):
+        r, v = _direction(ray), _direction(velocity)
+        if r is None or v is None:
+            return None
+        size = np.hypot(*r) * np.hypot(*v)
+        slope = np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]]) / size
+        constraints.append(slope @ shape + r @ v / size <= -margin)
+    cp.Problem(cp.Maximize(margin), constraints).solve()
+    if shape.value is None or margin.value is None or not float(margin.value) > 0:
+        return None
+    a, b = (Fraction(round(float(x) * DENOMINATOR), DENOMINATOR) for x in shape.value)
+    return a, b
+
+
+def _root_above(square: Fraction) -> Fraction:
+    """A rational at least the square root, below one for squares below one."""
+    scaled = square * DENOMINATOR**4
+    root = Fraction(isqrt(scaled.numerator // scaled.denominator) + 1, DENOMINATOR**2)
+    return min(root, (1 + square) / 2)  # the arithmetic mean of 1 and the square is above the root as well
+
+
+def _direction(vector: Point) -> NDArray[np.float64] | None:
+    """A vector in floats of order one, whatever its unit; None for zero."""
+    largest = max(abs(vector[0]), abs(vector[1]))
+    return np.array([float(x / largest) for x in vector]) if largest else None
+
+
+def _falls(certificate: QuadraticCertificate, ray: Point, velocity: Vector, decay: Fraction) -> bool:
+    """``r^T P v <= -m |r|`` and negative, without taking the root."""
+    slope = dot(ray, certificate._times(velocity))
+    return sign(slope) < 0 and sign(slope * slope - decay * decay * dot(ray, ray)) >= 0
+
+
+def _pairs(cones: tuple[Cone, ...]) -> Iterator[tuple[Point, Vector]]:
+    """Each ray of each cone with each of the cone's velocities."""
+    for cone in cones:
+        for twist in cone.twists:
+            yield cone.start, twist.velocity
+            yield cone.end, twist.velocity
+
+
+def _rim(cones: tuple[Cone, ...]) -> Iterator[tuple[Point, Point]]:
+    """Sides of the fan's cells that do not pass through the equilibrium."""
+    for cone in cones:
+        polygon = cone.cell.polygon
+        for k, side in enumerate(polygon.sides):
+            if sign(side.offset):
+                yield polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]

@@ -1,0 +1,217 @@
+"""What happens along single rays from the equilibrium: the constant fan of a plain system, and rays of any forms.
+
+Where every cell is a cone, a velocity that is radial on a ray stays radial along it.  If F on the ray holds an outward
+radial vector, one solution leaves along it: unstable.  If it holds zero, the ray consists of equilibria: the one at the
+origin does not attract.  Inside a cone such rays are the roots of ``c x f(c)``; on a ray between cones the hull of the
+fields beside it is looked at.  Where the fields are constant near the equilibrium, the fan of cones decides completely
+(:mod:`nonsmooth.proofs.clauses.fan`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from functools import cmp_to_key
+from typing import Any
+
+from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity, velocities_at
+from nonsmooth.analysis.partitions.partition import Cell
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
+from nonsmooth.proofs.clauses.fan import Cone, FanResult, Move, decide_cones
+from nonsmooth.proofs.inequalities.binary_forms import Line
+from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, trimmed, value
+from nonsmooth.proofs.systems.ladder import mixtures
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.scene import cross, dot
+
+
+class RayKind(StrEnum):
+    """What a solution may do on a ray."""
+
+    ESCAPE = "a solution leaves along {}"
+    REST = "every point of {} near the equilibrium is an equilibrium"
+
+
+@dataclass(frozen=True)
+class RayMove:
+    """A ray on which F holds an outward radial vector, or zero.
+
+    Attributes:
+        kind: which of the two.
+        ray: a vector along it; where ``root`` is given, ``ray = first + t second`` only up to its bounds.
+        value: ``c . f`` at that vector for the radial f; None where the ray has no name in the field.
+    """
+
+    kind: RayKind
+    ray: Point
+    value: Any | None
+
+    def __str__(self) -> str:
+        x, y = (float(v) for v in self.ray)
+        return self.kind.value.format(f"the ray through ({x:.6g}, {y:.6g})")
+
+
+def are_cones(cells: Sequence[FieldCell | LyapunovCell]) -> bool:
+    """Whether all cells are whole cones at the origin, with homogeneous fields and no curved sides."""
+    return all(
+        not cell.region.guards
+        and all(not g[2] or not any(g[:2]) for g in cell.region.generators)
+        and all(part.is_homogeneous for velocity in cell.velocities for part in velocity)
+        and all(f.degree == g.degree or not f or not g for f, g in cell.velocities)
+        for cell in cells
+    )
+
+
+def ray_moves(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
+    """All rays of escape or rest of a system of cones; cells that rest or move radially throughout give one each."""
+    for cell in cells:
+        for first, second in directions(cell.region):
+            yield from _boundary_moves(cells, (first[0], first[1]))
+            yield from _boundary_moves(cells, (second[0], second[1]))
+            for velocity in cell.velocities:
+                yield from _inner_moves((first[0], first[1]), (second[0], second[1]), velocity)
+
+
+def resting_edges(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
+    """Sides that end at the origin and consist of equilibria near it, whatever the cells are.
+
+    There the fields beside the side are opposed (or one of them is zero) all along: two polynomials in one variable.
+    """
+    for cell in cells:
+        for g, h in cell.region.edges:
+            origin, other = (g, h) if not any(g[:2]) else (h, g)
+            if any(origin[:2]) or not origin[2] or cell.region.guards:
+                continue
+            ray = (other[0], other[1])
+            beside = [c for c in cells if _holds_near_origin(c, ray)]
+            fields = [v for c in beside for v in c.velocities]
+            if any(_rests_along(f, k, ray) for f in fields for k in fields):
+                yield RayMove(RayKind.REST, ray, ray[0] - ray[0])
+
+
+def _holds_near_origin(cell: FieldCell, ray: Point) -> bool:
+    """Whether a closed cell holds the points of a ray near the origin."""
+    return all(sign(a * ray[0] + b * ray[1]) >= 0 if not c else sign(c) > 0 for a, b, c in cell.region.sides)
+
+
+def _rests_along(first: Velocity, second: Velocity, ray: Point) -> bool:
+    """Whether two fields are opposed, or one vanishes, at all points ``t ray`` with small t > 0."""
+    x, y = ray
+    t = Polynomial.variable(first[0].field, ("t",), "t")
+    (a, b), (c, d) = ([part.composed([t * x, t * y]) for part in field] for field in (first, second))
+    if not a and not b:
+        return True
+    turn, along = a * d - b * c, a * c + b * d
+    lowest = min((e[0] for e in along.terms), default=0)
+    return not turn and bool(along) and along.terms[(lowest,)].sign() < 0
+
+
+def _boundary_moves(cells: Sequence[FieldCell], ray: Point) -> Iterator[RayMove]:
+    values = [dot(ray, f) for f in mixtures(velocities_at(cells, ray), (-ray[1], ray[0]))]
+    signs = [sign(speed) for speed in values]
+    for speed, here in zip(values, signs, strict=True):
+        if here >= 0:
+            yield RayMove(RayKind.ESCAPE if here else RayKind.REST, ray, speed)
+    if {1, -1} <= set(signs):
+        yield RayMove(RayKind.REST, ray, values[0] - values[0])
+
+
+def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polynomial]) -> Iterator[RayMove]:
+    """Rays ``first + t second`` inside the cone on which the field is radial, or one between any two if all are."""
+    f, g = velocity
+    x, y = (Polynomial.variable(f.field, f.variables, name) for name in f.variables)
+    across, radial = _along(x * g - y * f, first, second), _along(x * f + y * g, first, second)
+    places: list[Fraction | RealRoot] = list(positive_roots(across or radial)) if across or radial else []
+    if not across:
+        places += Line.samples([place for place in places if isinstance(place, RealRoot)])
+    for place in places:
+        isolated = isinstance(place, RealRoot)
+        here = place.sign_of(radial) if isinstance(place, RealRoot) else sign(value(radial, place))
+        if here >= 0:
+            exact = place.exact() if isinstance(place, RealRoot) else f.field(place)
+            t: Any = place.low if isinstance(place, RealRoot) and exact is None else exact
+            ray = (first[0] + second[0] * t, first[1] + second[1] * t)
+            speed = None if isolated and exact is None else dot(ray, (f(ray), g(ray)))
+            yield RayMove(RayKind.ESCAPE if here else RayKind.REST, ray, speed)
+
+
+def _along(form: Polynomial, first: Point, second: Point) -> list[Number]:
+    """A form on ``first + t second``, ascending in t; empty where it is zero."""
+    terms = in_generators(form.terms, [first, second])
+    return trimmed([form.field(terms.get((form.degree - k, k), 0)) for k in range(form.degree + 1)])
+
+
+# ---- the constant fan ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ConstantFan:
+    """Decision by the fan of a system whose fields are exactly constant near the equilibrium.
+
+    Attributes:
+        verdict: strong stability.
+        reason: one sentence for people.
+        fan: the decision with its evidence.
+    """
+
+    verdict: Translation
+    reason: str
+    fan: FanResult
+
+    def check(self) -> bool:
+        """Decide again from the cones."""
+        return self.fan.check() and _with_closed_orbits(self.fan)[0] is self.verdict
+
+
+def decide_constant_fan(cells: Sequence[FieldCell]) -> ConstantFan | None:
+    """Decide by the fan; None where a field near the equilibrium is not constant."""
+    cones = constant_cones(cells)
+    if cones is None:
+        return None
+    fan = decide_cones(cones)
+    return ConstantFan(*_with_closed_orbits(fan), fan)
+
+
+def _with_closed_orbits(fan: FanResult) -> tuple[Translation, str]:
+    """The fan's verdict; a gain of exactly one is no tie here, because there are no terms of higher order."""
+    ties = [gain for gain in fan.gains.values() if not sign(gain - 1)]
+    closed = fan.verdict is Translation.UNDECIDED and ties and len(ties) == len(fan.evidence)
+    if closed and all(e.move is Move.TIE for e in fan.evidence):
+        return Translation.STABLE, "a full turn has gain exactly one: closed orbits, stable and not asymptotically"
+    return fan.verdict, fan.reason
+
+
+def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
+    """The cones at the origin, counterclockwise, neighbours sharing one vector per ray."""
+    zero = cells[0].velocities[0][0].field.zero
+    here = [cell for cell in cells if cell.region.contains((zero, zero))]
+    if any(cell.region.guards or any(p.degree for v in cell.velocities for p in v) for cell in here):
+        return None
+    pieces: list[tuple[Point, tuple[Velocity, ...]]] = [
+        ((a[0], a[1]), cell.velocities) for cell in here for a, _ in directions(cell.region)
+    ]
+    pieces.sort(key=cmp_to_key(_compare_starts))
+    cones: list[Cone] = []
+    for k, (start, velocities) in enumerate(pieces):
+        end = pieces[(k + 1) % len(pieces)][0]
+        motions = [Twist(f.terms.get((0, 0), zero), g.terms.get((0, 0), zero), zero) for f, g in velocities]
+        sides = tuple(HalfPlane((zero, zero), zero) for _ in range(3))
+        triangle = Polygon(((zero, zero), start, end), sides)
+        cones.append(Cone(Cell(k + 1, triangle, tuple(ContactState((), m) for m in motions)), start, end))
+    return tuple(cones)
+
+
+def _compare_starts(first: tuple[Point, object], second: tuple[Point, object]) -> int:
+    """Order by the angle of the first ray from the positive x axis, counterclockwise."""
+    a, b = first[0], second[0]
+    upper = [sign(p[1]) > 0 or (sign(p[1]) == 0 and sign(p[0]) > 0) for p in (a, b)]
+    if upper[0] != upper[1]:
+        return -1 if upper[0] else 1
+    return -sign(cross(a, b))

@@ -1,0 +1,125 @@
+"""Clause 3: theta.  Invariance rules out attraction; drift proves instability.
+
+(a) No twist depends on theta, so ``theta = 0`` is never asymptotically stable.  (b) The drift is the range of
+omega over ``{f in F(c*): translation part 0}``.  If it holds a nonzero rate, the body may spin in place for
+ever: theta is strongly unstable.  The convex weights are the witness, the multipliers prove the range.
+(c) If the drift is {0} and ``V* <= -kappa |c|`` where the body moves, it comes to rest within ``2 |c_0|/kappa`` and
+theta turns by at most ``2 max|omega| |c_0|/kappa``: stable, not attractive.  (d) If F(c*) = {0}, every cell at the
+equilibrium is at rest: a neighbourhood of it does not move at all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
+from nonsmooth.proofs.verdicts import Rotation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.number import Number
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Exact range of the rotation rate at rest, with the weights and multipliers that prove both ends."""
+
+    twists: tuple[Twist, ...]
+    lowest: Mixture
+    highest: Mixture
+
+    @property
+    def interval(self) -> tuple[Number, Number]:
+        """``[omega-, omega+]``."""
+        return -self.lowest.value, self.highest.value
+
+    def check(self) -> bool:
+        """Re-verify both linear programs."""
+        zero, one = _constants(self.twists)
+        columns = [(t.vx, t.vy, one) for t in self.twists]
+        target = (zero, zero, one)
+        omegas = [t.omega for t in self.twists]
+        return self.highest.check(columns, target, omegas) and self.lowest.check(columns, target, [-w for w in omegas])
+
+
+@dataclass(frozen=True)
+class RotationResult:
+    """Verdict, drift, and the bound on total rotation per unit of |c_0| where theta is stable."""
+
+    verdict: Rotation
+    drift: Drift | None
+    rotation_per_distance: Number | None
+    reason: str
+
+    def check(self) -> bool:
+        """Re-verify the evidence behind the verdict."""
+        if self.drift is not None and not self.drift.check():
+            return False
+        if self.verdict is Rotation.UNDECIDED:
+            return True
+        if self.drift is None:
+            return False
+        spins = any(self.drift.interval)
+        if self.verdict is Rotation.UNSTABLE:
+            return spins
+        return not spins and (self.rotation_per_distance is not None or not any(map(any, self.drift.twists)))
+
+
+def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
+    """The drift of a hull of twists; None where the hull holds no zero velocity."""
+    zero, one = _constants(twists)
+    columns = [(t.vx, t.vy, one) for t in twists]
+    omegas = [t.omega for t in twists]
+    highest = best_mixture(columns, (zero, zero, one), omegas)
+    lowest = best_mixture(columns, (zero, zero, one), [-w for w in omegas])
+    return None if highest is None or lowest is None else Drift(twists, lowest, highest)
+
+
+def decide_rotation(partition: Partition, translation: TranslationResult) -> RotationResult:
+    """Decide the rotation clause for a centred partition."""
+    zero = partition.scene.field.zero
+    drift = drift_at_rest(filippov_twists(partition, (zero, zero)))
+    if drift is None:
+        return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium at the point, so nothing rests there")
+    low, high = drift.interval
+    if low or high:
+        reason = f"the body may rest in (x, y) and turn at any rate in [{brief_text(low)}, {brief_text(high)}]"
+        return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+    per_distance = rotation_bound(partition, translation)
+    if per_distance is not None and not per_distance:
+        return RotationResult(Rotation.NEUTRAL, drift, per_distance, "no cell of the square turns the body")
+    if not any(map(any, drift.twists)):
+        reason = "every cell at the point is at rest: near it the body does not move at all"
+        if per_distance is not None:
+            reason += f"; from elsewhere in the square theta turns by at most {brief_text(per_distance)} |c_0|"
+        return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+    if per_distance is None:
+        return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
+    reason = f"the drift is {{0}} and theta turns by at most {brief_text(per_distance)} |c_0|"
+    return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+
+
+def rotation_bound(partition: Partition, translation: TranslationResult) -> Number | None:
+    """``2 max|omega|/kappa``: total rotation per unit of |c_0|; None where no decay rate is proved.
+
+    kappa is the decay rate on the cells that move: the body stops turning when it comes to rest.
+    """
+    moving = [derivative for derivative in translation.derivatives if any(derivative.twist)]
+    if not moving or not partition.complete:
+        return None
+    if not any(derivative.twist.omega for derivative in moving):
+        return partition.scene.field.zero
+    rate = max(derivative.relative() for derivative in moving).value
+    if rate.sign() < 0:
+        return 2 * max(abs(d.twist.omega) for d in moving) / -rate
+    if translation.quadratic is None:
+        return None
+    near = [abs(t.omega) for cone in translation.quadratic.cones for t in cone.twists]
+    return max(near) * translation.quadratic.arrival_per_distance  # from starts in its region
+
+
+def _constants(twists: tuple[Twist, ...]) -> tuple[Number, Number]:
+    field = twists[0].omega.field
+    return field.zero, field.one

@@ -1,0 +1,274 @@
+"""Clause 2: stability of (x, y) by ``V = |c|^2``, exactly, on closed cells.
+
+On each closed cell with constant twist ``V* = 2 c . v`` is linear, so its sign is decided at the vertices; values
+on open cells would not do (Filippov's F on an edge holds the velocities of both sides).  Near the equilibrium
+only the cells whose closure holds it matter:
+
+- ``V* < 0`` at all their nonzero vertices: asymptotically stable, and in finite time, since ``V* <= -kappa |c|``;
+- ``V* <= 0``: stable.  A ray of the equilibrium on which V* vanishes and the velocities of two cells oppose each
+  other consists of equilibria: then the stability is not asymptotic;
+- ``V* > 0`` somewhere: ``V = |c|^2`` is refuted as a certificate, with that vertex as witness.  This says nothing
+  about stability itself.
+
+Where V leaves the question open, the fan of cones at the equilibrium decides (:mod:`nonsmooth.proofs.clauses.fan`).
+The region is the largest disc in the square on which the inequality holds.  For an array that meets the hypotheses of
+:mod:`nonsmooth.proofs.clauses.cocircular`, V* <= 0 is known beforehand and only the rest area at the equilibrium is
+looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_derivatives
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.proofs.clauses.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.fan import FanResult, decide_fan
+from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import cross, dot
+
+LYAPUNOV = "x**2 + y**2"
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point and the exact value that refutes or limits a claim there."""
+
+    point: Point
+    value: Number
+    meaning: str
+
+
+@dataclass(frozen=True)
+class TranslationResult:
+    """Verdict with its evidence.
+
+    Attributes:
+        verdict: strong stability of (x, y).
+        derivatives: V* at the vertices of every closed cell: the certificate, or its refutation.
+        worst: largest ``V*/|c|`` over the checked square.
+        region_radius: radius of the disc on which V* is as the verdict says; None where there is none.
+        witness: a point where V* > 0, or an equilibrium beside c* (stable, not asymptotically).
+        reason: one sentence for people.
+        fan: the decision by cones, where V leaves the question open.
+        lemma: the certificate of V* <= 0 that spares the other cells, where there is one.
+        quadratic: another Lyapunov function, with rate and region, where the fan attracts and |c|^2 is no certificate.
+    """
+
+    verdict: Translation
+    derivatives: tuple[CellDerivative, ...]
+    worst: Slope
+    region_radius: Number | None
+    witness: Witness | None
+    reason: str
+    fan: FanResult | None = None
+    lemma: CocircularArray | None = None
+    quadratic: QuadraticCertificate | None = None
+
+    @property
+    def worst_rate(self) -> Number:
+        """``max V*/|c|`` over the square, exactly."""
+        return self.worst.value
+
+    @property
+    def decay_rate(self) -> Number | None:
+        """Kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
+        rate = self.worst_rate
+        return -rate if rate.sign() < 0 else None
+
+    def check(self) -> bool:
+        """Re-verify the verdict from the twists and vertices; that the cells are all is for the partition to show."""
+        rates = list(_local_rates(self.derivatives))
+        exact = all(
+            rate == 2 * dot(d.twist.velocity, vertex)
+            for d in self.derivatives
+            for rate, vertex in zip(d.rates, d.cell.polygon.vertices, strict=True)
+        )
+        slopes = [d.relative() for d in self.derivatives]
+        bounded = not any(self.worst < s for s in slopes) and any(not s < self.worst for s in slopes)
+        if not rates or not exact or not bounded:
+            return False
+        if self.lemma is not None and not self.lemma.check():
+            return False
+        if self.quadratic is not None and not (self.fan and self.quadratic.cones == self.fan.cones):
+            return False
+        if self.quadratic is not None and not self.quadratic.check():
+            return False
+        highest = max(rate.sign() for _, rate in rates)
+        if highest > 0:  # V is refuted and the fan decides alone
+            attained = self.witness is not None and self._is_attained(self.witness)
+            return attained and self._fan_says(self.verdict)
+        strict = highest < 0
+        rest = self.witness is None or _rests_on_ray(self.derivatives, self.witness.point)
+        decided = self.verdict is (Translation.ASYMPTOTICALLY_STABLE if strict else Translation.STABLE)
+        return rest and self._region_holds(strict=strict) and (decided or self._fan_says(self.verdict))
+
+    def _fan_says(self, verdict: Translation) -> bool:
+        """Whether the fan of these cells gives the verdict."""
+        if self.fan is None or not self.fan.check() or self.fan.verdict is not verdict:
+            return False
+        local = {d.cell.index for d in local_derivatives(self.derivatives)}
+        return {cone.cell.index for cone in self.fan.cones} == local
+
+    def _region_holds(self, *, strict: bool) -> bool:
+        """Whether no violation comes nearer to the equilibrium than the region's radius."""
+        radius = self.region_radius
+        if radius is None or radius.sign() <= 0:
+            return False
+        segments = (s for d in self.derivatives for s in _violating_segments(d, strict=strict))
+        return all(_squared_distance(*segment) >= radius * radius for segment in segments)
+
+    def _is_attained(self, witness: Witness) -> bool:
+        """Whether the positive value is V* of some cell near the equilibrium whose closure holds the point."""
+        return witness.value.sign() > 0 and any(
+            witness.value == 2 * dot(d.twist.velocity, witness.point)
+            for d in local_derivatives(self.derivatives)
+            if d.cell.polygon.contains(witness.point)
+        )
+
+
+def decide_translation(partition: Partition, lemma: CocircularArray | None = None) -> TranslationResult:
+    """Decide the translation clause for a centred partition: by ``V = |c|^2``, then by the fan.
+
+    Args:
+        partition: all cells of the square, or only those at the equilibrium where the lemma covers the others.
+        lemma: certificate of ``V* <= 0`` for the whole square.
+    """
+    derivatives = cell_derivatives(partition)
+    worst = max(derivative.relative() for derivative in derivatives)
+    point, highest = max(_local_rates(derivatives), key=lambda pair: pair[1])
+    if highest.sign() > 0:
+        fan = decide_fan(partition)
+        witness = Witness(point, highest, "V* > 0")
+        reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {brief_text(highest)} > 0 at {_place(point)}"
+        quadratic = find_quadratic(fan.cones) if fan.verdict is Translation.ASYMPTOTICALLY_STABLE else None
+        return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic)
+    strict = highest.sign() < 0
+    radius = _region_radius(partition, derivatives, strict=strict)
+    if strict:
+        reason = "V* < 0 at every nonzero vertex of the closed cells that meet at the equilibrium"
+        return TranslationResult(Translation.ASYMPTOTICALLY_STABLE, derivatives, worst, radius, None, reason)
+    rest = _equilibrium_ray(derivatives)
+    fan = decide_fan(partition)
+    attracts = fan.verdict is Translation.ASYMPTOTICALLY_STABLE
+    quadratic = find_quadratic(fan.cones) if attracts else None
+    verdict = Translation.ASYMPTOTICALLY_STABLE if attracts else Translation.STABLE
+    reason = _weak_reason(partition, rest, fan, lemma)
+    return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma, quadratic)
+
+
+def _weak_reason(partition: Partition, rest: Witness | None, fan: FanResult, lemma: CocircularArray | None) -> str:
+    """In words: why V* <= 0, and whether the equilibrium attracts."""
+    shown = "V* <= 0 by the lemma on inward rims on one circle" if lemma else "V* <= 0 on the closed cells at the point"
+    area = rest_area(partition)
+    if area is not None:
+        return f"{shown}; not asymptotically: the point lies in a rest area of size {brief_text(area)}"
+    if rest is not None:
+        ray = _place(rest.point)
+        return f"{shown}; not asymptotically: every point of the ray through {ray} near c* is an equilibrium"
+    if fan.verdict is Translation.ASYMPTOTICALLY_STABLE:
+        return f"{shown}, and {fan.reason}"
+    return f"{shown}; whether the point attracts is not decided: {fan.reason}"
+
+
+def _place(point: Point) -> str:
+    return f"({brief_text(point[0])}, {brief_text(point[1])})"
+
+
+def rest_area(partition: Partition) -> Number | None:
+    """Area of the cells at rest whose closure holds the equilibrium, where there are any."""
+    zero = partition.scene.field.zero
+    cells = [cell for cell in partition.cells_at((zero, zero)) if any(not any(twist) for twist in cell.twists)]
+    return sum((cell.polygon.area for cell in cells), zero) if cells else None
+
+
+def local_derivatives(derivatives: tuple[CellDerivative, ...]) -> Iterator[CellDerivative]:
+    """Those of the cells whose closure holds the equilibrium."""
+    for derivative in derivatives:
+        zero = derivative.twist.omega.field.zero
+        if derivative.cell.polygon.contains((zero, zero)):
+            yield derivative
+
+
+def _local_rates(derivatives: tuple[CellDerivative, ...]) -> Iterator[tuple[Point, Number]]:
+    """(vertex, V*) at the nonzero vertices of the cells that meet at the equilibrium.
+
+    The directions to these vertices span the cell's cone there, and V* is linear: they decide its sign.
+    """
+    for derivative in local_derivatives(derivatives):
+        for vertex, rate in zip(derivative.cell.polygon.vertices, derivative.rates, strict=True):
+            if any(vertex):
+                yield vertex, rate
+
+
+def _equilibrium_ray(derivatives: tuple[CellDerivative, ...]) -> Witness | None:
+    """A direction whose points near the equilibrium all have 0 in F, if V* vanishes along one.
+
+    On such a ray the velocities with zero radial part are tangential; two opposite ones, or a rest, hold 0 in
+    their hull (the term ``omega J c`` is of higher order near the equilibrium).
+    """
+    for derivative in local_derivatives(derivatives):
+        for vertex, rate in zip(derivative.cell.polygon.vertices, derivative.rates, strict=True):
+            if any(vertex) and not rate and _rests_on_ray(derivatives, vertex):
+                return Witness(vertex, rate, "0 in F on the ray")
+    return None
+
+
+def _rests_on_ray(derivatives: tuple[CellDerivative, ...], point: Point) -> bool:
+    """Whether the velocities with zero radial part beside the ray hold two opposite ones, or a rest."""
+    twists = [
+        derivative.twist
+        for derivative in local_derivatives(derivatives)
+        if _borders(derivative.cell, point) and not dot(derivative.twist.velocity, point)
+    ]
+    turns = {cross(point, twist.velocity).sign() for twist in twists}
+    return any(not any(twist) for twist in twists) or {1, -1} <= turns
+
+
+def _borders(cell: Cell, direction: Point) -> bool:
+    """Whether a cell whose closure holds the equilibrium holds the points near it along the direction."""
+    return all(side.slack(direction).sign() >= 0 for side in cell.polygon.sides if not side.offset)
+
+
+def _region_radius(partition: Partition, derivatives: tuple[CellDerivative, ...], *, strict: bool) -> Number:
+    """Radius of the largest disc about the equilibrium, inside the square, on which V* < 0 (or <= 0)."""
+    radius = partition.scene.check.radius
+    nearest = radius * radius
+    for derivative in derivatives:
+        for start, end in _violating_segments(derivative, strict=strict):
+            nearest = min(nearest, _squared_distance(start, end))
+    return radius if nearest == radius * radius else nearest.sqrt()
+
+
+def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator[tuple[Point, Point]]:
+    """Boundary segments of the part of the closed cell where V* is not as required (without the equilibrium)."""
+    worst, _ = derivative.largest
+    polygon = derivative.cell.polygon
+    zero = worst.field.zero
+    if worst.sign() < 0 or (not strict and not worst) or polygon.contains((zero, zero)):
+        return
+    vx, vy = derivative.twist.velocity
+    part = polygon.clipped(HalfPlane((-vx, -vy), zero)) if vx or vy else polygon
+    if part is None:  # V* vanishes on a side or at a vertex only
+        flat = [p for p, rate in zip(polygon.vertices, derivative.rates, strict=True) if not rate]
+        yield flat[0], flat[-1]
+        return
+    for k, start in enumerate(part.vertices):
+        yield start, part.vertices[(k + 1) % len(part.vertices)]
+
+
+def _squared_distance(start: Point, end: Point) -> Number:
+    """Squared distance of the origin from a segment."""
+    along = (end[0] - start[0], end[1] - start[1])
+    length, shift = dot(along, along), -dot(start, along)
+    if shift.sign() <= 0:
+        return dot(start, start)
+    if shift >= length:
+        return dot(end, end)
+    area = cross(start, along)
+    return area * area / length

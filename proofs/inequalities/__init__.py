@@ -1,0 +1,1 @@
+"""`prove(sense, polynomial, region)`: a proof, an exact witness, or undecided, in exact arithmetic alone."""

@@ -1,0 +1,85 @@
+"""Where to cut a cone whose form touches zero inside an edge, or on a ray that leaves a corner: exactly there.
+
+Halving approaches such a zero for ever; a cut makes it a corner.  The zeros looked for are roots of polynomials in one
+variable: the form on an edge, and, near a corner of a triangle, its coefficients of the highest power of that corner
+(the lowest terms of the polynomial there), as a form on the opposite edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Any, TypeAlias
+
+from flint import fmpq
+
+from nonsmooth.proofs.inequalities.binary_forms import Line, edge_line
+from nonsmooth.proofs.inequalities.forms import Problem, Vector
+from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.proofs.inequalities.subdivision import Part, Violation
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Terms
+
+CUT_DEPTH = 3  # zeros are looked for in the first parts only
+ROOT_WORK = 64  # largest degree times 2^(square roots in the coefficients): Sturm chains below a tenth of a second
+
+Edge: TypeAlias = tuple[int, int]
+
+
+def zero_cut(problem: Problem, part: Part) -> tuple[int, int, Any] | Violation | None:
+    """Where to cut a part, ``(first, second, weight)``; or a point on an edge that refutes the claim."""
+    if part.depth > CUT_DEPTH:
+        return None
+    generators = [tuple(x.exact() if isinstance(x, Lazy) else x for x in g) for g in part.generators]
+    for edge in combinations(range(len(generators)), 2):
+        line = edge_line(problem, generators, part.pieces, edge)
+        for t, is_zero in _suspects(line):
+            point = tuple(a + b * t for a, b in zip(generators[edge[0]], generators[edge[1]], strict=True))
+            if problem.is_violated_at(point):
+                return Violation(point)
+            if is_zero:
+                return (*edge, t / (1 + t))
+    if len(generators) == 3 and problem.form.radial is None:
+        for edge, line in _lowest_terms(problem, generators, part.pieces.plain):
+            for t, is_zero in _suspects(line):
+                if is_zero:
+                    return (*edge, t / (1 + t))
+    return None
+
+
+def _suspects(line: Line) -> Iterator[tuple[Any, bool]]:
+    """Parameters at which the line is negative, or zero without a name of higher degree."""
+    if not line.critical or _root_work(line) > ROOT_WORK:
+        return
+    roots = positive_roots(line.critical)
+    for t in line.samples(roots):
+        if line.sign_at(t) < 0:
+            yield fmpq(t.numerator, t.denominator), False
+    for root in roots:
+        exact = root.exact() if not line.sign_at_root(root) else None
+        if exact is not None:
+            yield exact, True
+
+
+def _root_work(line: Line) -> int:
+    masks = 0
+    for c in line.critical:
+        for mask in c.terms:
+            masks |= mask
+    return (len(line.critical) - 1) << masks.bit_count()
+
+
+def _lowest_terms(problem: Problem, generators: list[Vector], plain: Terms) -> Iterator[tuple[Edge, Line]]:
+    """For each corner, the coefficients of its highest power as a form on the opposite edge."""
+    field = problem.form.plain.field
+    for corner, edge in ((0, (1, 2)), (1, (0, 2)), (2, (0, 1))):
+        top = max((e[corner] for e in plain), default=0)
+        degree = problem.form.degree - top
+        found = {e[edge[1]]: c for e, c in plain.items() if e[corner] == top}
+        curve: tuple[Number, ...] = tuple(field(_exact(found.get(k, 0))) for k in range(degree + 1))
+        yield edge, Line(curve, (), (field.one, field.zero, field.one))
+
+
+def _exact(value: Any) -> Any:
+    return value.exact() if isinstance(value, Lazy) else value

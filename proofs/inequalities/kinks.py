@@ -1,0 +1,186 @@
+"""The derivatives of V along a line on which V bends, decided on the whole line.
+
+On an edge between two pieces, with gradients g_A and g_B there, every quantity of the ladder is a quotient of
+polynomials in one parameter t.  With ``m_fA = g_A . f``, ``a_f = m_fA - m_fB`` (both hulls are segments):
+
+- a velocity f with ``a_f = 0`` has the value ``m_fA`` against all of dV; two velocities with ``a_f a_h < 0`` mix to the
+  value ``(a_f m_hA - a_h m_fA)/(a_f - a_h)``: these values span the set of Bacciotti and Ceragioli;
+- the maximum of Shevitz and Paden is the largest of them and of ``min(m_fA, m_fB)``; the set is empty iff all
+  ``m_fA`` lie strictly on one side of all ``m_hB``.
+
+So the sign of each maximum is a function of finitely many polynomials' signs: it is constant between their roots, which
+are isolated exactly, and at a root the signs are certified there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations, pairwise
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.fields.switched_cells import LyapunovCell
+from nonsmooth.analysis.partitions.region import Segment
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated, trimmed, value
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+
+Curve: TypeAlias = tuple[Number, ...]  # a polynomial in t, ascending
+Signs: TypeAlias = Callable[[Curve], int]
+
+
+class Trend(StrEnum):
+    """What the largest value of a set-valued derivative does on a part of the plane."""
+
+    EMPTY = "empty"
+    NEGATIVE = "negative"
+    NONPOSITIVE = "not positive"
+    UNDECIDED = "undecided"
+    POSITIVE = "positive"
+
+    @property
+    def rank(self) -> int:
+        """Position from harmless to worst."""
+        return list(Trend).index(self)
+
+    @classmethod
+    def of_sign(cls, sign: int) -> Trend:
+        """Of a maximum with the given sign."""
+        return (cls.NEGATIVE, cls.NONPOSITIVE, cls.POSITIVE)[sign + 1]
+
+
+def worst(trends: Sequence[Trend]) -> Trend:
+    """The worst of several; EMPTY for none."""
+    return max(trends, key=lambda trend: trend.rank, default=Trend.EMPTY)
+
+
+@dataclass(frozen=True)
+class Trends:
+    """One trend for each of the three derivatives."""
+
+    naive: Trend
+    shevitz_paden: Trend
+    bacciotti_ceragioli: Trend
+
+
+@dataclass(frozen=True)
+class Kink:
+    """An edge between two cells on which V bends.
+
+    Attributes:
+        first: a cell beside the edge.
+        second: the cell on the other side.
+        edge: generators of its ends; points of the edge are ``g + t h``, ``0 < t < oo``.
+    """
+
+    first: LyapunovCell
+    second: LyapunovCell
+    edge: Segment
+
+    @cached_property
+    def _table(self) -> tuple[tuple[Curve, Curve], ...]:
+        """``(m_fA, m_fB)`` for each velocity, in t."""
+        velocities = tuple(dict.fromkeys((*self.first.velocities, *self.second.velocities)))
+        (a, b), (c, d) = self.first.gradient, self.second.gradient
+        products = [(a * f + b * g, c * f + d * g) for f, g in velocities]
+        degree = max(p.degree for pair in products for p in pair)
+        return tuple((self.along(p, degree), self.along(q, degree)) for p, q in products)
+
+    def along(self, polynomial: Polynomial, degree: int | None = None) -> Curve:
+        """A polynomial on the edge, times a power of w that is positive there."""
+        top = polynomial.degree if degree is None else degree
+        exact = [tuple(v.exact() if isinstance(v, Lazy) else v for v in g) for g in self.edge]
+        terms = in_generators(polynomial.homogenized(top).terms, exact)
+        return tuple(polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1))
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether the two pieces of V agree on the edge."""
+        return not any(self.along(self.first.potential - self.second.potential))
+
+    @property
+    def bends(self) -> bool:
+        """Whether the gradients differ on the edge."""
+        (a, b), (c, d) = self.first.gradient, self.second.gradient
+        return any(self.along(a - c)) or any(self.along(b - d))
+
+    @cached_property
+    def roots(self) -> list[RealRoot]:
+        """Where a sign that matters may change, inside the edge."""
+        curves = {tuple(trimmed(curve)) for curve in self._curves()}
+        return separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
+
+    def _curves(self) -> list[Curve]:
+        table = self._table
+        bends = [_minus(a, b) for a, b in table]
+        curves = [curve for pair in table for curve in pair] + bends
+        curves += [_minus(a, b) for a, _ in table for _, b in table]
+        curves += [self._mixed(i, j) for i, j in combinations(range(len(table)), 2)]
+        return curves
+
+    def _mixed(self, i: int, j: int) -> Curve:
+        """Numerator ``a_i m_jA - a_j m_iA``."""
+        (p, q), (r, s) = self._table[i], self._table[j]
+        return _minus(_times(_minus(p, q), r), _times(_minus(r, s), p))
+
+    def samples(self) -> list[Fraction]:
+        """One point between any two neighbouring roots, and one before and after them."""
+        roots = self.roots
+        inner = [(a.high + b.low) / 2 for a, b in pairwise(roots)]
+        return [roots[0].low, *inner, roots[-1].high] if roots else [Fraction(1)]
+
+    def point(self, t: Fraction) -> tuple[Any, Any]:
+        """The point of the edge at a parameter."""
+        x, y, w = (a + b * t for a, b in zip(*self.edge, strict=True))
+        return x / w, y / w
+
+    def trends(self) -> tuple[Trends, Fraction | RealRoot]:
+        """The worst trends on the open edge, and where the last derivative is worst."""
+        places: list[Fraction | RealRoot] = [*self.samples(), *self.roots]
+        found = [self.trends_at(place) for place in places]
+        order = [trend.bacciotti_ceragioli.rank for trend in found]
+        columns = zip(*((t.naive, t.shevitz_paden, t.bacciotti_ceragioli) for t in found), strict=True)
+        return Trends(*(worst(column) for column in columns)), places[order.index(max(order))]
+
+    def trends_at(self, place: Fraction | RealRoot) -> Trends:
+        """The signs of the three maxima at a parameter."""
+
+        def sign_of(curve: Curve) -> int:
+            return place.sign_of(curve) if isinstance(place, RealRoot) else value(curve, place).sign()
+
+        table = self._table
+        signs = [(sign_of(a), sign_of(b)) for a, b in table]
+        bends = [sign_of(_minus(a, b)) for a, b in table]
+        common = [a for (a, _), bend in zip(signs, bends, strict=True) if not bend]
+        common += [
+            sign_of(self._mixed(i, j)) * bends[i]
+            for i, j in combinations(range(len(table)), 2)
+            if bends[i] * bends[j] < 0
+        ]
+        apart = not common and all(bends[0] * sign_of(_minus(a, b)) > 0 for a, _ in table for _, b in table)
+        largest = max([*common, *(min(pair) for pair in signs)])
+        return Trends(
+            Trend.of_sign(max(max(pair) for pair in signs)),
+            Trend.EMPTY if apart else Trend.of_sign(largest),
+            Trend.of_sign(max(common)) if common else Trend.EMPTY,
+        )
+
+
+def _minus(first: Curve, second: Curve) -> Curve:
+    zero = (first or second)[0].field.zero
+    count = max(len(first), len(second))
+    padded = [[*curve, *[zero] * (count - len(curve))] for curve in (first, second)]
+    return tuple(a - b for a, b in zip(*padded, strict=True))
+
+
+def _times(first: Curve, second: Curve) -> Curve:
+    zero = first[0].field.zero
+    total = [zero] * (len(first) + len(second) - 1)
+    for i, a in enumerate(first):
+        for j, b in enumerate(second):
+            total[i + j] = total[i + j] + a * b
+    return tuple(total)

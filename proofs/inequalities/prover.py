@@ -1,0 +1,242 @@
+"""Inequalities between polynomials on closed cells: a proof, a witness, or where the search got stuck.
+
+``prove(sense, polynomial, region)`` decides ``polynomial < 0``, ``<= 0``, ``> 0`` or ``>= 0`` on a closed region of the
+plane, bounded or not, with coefficients in the scene's field; with theta (any real), ``|theta|`` and
+``r = sqrt(x^2 + y^2)`` where the polynomial holds them.  Each simplicial part goes through the same ways in turn:
+
+1. non-negative coefficients in the generators, with a few bisections (extreme rays for a linear form);
+2. what is complete: real roots for two generators, principal minors for a quadratic form;
+3. products: an irreducible factorization over Q, each factor with its own sign;
+4. more bisections, cutting edges first where the form touches zero.
+
+Nothing undecided is left for homogeneous polynomials in the plane and for quadratic forms.  Elsewhere the search ends
+undecided where the polynomial touches zero inside the cell at a point that none of the cuts hits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.partitions.region import Region
+from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decide_binary, line_of
+from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE, CellPart, Claim, build_parts
+from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic
+from nonsmooth.proofs.inequalities.cuts import zero_cut
+from nonsmooth.proofs.inequalities.forms import Problem
+from nonsmooth.proofs.inequalities.products import ProductEvidence, decide_product
+from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, Stuck, Violation, subdivide, verify
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried
+MUCH_WORK = 50_000  # about a second
+MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
+
+Evidence: TypeAlias = Leaf | Split | RootEvidence | QuadraticEvidence | ProductEvidence
+
+
+class Sense(StrEnum):
+    """What is claimed of the polynomial."""
+
+    NEGATIVE = "<0"
+    NONPOSITIVE = "<=0"
+    POSITIVE = ">0"
+    NONNEGATIVE = ">=0"
+
+    @property
+    def strict(self) -> bool:
+        """Whether zero is excluded."""
+        return self in (Sense.NEGATIVE, Sense.POSITIVE)
+
+    @property
+    def factor(self) -> int:
+        """By which the polynomial is multiplied to make the claim ``>= 0`` or ``> 0``."""
+        return -1 if self in (Sense.NEGATIVE, Sense.NONPOSITIVE) else 1
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be proved; see :func:`prove`."""
+
+    sense: Sense
+    polynomial: Polynomial
+    region: Region
+    except_origin: bool
+
+    @cached_property
+    def claim(self) -> Claim:
+        """The question as ``>= 0`` or ``> 0``."""
+        return Claim(self.polynomial * self.sense.factor, self.region, self.sense.strict, self.except_origin)
+
+    def fails_at(self, point: tuple[Any, ...]) -> bool:
+        """Whether a point of the cell (inside all guards) refutes the claim."""
+        place = (point[0], point[1])
+        here = sign(self.claim.value(point))
+        exempt = self.except_origin and not any(point)
+        inside = self.region.contains(place) and all(sign(guard(place)) > 0 for guard in self.region.guards)
+        return inside and not exempt and (here < 0 or (here == 0 and self.sense.strict))
+
+
+@dataclass(frozen=True)
+class Proof:
+    """The claim holds; one piece of evidence per simplicial part of the cell."""
+
+    question: Question
+    evidence: tuple[Evidence, ...]
+
+    def check(self) -> bool:
+        """Rebuild the parts from the question and re-verify the evidence of each from the definitions."""
+        claim = self.question.claim
+        parts = list(build_parts(claim))
+        if self.question.fails_at(_origin(claim)):
+            return False
+        return len(parts) == len(self.evidence) and all(
+            confirms(evidence, part.problem) for evidence, part in zip(self.evidence, parts, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point of the closed cell at which the claim is false.
+
+    Attributes:
+        question: the claim.
+        point: (x, y) or (x, y, theta).
+        value: the polynomial there.
+    """
+
+    question: Question
+    point: tuple[Any, ...]
+    value: Any
+
+    def check(self) -> bool:
+        """Evaluate again."""
+        claim = self.question.claim
+        return (
+            self.question.fails_at(self.point) and not self.value - claim.value(self.point) * self.question.sense.factor
+        )
+
+
+@dataclass(frozen=True)
+class ZeroBetween:
+    """A strict claim fails on one direction ``first + t second`` whose t, of high degree, has no name in the field.
+
+    Attributes:
+        question: the claim.
+        part: the cone of two rays and the form on it.
+        zero: the isolated root t.
+    """
+
+    question: Question
+    part: CellPart
+    zero: Zero
+
+    @property
+    def point(self) -> tuple[Any, ...]:
+        """A point close to the zero (the bounds of t enclose it)."""
+        first, second = self.part.problem.generators
+        near = tuple(a + b * self.zero.root.low for a, b in zip(first, second, strict=True))
+        return self.part.point(near, self.question.claim)
+
+    def check(self) -> bool:
+        """Re-verify that a root lies between the bounds and the form vanishes there."""
+        genuine = self.part in build_parts(self.question.claim) and self.zero.root.check()
+        return self.question.sense.strict and genuine and not line_of(self.part.problem).sign_at_root(self.zero.root)
+
+
+@dataclass(frozen=True)
+class Undecided:
+    """Neither proved nor refuted.
+
+    Attributes:
+        question: the claim.
+        part: corners ``(x, y[, theta])`` of the part on which the search ended; directions where unbounded.
+    """
+
+    question: Question
+    part: tuple[tuple[Any, ...], ...]
+
+    @property
+    def reason(self) -> str:
+        """One sentence for people."""
+        corners = ", ".join("(" + ", ".join(f"{float(_number(x)):.5g}" for x in corner) + ")" for corner in self.part)
+        return f"the sign was not found on the part of the cell with corners {corners}"
+
+
+Outcome: TypeAlias = Proof | Witness | ZeroBetween | Undecided
+
+
+def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_origin: bool = False) -> Outcome:
+    """Decide the sign of a polynomial on a closed region.
+
+    Args:
+        sense: "<0", "<=0", ">0" or ">=0".
+        polynomial: in ("x", "y"), or in ("x", "y", "theta", "abs_theta", "r") for region x line.
+        region: the closed region of the plane.
+        except_origin: leave the origin out of a strict claim.
+
+    Raises:
+        ValueError: for a polynomial in other variables.
+    """
+    if polynomial.variables not in (PLANE, EXTENDED):
+        raise ValueError(f"required a polynomial in {PLANE} or {EXTENDED}, received {polynomial.variables}")
+    question = Question(Sense(sense), polynomial, region, except_origin)
+    claim = question.claim
+    if question.fails_at(_origin(claim)):
+        return _witness(question, _origin(claim))
+    evidence: list[Evidence] = []
+    stuck: Undecided | None = None
+    for part in build_parts(claim):
+        found = decide(part.problem)
+        if isinstance(found, Violation):
+            return _witness(question, part.point(found.point, claim))
+        if isinstance(found, Zero):
+            return ZeroBetween(question, part, found)
+        if isinstance(found, Stuck):
+            stuck = stuck or Undecided(question, tuple(part.point(g, claim) for g in found.generators))
+        else:
+            evidence.append(found)
+    return stuck or Proof(question, tuple(evidence))
+
+
+def decide(problem: Problem) -> Evidence | Violation | Zero | Stuck:
+    """Decide one simplicial part."""
+    found = subdivide(problem, LITTLE_WORK)
+    if not isinstance(found, Stuck):
+        return found
+    smooth = problem.form.radial is None and not problem.guards
+    if len(problem.generators) == 2 and len(problem.form.plain.field.radicands) <= MAX_EXACT_ROOTS:
+        return decide_binary(problem)
+    if smooth and problem.form.degree == 2:
+        return decide_quadratic(problem) or found
+    if smooth:
+        product = decide_product(problem, decide)
+        if product is not None:
+            return product
+    return subdivide(problem, MUCH_WORK, lambda node: zero_cut(problem, node))
+
+
+def confirms(evidence: Evidence, problem: Problem) -> bool:
+    """Re-verify evidence from the definition of the problem."""
+    match evidence:
+        case Leaf() | Split():
+            return verify(problem, evidence)
+        case ProductEvidence():
+            return evidence.check(problem, confirms)
+        case _:
+            return evidence.check(problem)
+
+
+def _origin(claim: Claim) -> tuple[Number, ...]:
+    return (claim.polynomial.field.zero,) * (3 if claim.free_theta else 2)
+
+
+def _witness(question: Question, point: tuple[Any, ...]) -> Witness:
+    return Witness(question, point, question.claim.value(point) * question.sense.factor)
+
+
+def _number(value: Any) -> Any:
+    return value if hasattr(value, "sign") else float(value)

@@ -1,0 +1,245 @@
+"""Real roots of polynomials in one variable over the scene's field, isolated exactly by Sturm chains.
+
+Dense coefficients, ascending.  A Sturm chain counts distinct roots between two points that are no roots themselves,
+whatever the multiplicities, so no square-free decomposition is needed; between neighbouring roots one rational point
+shows the sign.  Bisection at rational points ends because roots are finitely many; nothing is rounded.  Cost grows
+quickly with the degree over a field of many square roots: meant for degrees up to about a dozen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+from flint import fmpq_poly
+
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.square_roots import NestingError
+
+Coefficients: TypeAlias = Sequence[Number]
+
+
+def trimmed(coefficients: Coefficients) -> list[Number]:
+    """Without leading zeros; empty for the zero polynomial."""
+    kept = list(coefficients)
+    while kept and not kept[-1]:
+        kept.pop()
+    return kept
+
+
+def value(coefficients: Coefficients, t: Any) -> Any:
+    """Horner's scheme."""
+    total: Any = 0
+    for c in reversed(coefficients):
+        total = total * t + c
+    return total
+
+
+def remainder(dividend: Coefficients, divisor: Coefficients) -> list[Number]:
+    """``dividend mod divisor``."""
+    rest, inverse = trimmed(dividend), divisor[-1].inverse()
+    while len(rest) >= len(divisor):
+        factor, shift = rest[-1] * inverse, len(rest) - len(divisor)
+        for k, c in enumerate(divisor[:-1]):
+            rest[shift + k] = rest[shift + k] - factor * c
+        rest = trimmed(rest[:-1])
+    return rest
+
+
+def _scaled(coefficients: list[Number]) -> list[Number]:
+    """Divided by the absolute leading coefficient: the same signs, shorter numbers."""
+    inverse = abs(coefficients[-1].inverse())
+    return [c * inverse for c in coefficients]
+
+
+def derivative(coefficients: Coefficients) -> list[Number]:
+    """First derivative."""
+    return [k * c for k, c in enumerate(coefficients)][1:]
+
+
+def greatest_divisor(first: Coefficients, second: Coefficients) -> list[Number]:
+    """Greatest common divisor, up to a factor."""
+    a, b = trimmed(first), trimmed(second)
+    while b:
+        a, b = b, remainder(a, b)
+        b = _scaled(b) if b else b
+    return a
+
+
+class Sturm:
+    """The Sturm chain of a nonzero polynomial."""
+
+    def __init__(self, coefficients: Coefficients) -> None:
+        self.coefficients = trimmed(coefficients)
+        self.chain = [self.coefficients]
+        following = derivative(self.coefficients)
+        while following:
+            self.chain.append(_scaled(following))
+            following = [-c for c in remainder(self.chain[-2], self.chain[-1])]
+
+    def sign_at(self, t: Fraction) -> int:
+        """Sign of the polynomial."""
+        return value(self.coefficients, t).sign() if self.coefficients else 0
+
+    def variations(self, t: Fraction | None) -> int:
+        """Sign changes along the chain at t; None is plus infinity."""
+        signs = [c[-1].sign() if t is None else value(c, t).sign() for c in self.chain]
+        nonzero = [s for s in signs if s]
+        return sum(a != b for a, b in pairwise(nonzero))
+
+    def count(self, low: Fraction, high: Fraction | None) -> int:
+        """Distinct roots between two points that are no roots (None is plus infinity)."""
+        return self.variations(low) - self.variations(high)
+
+
+@dataclass(frozen=True)
+class RealRoot:
+    """The one root of a polynomial between two rational points, at which the polynomial does not vanish."""
+
+    coefficients: tuple[Number, ...]
+    low: Fraction
+    high: Fraction
+
+    @cached_property
+    def sturm(self) -> Sturm:
+        """The polynomial's chain."""
+        return Sturm(self.coefficients)
+
+    def check(self) -> bool:
+        """Whether there is exactly one root between the bounds."""
+        ends = self.sturm.sign_at(self.low) and self.sturm.sign_at(self.high)
+        return bool(ends) and self.low < self.high and self.sturm.count(self.low, self.high) == 1
+
+    def halved(self) -> RealRoot:
+        """The same root between closer bounds."""
+        middle = _regular_point(self.sturm, self.low, self.high)
+        if self.sturm.count(self.low, middle):
+            return RealRoot(self.coefficients, self.low, middle)
+        return RealRoot(self.coefficients, middle, self.high)
+
+    def sign_of(self, other: Coefficients) -> int:
+        """Sign of another polynomial at the root."""
+        other = trimmed(other)
+        if not other:
+            return 0
+        common = greatest_divisor(self.coefficients, other)
+        if len(common) > 1 and Sturm(common).count(self.low, self.high):
+            return 0
+        chain, here = Sturm(other), self
+        while not (chain.sign_at(here.low) and chain.sign_at(here.high)) or chain.count(here.low, here.high):
+            here = here.halved()
+        return chain.sign_at(here.low)
+
+    def exact(self) -> Number | None:
+        """The root as a field element where it is rational or quadratic over the field, by a factor at hand."""
+        for factor in _factors(self.coefficients):
+            if len(factor) in (2, 3) and (root := _in_radicals(factor, self.low, self.high)) is not None:
+                return root
+        return None
+
+
+def positive_roots(coefficients: Coefficients) -> list[RealRoot]:
+    """Distinct positive roots, ascending, with disjoint positive bounds.
+
+    Raises:
+        ValueError: for the zero polynomial.
+    """
+    kept = trimmed(coefficients)
+    if not kept:
+        raise ValueError("required a nonzero polynomial")
+    while not kept[0]:  # the root 0 is not positive
+        kept = kept[1:]
+    sturm, bound = Sturm(kept), Fraction(1)
+    at_infinity = sturm.variations(None)
+    while sturm.variations(bound) != at_infinity or not sturm.sign_at(bound):
+        bound *= 2
+    found: list[RealRoot] = []
+    waiting = [(Fraction(0), bound)]
+    while waiting:
+        low, high = waiting.pop()
+        count = sturm.count(low, high)
+        if count == 1:
+            found.append(RealRoot(tuple(kept), low, high))
+        elif count:
+            middle = _regular_point(sturm, low, high)
+            waiting += [(middle, high), (low, middle)]
+    while found and not found[0].low:
+        found[0] = found[0].halved()
+    return found
+
+
+def separated(roots: Iterable[RealRoot]) -> list[RealRoot]:
+    """Distinct roots of several polynomials, ascending, with disjoint bounds."""
+    kept: list[RealRoot] = []
+    waiting = list(roots)
+    while waiting:
+        root = waiting.pop()
+        clash = next((k for k, other in enumerate(kept) if root.low < other.high and other.low < root.high), None)
+        if clash is None:
+            kept.append(root)
+        elif not _same(root, kept[clash]):
+            waiting += [root.halved(), kept.pop(clash).halved()]
+    return sorted(kept, key=lambda root: root.low)
+
+
+def _same(first: RealRoot, second: RealRoot) -> bool:
+    """Whether the second polynomial vanishes at the first root, and that lies between the second root's bounds."""
+    one = first.coefficients[0].field.one
+    inside = first.sign_of([-one * second.low, one]) > 0 > first.sign_of([-one * second.high, one])
+    return inside and not first.sign_of(second.coefficients)
+
+
+def _regular_point(sturm: Sturm, low: Fraction, high: Fraction) -> Fraction:
+    """A point between that is no root; the middle if possible."""
+    parts = 2
+    while not sturm.sign_at(point := low + (high - low) / parts):
+        parts += 1
+    return point
+
+
+def _factors(coefficients: Coefficients) -> list[list[Number]]:
+    """Factors that hold all roots: irreducible over Q where the coefficients are rational, square-free otherwise."""
+    rationals = [c.as_rational() for c in coefficients]
+    field = coefficients[0].field
+    known = [q for q in rationals if q is not None]
+    if len(known) == len(rationals):
+        return [[field(c) for c in factor.coeffs()] for factor, _ in fmpq_poly(known).factor()[1]]
+    factors: list[list[Number]] = []
+    rest = trimmed(coefficients)
+    while len(rest) > 1:  # rest, rest/gcd(rest, rest'): square-free layers, the last ones of low degree
+        common = greatest_divisor(rest, derivative(rest))
+        factors.append(_quotient(rest, common))
+        rest = common
+    return factors
+
+
+def _quotient(dividend: Coefficients, divisor: Coefficients) -> list[Number]:
+    rest, inverse = list(dividend), divisor[-1].inverse()
+    quotient: list[Number] = []
+    for shift in range(len(dividend) - len(divisor), -1, -1):
+        factor = rest[shift + len(divisor) - 1] * inverse
+        quotient.append(factor)
+        for k, c in enumerate(divisor):
+            rest[shift + k] = rest[shift + k] - factor * c
+    return quotient[::-1]
+
+
+def _in_radicals(factor: list[Number], low: Fraction, high: Fraction) -> Number | None:
+    """The root between the bounds of a linear or quadratic polynomial, where the field holds its square root."""
+    if len(factor) == 2:
+        roots = [-factor[0] / factor[1]]
+    else:
+        c, b, a = factor
+        discriminant = b * b - 4 * a * c
+        if discriminant.sign() < 0:
+            return None
+        try:
+            root = discriminant.sqrt()
+        except NestingError:
+            return None
+        roots = [(-b + s * root) / (2 * a) for s in (1, -1)]
+    return next((r for r in roots if low < r < high), None)

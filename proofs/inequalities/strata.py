@@ -1,0 +1,198 @@
+"""The derivative of V part by part: closed cells, edges on which V bends, and their corners, with the evidence of each.
+
+On a closed cell V and the fields are polynomials, and the sign of ``grad V . f`` is an inequality.  V bends where two
+pieces meet with different gradients: there the sets of :mod:`nonsmooth.proofs.systems.ladder` are decided along the
+whole edge (:mod:`nonsmooth.proofs.inequalities.kinks`) and at its ends.  A V that jumps across an edge is refuted;
+one that bends along a curve is left undecided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations
+from typing import Any
+
+from nonsmooth.analysis.fields.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.region import Region, common_edges
+from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends, worst
+from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, prove
+from nonsmooth.proofs.inequalities.real_roots import RealRoot
+from nonsmooth.proofs.systems.ladder import Interval, Ladder, ladder_at
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+
+class Part(StrEnum):
+    """Where a derivative is looked at."""
+
+    CELL = "cell"
+    SURFACE = "surface"
+    CORNER = "corner"
+
+
+@dataclass(frozen=True)
+class Refutation:
+    """A point at which a condition fails, with the exact value there (None where it is known by its sign only)."""
+
+    point: Point
+    value: Any | None
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """A part of the domain with the derivatives of V there.
+
+    Attributes:
+        part: its kind.
+        sample: a point of it.
+        ladder: the three derivatives at the sample.
+        trends: what their maxima do on the whole part (on closed cells, except at the equilibrium).
+        evidence: the inequality for each field of a cell; the edge; nothing for a corner.
+        refutation: where the last derivative is positive, or V is not continuous.
+        constant: whether the ladder at the sample holds on the whole part.
+    """
+
+    part: Part
+    sample: Point
+    ladder: Ladder
+    trends: Trends
+    evidence: tuple[Outcome, ...] | Kink | None
+    refutation: Refutation | None
+    constant: bool
+
+
+# ---- cells ---------------------------------------------------------------------------------
+
+
+def cell_stratum(cell: LyapunovCell) -> Stratum:
+    """``grad V . f`` on the closed cell, for each field."""
+    outcomes = tuple(_rate_outcome(rate, cell.region) for rate in cell.rates)
+    trends = [trend_of(outcome) for outcome in outcomes]
+    sample = cell.region.inner_point
+    refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]
+    refutation = None
+    if refuted and isinstance(refuted[0], Witness):
+        refutation = Refutation(refuted[0].point, refuted[0].value, "the derivative of V is positive")
+    rates = [rate(sample) for rate in cell.rates]
+    interval = Interval(min(rates), max(rates))
+    trend = worst(trends)
+    constant = all(rate.constant_value is not None for rate in cell.rates)
+    return Stratum(
+        Part.CELL,
+        sample,
+        Ladder(interval, interval, interval),
+        Trends(trend, trend, trend),
+        outcomes,
+        refutation,
+        constant,
+    )
+
+
+def _rate_outcome(rate: Polynomial, region: Region) -> Outcome:
+    """``rate < 0`` except at the equilibrium, or else ``rate <= 0``, or a point where it is positive."""
+    strict = prove(Sense.NEGATIVE, rate, region, except_origin=True)
+    if isinstance(strict, Proof) or (isinstance(strict, Witness) and sign(strict.value) > 0):
+        return strict
+    return prove(Sense.NONPOSITIVE, rate, region)
+
+
+def trend_of(outcome: Outcome) -> Trend:
+    """What an outcome of :func:`_rate_outcome` says of the derivative on its closed cell."""
+    match outcome:
+        case Proof():
+            return Trend.NEGATIVE if outcome.question.sense.strict else Trend.NONPOSITIVE
+        case Undecided():
+            return Trend.UNDECIDED
+        case _:
+            return Trend.POSITIVE
+
+
+# ---- edges and corners where V bends ---------------------------------------------------------
+
+
+def bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
+    """Edges on which V bends or jumps, and their corners."""
+    corners: list[Point] = []
+    for first, second in combinations(cells, 2):
+        if not first.potential - second.potential:
+            continue
+        parting = [g for g in first.region.guards for h in second.region.guards if not g + h]
+        if parting and _overlap(first, second):
+            yield _open_stratum(cells, first.region.inner_point)
+        for edge in common_edges(first.region, second.region):
+            kink = Kink(first, second, edge)
+            if parting and all(any(kink.along(guard)) for guard in parting):
+                continue  # on two sides of a curve that only crosses the edge: no point of it borders both
+            if not kink.is_continuous:
+                yield _jump_stratum(cells, kink)
+            elif kink.bends:
+                yield _open_stratum(cells, kink.point(kink.samples()[0])) if parting else _kink_stratum(cells, kink)
+                corners += [(x / w, y / w) for x, y, w in edge if w and (x or y)]
+    for corner in distinct(corners):
+        yield _corner_stratum(cells, corner)
+
+
+def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
+    trends, place = kink.trends()
+    guarded = bool(kink.first.region.guards or kink.second.region.guards)
+    if guarded:  # not every point of the edge belongs to both cells: only the largest set is an upper bound
+        bound = trends.naive if trends.naive.rank <= Trend.NONPOSITIVE.rank else Trend.UNDECIDED
+        trends = Trends(bound, bound, bound)
+    sample = kink.point(kink.samples()[0])
+    refutation = None
+    if trends.bacciotti_ceragioli is Trend.POSITIVE:
+        at = place.low if isinstance(place, RealRoot) else place
+        refutation = Refutation(kink.point(at), None, "V increases along a line on which it bends")
+        if not isinstance(place, RealRoot):
+            found = derivatives_at(cells, kink.point(at)).bacciotti_ceragioli
+            refutation = Refutation(kink.point(at), found.high if found else None, refutation.meaning)
+    constant = all(
+        rate.constant_value is not None
+        for gradient in (kink.first.gradient, kink.second.gradient)
+        for f, g in (*kink.first.velocities, *kink.second.velocities)
+        for rate in [gradient[0] * f + gradient[1] * g]
+    )
+    return Stratum(Part.SURFACE, sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
+
+
+def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
+    """Two values of V at one point of an edge; undecided where none is found that belongs to both cells."""
+    difference = kink.first.potential - kink.second.potential
+    guards = (*kink.first.region.guards, *kink.second.region.guards)
+    points = (kink.point(kink.samples()[0] * k) for k in range(1, 10 + difference.degree))
+    place = next((p for p in points if difference(p) and all(sign(guard(p)) > 0 for guard in guards)), None)
+    if place is None:
+        return _open_stratum(cells, kink.point(kink.samples()[0]))
+    refutation = Refutation(place, difference(place), "V is not continuous")
+    positive = Trends(Trend.POSITIVE, Trend.POSITIVE, Trend.POSITIVE)
+    return Stratum(Part.SURFACE, place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
+
+
+def _corner_stratum(cells: Sequence[LyapunovCell], corner: Point) -> Stratum:
+    ladder = derivatives_at(cells, corner)
+    intervals = (ladder.naive, ladder.shevitz_paden, ladder.bacciotti_ceragioli)
+    trends = Trends(*(Trend.EMPTY if i is None else Trend.of_sign(sign(i.high)) for i in intervals))
+    return Stratum(Part.CORNER, corner, ladder, trends, None, None, constant=True)
+
+
+def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
+    """Two pieces of V beside a curve."""
+    undecided = Trends(Trend.UNDECIDED, Trend.UNDECIDED, Trend.UNDECIDED)
+    return Stratum(Part.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
+
+
+def _overlap(first: LyapunovCell, second: LyapunovCell) -> bool:
+    """Whether the convex regions of two cells have common area."""
+    overlap: Region | None = first.region
+    for side in second.region.sides:
+        overlap = overlap.clipped(side) if overlap is not None else None
+    return overlap is not None
+
+
+def derivatives_at(cells: Sequence[LyapunovCell], point: Point) -> Ladder:
+    """The three derivatives of V at a point of the domain."""
+    return ladder_at(velocities_at(cells, point), gradients_at(cells, point))

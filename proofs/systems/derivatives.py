@@ -1,0 +1,191 @@
+"""Lyapunov's conditions for a nonsmooth V and a Filippov inclusion on a closed domain, each with exact evidence.
+
+V is a polynomial on each cell (:mod:`nonsmooth.analysis.fields.switched_cells`); it is positive if it is on every
+closed cell. Its derivative is decided part by part (:mod:`nonsmooth.proofs.inequalities.strata`): on each *closed*
+cell ``grad V . f`` (the hull on a surface holds the fields of both sides, so for smooth V nothing else is needed:
+Filippov 1988, sec. 15), and the sets of :mod:`nonsmooth.proofs.systems.ladder` on each edge and at each corner where
+V bends.  Then along every solution
+
+- largest value of Bacciotti and Ceragioli's set <= 0 everywhere: V does not increase, the equilibrium is stable;
+- < 0 everywhere but at the equilibrium: no solution stays where 0 is in the set, so it is asymptotically stable
+  (invariance principle: Bacciotti and Ceragioli 1999, thm. 3).
+
+On closed cells < 0 is demanded also on sides where V bends: more than the theorem asks, and never too little.  A corner
+at which V bends twice and the set is positive refutes nothing by itself (no solution need stay there): undecided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from nonsmooth.analysis.fields.switched_cells import LyapunovCell
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.inequalities.cells import Claim, build_parts
+from nonsmooth.proofs.inequalities.kinks import Kink, Trend, worst
+from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, ZeroBetween, prove
+from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, trend_of
+from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
+from nonsmooth.proofs.systems.ladder import Interval
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+EMPTINESS_WORK = 2_000  # coefficients looked at to find that a cell beside a curve is empty; kept otherwise
+
+
+class Decrease(StrEnum):
+    """What V does along every solution in the domain."""
+
+    STRICT = "V is positive and decreases everywhere but at the equilibrium"
+    WEAK = "V is positive and does not increase"
+    REFUTED = "V is no Lyapunov function"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class Supremum:
+    """The largest value of one derivative over the domain without the equilibrium.
+
+    Attributes:
+        trend: its sign.
+        value: the exact value where every part that matters has a constant one; None otherwise.
+        point: a point of the part on which it is largest.
+    """
+
+    trend: Trend
+    value: Any | None
+    point: Point | None
+
+
+@dataclass(frozen=True)
+class LyapunovResult:
+    """Lyapunov's conditions on a domain, with the evidence of each.
+
+    Attributes:
+        cells: cover the domain; V and the fields are smooth on each.
+        definite: ``V > 0`` on each closed cell, except at the equilibrium.
+        strata: the derivatives, part by part.
+        verdict: what follows.
+        witness: where a condition fails.
+        reason: one sentence for people.
+    """
+
+    cells: tuple[LyapunovCell, ...]
+    definite: tuple[Outcome, ...]
+    strata: tuple[Stratum, ...]
+    verdict: Decrease
+    witness: Refutation | None
+    reason: str
+
+    def supremum(self, name: str) -> Supremum:
+        """Of ``naive``, ``shevitz_paden`` or ``bacciotti_ceragioli``."""
+        trend = worst([getattr(s.trends, name) for s in self.strata])
+        best: Interval | None = None
+        point: Point | None = None
+        exact = True
+        for stratum in self.strata:
+            interval = getattr(stratum.ladder, name)
+            if getattr(stratum.trends, name) is Trend.EMPTY:
+                continue
+            exact = exact and stratum.constant
+            if interval is not None and (best is None or best.high < interval.high):
+                best, point = interval, stratum.sample
+        return Supremum(trend, best.high if best is not None and exact else None, point)
+
+    def check(self) -> bool:
+        """Re-verify every inequality from its polynomials, decide the edges and corners anew, and conclude again."""
+        if len(self.definite) != len(self.cells):
+            return False
+        for cell, outcome in zip(self.cells, self.definite, strict=True):
+            asked = outcome.question
+            about_this = asked.region == cell.region and not asked.polynomial - cell.potential
+            if not about_this or not _still_true(outcome):
+                return False
+        evidence = [o for s in self.strata if isinstance(s.evidence, tuple) for o in s.evidence]
+        rates = [(cell.region, rate) for cell in self.cells for rate in cell.rates]
+        if len(evidence) != len(rates) or any(
+            o.question.region != region or o.question.polynomial - rate or not _still_true(o)
+            for o, (region, rate) in zip(evidence, rates, strict=True)
+        ):
+            return False
+        bends = [s for s in self.strata if s.part is not Part.CELL]
+        again = list(bend_strata(self.cells))
+        cells = [s for s in self.strata if s.part is Part.CELL]
+        same = [(s.part, s.trends, s.refutation) for s in bends] == [(s.part, s.trends, s.refutation) for s in again]
+        read = all(s.trends.bacciotti_ceragioli is _worst_outcome(s.evidence) for s in cells)
+        return same and read and conclude(self.cells, self.definite, self.strata)[0] is self.verdict
+
+
+def _worst_outcome(evidence: tuple[Outcome, ...] | Kink | None) -> Trend:
+    return worst([trend_of(outcome) for outcome in evidence]) if isinstance(evidence, tuple) else Trend.UNDECIDED
+
+
+def _still_true(outcome: Outcome) -> bool:
+    return isinstance(outcome, Undecided) or outcome.check()
+
+
+def examine(cells: Sequence[LyapunovCell]) -> LyapunovResult:
+    """Decide Lyapunov's conditions on cells that cover the domain, the equilibrium at the origin."""
+    real = inhabited(cells)
+    definite = tuple(prove(Sense.POSITIVE, cell.potential, cell.region, except_origin=True) for cell in real)
+    strata = (*(cell_stratum(cell) for cell in real), *bend_strata(real))
+    verdict, witness, reason = conclude(real, definite, strata)
+    return LyapunovResult(real, definite, strata, verdict, witness, reason)
+
+
+def inhabited(cells: Sequence[LyapunovCell]) -> tuple[LyapunovCell, ...]:
+    """Without the cells whose guards are proved to leave nothing of them."""
+    return tuple(cell for cell in cells if not (cell.region.guards and _is_empty(cell)))
+
+
+def _is_empty(cell: LyapunovCell) -> bool:
+    """Whether the claim ``-1 >= 0`` is found to hold on the cell with little work (the origin alone would be none)."""
+    minus_one = Polynomial.constant(cell.potential.field, cell.potential.variables, -1)
+    parts = build_parts(Claim(minus_one, cell.region, strict=False, except_origin=True))
+    return all(isinstance(subdivide(part.problem, EMPTINESS_WORK), Leaf | Split) for part in parts)
+
+
+def conclude(
+    cells: Sequence[LyapunovCell], definite: Sequence[Outcome], strata: Sequence[Stratum]
+) -> tuple[Decrease, Refutation | None, str]:
+    """The verdict from the evidence."""
+    refuted = next(_refutations(cells, definite, strata), None)
+    if refuted is not None:
+        return Decrease.REFUTED, refuted, refuted.meaning
+    trends = [_trusted(stratum) for stratum in strata]
+    open_part = next((o for o in definite if not isinstance(o, Proof)), None)
+    if open_part is not None or worst(trends) is Trend.UNDECIDED:
+        stuck = [o for o in (open_part, *_outcomes(strata)) if isinstance(o, Undecided)]
+        return Decrease.UNDECIDED, None, stuck[0].reason if stuck else "V bends where its derivative is not decided"
+    if worst(trends) in (Trend.EMPTY, Trend.NEGATIVE):
+        return Decrease.STRICT, None, Decrease.STRICT.value
+    return Decrease.WEAK, None, Decrease.WEAK.value
+
+
+def _outcomes(strata: Sequence[Stratum]) -> Iterator[Outcome]:
+    for stratum in strata:
+        if isinstance(stratum.evidence, tuple):
+            yield from stratum.evidence
+
+
+def _trusted(stratum: Stratum) -> Trend:
+    """The trend that decides; a positive one without refutation decides nothing."""
+    trend = stratum.trends.bacciotti_ceragioli
+    return Trend.UNDECIDED if trend is Trend.POSITIVE and stratum.refutation is None else trend
+
+
+def _refutations(
+    cells: Sequence[LyapunovCell], definite: Sequence[Outcome], strata: Sequence[Stratum]
+) -> Iterator[Refutation]:
+    for cell, outcome in zip(cells, definite, strict=True):
+        zero = cell.potential.field.zero
+        if cell.region.contains((zero, zero)) and cell.potential((zero, zero)):
+            yield Refutation((zero, zero), cell.potential((zero, zero)), "V is not zero at the equilibrium")
+        if isinstance(outcome, Witness):
+            yield Refutation(outcome.point, outcome.value, "V is not positive")
+        elif isinstance(outcome, ZeroBetween):
+            yield Refutation(outcome.point, None, "V vanishes beside this point")
+    for stratum in strata:
+        if stratum.refutation is not None:
+            yield stratum.refutation

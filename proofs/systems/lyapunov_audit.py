@@ -1,0 +1,144 @@
+"""Somebody else's Lyapunov function, checked exactly: valid, invalid with a witness, or undecided.
+
+V is a formula in the displacement from the checked equilibrium; its decimals are exact, so a V that came out of a float
+solver is judged as it was printed.  Valid means: V is zero at the equilibrium and positive elsewhere in the domain, and
+does not increase along any Filippov solution there (:mod:`nonsmooth.proofs.systems.derivatives`).  The domain is the
+checked square; for a plain system of cones it is the plane.  Wheel arrays move with the exact pose rate ``v + omega J
+c``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from nonsmooth.analysis.fields.switched_cells import (
+    FieldCell,
+    LyapunovCell,
+    lyapunov_cells,
+    partition_cells,
+    system_cells,
+)
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.system_stability import domains
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number_field import base_order
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.system import PLANE, SystemScene
+
+KEY = "lyapunov"
+
+
+class AuditVerdict(StrEnum):
+    """Whether V is a Lyapunov function on the domain."""
+
+    VALID = "valid"
+    INVALID = "invalid"
+    UNDECIDED = "undecided"
+
+    @property
+    def exit_status(self) -> int:
+        """0 valid, 1 invalid, 3 undecided."""
+        return {"valid": 0, "invalid": 1}.get(self.value, 3)
+
+
+@dataclass(frozen=True)
+class AuditResult:
+    """Verdict on one V.
+
+    Attributes:
+        scene: the array or system.
+        lyapunov: V as it was written.
+        verdict: whether it is a Lyapunov function on the domain.
+        proves: what it shows of the equilibrium; None where it shows nothing.
+        reason: one sentence for people.
+        witness: where it fails.
+        result: all inequalities; None for a contact rule without cells.
+    """
+
+    scene: Scene | SystemScene
+    lyapunov: str
+    verdict: AuditVerdict
+    proves: Translation | None
+    reason: str
+    witness: Refutation | None
+    result: LyapunovResult | None
+
+    def check(self) -> bool:
+        """Build the cells again and re-verify every inequality on them."""
+        if self.result is None:
+            return self.verdict is AuditVerdict.UNDECIDED
+        if any(cell.potential.field is not self.scene.field for cell in self.result.cells):
+            return False
+        cells = audited_cells(self.scene, self.lyapunov)
+        about_them = cells is not None and self.result.cells == inhabited(cells)
+        return about_them and self.result.check() and self == _result(self.scene, self.lyapunov, self.result)
+
+
+def audit(scene: Scene | SystemScene, lyapunov: str) -> AuditResult:
+    """Check a Lyapunov function.
+
+    Args:
+        scene: a wheel array (rule ``nearest`` or ``box``) or a plain system.
+        lyapunov: V in (x, y), or in the system's states; ``sign`` and ``Abs`` are allowed, max(a, b) is
+            ``(a + b + Abs(a - b))/2``.
+
+    Raises:
+        SceneError: for text that is no such formula.
+    """
+    cells = audited_cells(scene, lyapunov)
+    return _result(scene, lyapunov, None if cells is None else examine(cells))
+
+
+def audited_cells(scene: Scene | SystemScene, lyapunov: str) -> tuple[LyapunovCell, ...] | None:
+    """The domain, cut until the field and V are smooth; None for a rule without cells.
+
+    Raises:
+        SceneError: for text that is no formula of the states over the scene's field.
+    """
+    file = scene.source or scene.name
+    states = scene.states if isinstance(scene, SystemScene) else PLANE
+    formula = parse_lyapunov(lyapunov, states, file, KEY)
+    if scene.field.order % base_order(formula.turns()):
+        raise SceneError(file, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
+    cells = _field_cells(scene, formula)
+    return None if cells is None else lyapunov_cells(cells, formula, states, file, KEY)
+
+
+def _field_cells(scene: Scene | SystemScene, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
+    if isinstance(scene, SystemScene):
+        return system_cells(scene, domains(scene, lyapunov)[0])
+    if scene.contact.rule is Rule.ELLIPSE:
+        return None
+    build = build_nearest_partition if scene.contact.rule is Rule.NEAREST else build_box_partition
+    return partition_cells(build(scene.recentred()))
+
+
+def _result(scene: Scene | SystemScene, lyapunov: str, result: LyapunovResult | None) -> AuditResult:
+    """The verdict that follows from the inequalities."""
+    if result is None:
+        reason = 'rule "ellipse" moves the array by a field without cells, which is not audited'
+        return AuditResult(scene, lyapunov, AuditVerdict.UNDECIDED, None, reason, None, None)
+    verdict, proves = {
+        Decrease.STRICT: (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
+        Decrease.WEAK: (AuditVerdict.VALID, Translation.STABLE),
+        Decrease.REFUTED: (AuditVerdict.INVALID, None),
+        Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
+    }[result.verdict]
+    return AuditResult(scene, lyapunov, verdict, proves, result.reason, _named(result.witness), result)
+
+
+def _named(witness: Refutation | None) -> Refutation | None:
+    """The witness with every late number carried out."""
+    if witness is None:
+        return None
+    x, y, value = (v.exact() if isinstance(v, Lazy) else v for v in (*witness.point, witness.value))
+    return Refutation((x, y), value, witness.meaning)

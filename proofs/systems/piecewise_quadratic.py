@@ -1,0 +1,140 @@
+"""A continuous piecewise quadratic V for switched linear systems of cones: floats propose, exact arithmetic disposes.
+
+In the two rays a, b of a cone, ``c = s a + t b``, let ``V = v_a s^2 + 2 m s t + v_b t^2``: one number for each ray and
+one for each cone, so V is continuous however they are rounded.  On the cone V and -V' are positive if each is a
+positive definite form plus a product ``s t`` with a weight >= 0 (in two variables nothing is lost by that): linear
+matrix inequalities (Johansson and Rantzer 1998).  Cells are cut into thinner cones where one piece each is too stiff.
+The solution is rounded and proved anew, sliding on the rays included; what the rounding broke is tried again with
+longer fractions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.region import cone_region
+from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.scene import cross, dot
+
+DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
+HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
+
+
+@dataclass(frozen=True)
+class LinearCone:
+    """A cone between two rays (given by their numbers) with a linear field."""
+
+    start: int
+    end: int
+    velocity: Velocity
+
+
+def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:
+    """A proved V for a system of cones with linear fields; None where the search or the proof fails."""
+    if any(not p.is_homogeneous or (p and p.degree != 1) for cell in cells for v in cell.velocities for p in v):
+        return None
+    for halvings in HALVINGS:
+        rays, cones = linear_cones(cells, halvings)
+        proposal = solve_piecewise_quadratic(rays, cones)
+        for denominator in DENOMINATORS if proposal is not None else ():
+            on_rays, mixed = ([Fraction(x).limit_denominator(denominator) for x in part] for part in proposal or ())
+            result = examine(build_potential(rays, cones, on_rays, mixed))
+            if result.verdict is Decrease.STRICT:
+                return result
+    return None
+
+
+def linear_cones(cells: Sequence[FieldCell], halvings: int) -> tuple[list[Point], list[LinearCone]]:
+    """All rays, and the cones between them (one for each field), each cell's cone halved a number of times."""
+    rays: list[Point] = []
+
+    def number(ray: Point) -> int:
+        for k, known in enumerate(rays):
+            if not cross(known, ray) and sign(dot(known, ray)) > 0:
+                return k
+        rays.append(ray)
+        return len(rays) - 1
+
+    cones = [
+        LinearCone(number(a), number(b), velocity)
+        for cell in cells
+        for start, end in directions(cell.region)
+        for a, b in _halved((start[0], start[1]), (end[0], end[1]), halvings)
+        for velocity in cell.velocities
+    ]
+    return rays, cones
+
+
+def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
+    """The cone between two rays as 2^times cones."""
+    if not times:
+        return [(start, end)]
+    middle = (start[0] + end[0], start[1] + end[1])
+    return _halved(start, middle, times - 1) + _halved(middle, end, times - 1)
+
+
+def solve_piecewise_quadratic(
+    rays: Sequence[Point], cones: Sequence[LinearCone]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Values on unit rays and mixed values, by a semidefinite program; None where there are none.
+
+    Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
+    ``X = [[0, 1], [1, 0]]``.
+    """
+    import cvxpy as cp
+
+    on_rays, mixed, margin = cp.Variable(len(rays)), cp.Variable(len(cones)), cp.Variable()
+    weights = cp.Variable((len(cones), 2), nonneg=True)
+    exchange, eye = np.array([[0.0, 1.0], [1.0, 0.0]]), np.eye(2)
+    constraints = [on_rays <= 1]
+    for k, cone in enumerate(cones):
+        flow = _flow_in_rays(rays, cone)
+        first, second = on_rays[cone.start], on_rays[cone.end]
+        gram = first * np.diag([1.0, 0.0]) + second * np.diag([0.0, 1.0]) + mixed[k] * exchange
+        rate = flow.T @ gram + gram @ flow
+        constraints += [gram - margin * eye - weights[k, 0] * exchange >> 0]
+        constraints += [-rate - margin * eye - weights[k, 1] * exchange >> 0]
+    problem = cp.Problem(cp.Maximize(margin), constraints)
+    try:
+        problem.solve(solver=cp.CLARABEL)
+    except cp.SolverError:
+        return None
+    if margin.value is None or not margin.value > 0:
+        return None
+    return np.asarray(on_rays.value), np.asarray(mixed.value)
+
+
+def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
+    """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
+    basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
+    zero = cone.velocity[0].field.zero
+    matrix = np.array([[float(p.terms.get(e, zero)) for e in ((1, 0), (0, 1))] for p in cone.velocity])
+    return np.asarray(np.linalg.solve(basis, matrix @ basis))
+
+
+def build_potential(
+    rays: Sequence[Point], cones: Sequence[LinearCone], on_rays: Sequence[Fraction], mixed: Sequence[Fraction]
+) -> tuple[LyapunovCell, ...]:
+    """V from its values on the rays and its mixed values, exactly."""
+    cells: list[LyapunovCell] = []
+    for cone, m in zip(cones, mixed, strict=True):
+        first, second = rays[cone.start], rays[cone.end]
+        like = cone.velocity[0]
+        x, y = (Polynomial.variable(like.field, like.variables, name) for name in like.variables)
+        area: Any = cross(first, second)
+        s = (x * second[1] - y * second[0]) * area.inverse()
+        t = (y * first[0] - x * first[1]) * area.inverse()
+        potential = s * s * on_rays[cone.start] + s * t * (2 * m) + t * t * on_rays[cone.end]
+        cells.append(LyapunovCell(cone_region(first, second), (cone.velocity,), potential))
+    return tuple(cells)

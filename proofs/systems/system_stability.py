@@ -1,0 +1,244 @@
+"""Strong stability of a plain planar system's equilibrium: the scene's V first, then what decides without it.
+
+1. ``0`` must be in F at the point: otherwise every solution leaves it.
+2. The scene's V (:mod:`nonsmooth.proofs.systems.derivatives`): on the whole plane for a system of cones and a
+homogeneous V,
+   otherwise on the checked square, or on a smaller one.
+3. Fields that are constant near the equilibrium: the fan of cones, which is complete.
+4. Systems of cones: a ray of escape is unstable; for linear fields a piecewise quadratic V is searched and proved, one
+   that falls along every solution or, with time reversed, one that grows.
+5. A V that does not increase: stable, and not asymptotically where a ray of equilibria shows it.
+
+``stable`` says that every solution stays near; whether it attracts is then refuted or left open, as the reason tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from fractions import Fraction
+
+from nonsmooth.analysis.fields.switched_cells import (
+    FieldCell,
+    LyapunovCell,
+    gradients_at,
+    holds_zero,
+    lyapunov_cells,
+    plane,
+    square_regions,
+    system_cells,
+    velocities_at,
+)
+from nonsmooth.analysis.partitions.region import Region, cone_region
+from nonsmooth.proofs.clauses.ray_moves import (
+    ConstantFan,
+    RayKind,
+    RayMove,
+    are_cones,
+    decide_constant_fan,
+    ray_moves,
+    resting_edges,
+)
+from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.ladder import Ladder, ladder_at
+from nonsmooth.proofs.systems.piecewise_quadratic import HALVINGS, find_piecewise_quadratic, linear_cones
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.system import SystemScene
+
+SHRINKING = Fraction(1, 16)  # of the checked square, where V fails on all of it
+
+
+class Method(StrEnum):
+    """What decided."""
+
+    EQUILIBRIUM = "no equilibrium"
+    LYAPUNOV = "Lyapunov function"
+    FAN = "fan of cones"
+    RAY = "ray of escape"
+    GROWTH = "function that grows"
+    NONE = "nothing"
+
+
+@dataclass(frozen=True)
+class SystemResult:
+    """Stability of the equilibrium with everything that was proved about it.
+
+    Attributes:
+        scene: the system.
+        verdict: strong stability.
+        reason: one sentence for people.
+        method: what decided.
+        equilibrium: whether 0 is in F.
+        everywhere: whether asymptotic stability is proved for starts in the whole plane.
+        lyapunov: the scene's V, on the checked square (on the plane for a system of cones).
+        certificate: the V that shows stability, on its own domain; None where none does.
+        growth: a V that falls along every solution of the reversed system; None where none was needed or found.
+        fan: the decision by the fan, where it was needed and the fields are constant.
+        rays: rays of escape and rest of a system of cones, sides of rest of any other.
+    """
+
+    scene: SystemScene
+    verdict: Translation
+    reason: str
+    method: Method
+    equilibrium: Equilibrium
+    everywhere: bool
+    lyapunov: LyapunovResult
+    certificate: LyapunovResult | None
+    growth: LyapunovResult | None
+    fan: ConstantFan | None
+    rays: tuple[RayMove, ...]
+
+    @property
+    def origin_ladder(self) -> Ladder:
+        """The three derivatives of the scene's V at the equilibrium."""
+        origin = (self.scene.field.zero, self.scene.field.zero)
+        cells = self.lyapunov.cells
+        return ladder_at(velocities_at(cells, origin), gradients_at(cells, origin))
+
+    @property
+    def witness(self) -> Refutation | None:
+        """Where the scene's V fails."""
+        return self.lyapunov.witness
+
+    def check(self) -> bool:
+        """Re-verify the evidence, that it speaks of this system's cells, and the conclusion."""
+        cells = plane_cells(self.scene)
+        known = [inhabited(scene_cells(self.scene, d)) for d in domains(self.scene, self.scene.check.lyapunov)]
+        genuine = self.lyapunov.check() and self.lyapunov.cells == known[0]
+        if self.certificate is not None:
+            ours = self.certificate.cells in known or _are_the_cones(self.certificate.cells, cells)
+            genuine = genuine and ours and self.certificate.check()
+        if self.growth is not None:
+            genuine = genuine and _are_the_cones(self.growth.cells, reversed_cells(cells)) and self.growth.check()
+        if self.fan is not None:
+            genuine = genuine and self.fan.check() and self.fan == decide_constant_fan(cells)
+        rays = _rays(cells)
+        again = conclude(_equilibrium(cells), self.certificate, self.growth, self.fan, rays)
+        return genuine and self.rays == rays and again == (self.verdict, self.reason, self.method)
+
+
+def system_check(scene: SystemScene) -> SystemResult:
+    """Decide the stability of a plain system's equilibrium.
+
+    Raises:
+        SceneError: for formulas that cannot be used on some cell.
+    """
+    cells = plane_cells(scene)
+    conical = are_cones(cells)
+    rays = _rays(cells)
+    holds = _equilibrium(cells)
+    regions = domains(scene, scene.check.lyapunov)
+    reported = examine(scene_cells(scene, regions[0]))
+    certificate = _certificate(scene, reported, regions[1:] if holds is Equilibrium.HOLDS else [])
+    fan, growth = None, None
+    if certificate is None or certificate.verdict is not Decrease.STRICT:
+        fan = decide_constant_fan(cells)
+        if fan is None and conical and not rays:
+            certificate = find_piecewise_quadratic(cells) or certificate
+            growth = find_piecewise_quadratic(reversed_cells(cells)) if certificate is None else None
+    verdict, reason, method = conclude(holds, certificate, growth, fan, rays)
+    everywhere = verdict is Translation.ASYMPTOTICALLY_STABLE and conical and _one_degree(cells)
+    return SystemResult(scene, verdict, reason, method, holds, everywhere, reported, certificate, growth, fan, rays)
+
+
+def conclude(
+    equilibrium: Equilibrium,
+    certificate: LyapunovResult | None,
+    growth: LyapunovResult | None,
+    fan: ConstantFan | None,
+    rays: Sequence[RayMove],
+) -> tuple[Translation, str, Method]:
+    """Verdict, reason and what decided, from the evidence."""
+    if equilibrium is Equilibrium.FAILS:
+        more = f"; {fan.reason}" if fan is not None and fan.verdict is Translation.UNSTABLE else ""
+        return Translation.UNSTABLE, f"0 is not in F there, so every solution leaves it{more}", Method.EQUILIBRIUM
+    if certificate is not None and certificate.verdict is Decrease.STRICT:
+        return Translation.ASYMPTOTICALLY_STABLE, certificate.reason, Method.LYAPUNOV
+    if fan is not None and fan.verdict is not Translation.UNDECIDED:
+        return fan.verdict, fan.reason, Method.FAN
+    for escape in _of_kind(rays, RayKind.ESCAPE):
+        return Translation.UNSTABLE, str(escape), Method.RAY
+    if growth is not None and growth.verdict is Decrease.STRICT:
+        return Translation.UNSTABLE, "a positive V grows along every solution", Method.GROWTH
+    if certificate is not None:
+        rests = _of_kind(rays, RayKind.REST)
+        why = f"not asymptotically: {rests[0]}" if rests else "whether the equilibrium attracts is not decided by it"
+        return Translation.STABLE, f"{certificate.reason}; {why}", Method.LYAPUNOV
+    return Translation.UNDECIDED, "no Lyapunov function was found, and no solution that leaves", Method.NONE
+
+
+def domains(scene: SystemScene, lyapunov: PiecewiseExpression) -> list[tuple[Region, ...]]:
+    """Where V is tried, in order; a system of cones with homogeneous V looks the same at every distance."""
+    cells = lyapunov_cells(plane_cells(scene), lyapunov, scene.states, scene.source or scene.name)
+    if are_cones(cells) and all(cell.potential.is_homogeneous for cell in cells):
+        return [plane(scene)]
+    return [square_regions(scene.check.radius * factor) for factor in (1, SHRINKING)]
+
+
+def plane_cells(scene: SystemScene) -> tuple[FieldCell, ...]:
+    """The cells of the whole plane."""
+    return system_cells(scene, plane(scene))
+
+
+def scene_cells(scene: SystemScene, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
+    """The cells of some regions, cut further where the scene's V bends."""
+    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.source or scene.name)
+
+
+def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:
+    """The system with time reversed."""
+    return tuple(replace(cell, velocities=tuple((-f, -g) for f, g in cell.velocities)) for cell in cells)
+
+
+def _certificate(
+    scene: SystemScene, reported: LyapunovResult, others: Sequence[Sequence[Region]]
+) -> LyapunovResult | None:
+    """The best of the scene's V on the given domains: a strict one at once, the first weak one otherwise."""
+    weak: LyapunovResult | None = None
+    for result in _examined(scene, reported, others):
+        if result.verdict is Decrease.STRICT:
+            return result
+        if result.verdict is Decrease.WEAK:
+            weak = weak or result
+    return weak
+
+
+def _examined(
+    scene: SystemScene, reported: LyapunovResult, others: Sequence[Sequence[Region]]
+) -> Iterator[LyapunovResult]:
+    yield reported
+    for regions in others:
+        yield examine(scene_cells(scene, regions))
+
+
+def _rays(cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
+    """Rays of escape and rest of a system of cones, sides of rest of any other."""
+    return tuple(ray_moves(cells) if are_cones(cells) else resting_edges(cells))
+
+
+def _equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
+    zero = cells[0].velocities[0][0].field.zero
+    return Equilibrium.HOLDS if holds_zero(velocities_at(cells, (zero, zero))) else Equilibrium.FAILS
+
+
+def _of_kind(rays: Sequence[RayMove], kind: RayKind) -> list[RayMove]:
+    return [ray for ray in rays if ray.kind is kind]
+
+
+def _one_degree(cells: Sequence[FieldCell]) -> bool:
+    """Whether all fields are homogeneous of one degree: then solutions scale to solutions."""
+    return len({p.degree for cell in cells for v in cell.velocities for p in v if p}) <= 1
+
+
+def _are_the_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> bool:
+    """Whether cells of a searched V are the cones of the system, with its fields."""
+    for halvings in HALVINGS:
+        rays, cones = linear_cones(cells, halvings)
+        known = [(cone_region(rays[cone.start], rays[cone.end]), (cone.velocity,)) for cone in cones]
+        if known == [(cell.region, cell.velocities) for cell in found]:
+            return True
+    return False

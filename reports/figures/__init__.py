@@ -1,0 +1,1 @@
+"""Figures by Matplotlib, which is imported only inside the call that draws."""

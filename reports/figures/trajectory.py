@@ -1,0 +1,106 @@
+"""A trajectory as a picture: x, y and theta over time (the paper's Figures 4 and 5), and the path over the cells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
+from nonsmooth.reports.figures.cell_map import INK, PALETTE, TINT, figure_bytes, require_drawable
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SIZE = (9.6, 5.6)  # inches
+PATH = "#0072B2"
+MARKERS = {  # a form for every kind, so that color is not needed to tell them apart
+    EventKind.CROSS: "|",
+    EventKind.SLIDE: "s",
+    EventKind.LEAVE: "^",
+    EventKind.REST: "o",
+    EventKind.NONUNIQUE: "D",
+}
+LABELS = ("x [length]", "y [length]", "theta [rad]")
+SAMPLES = 400  # times at which the curves are drawn
+MOST_MARKS = 200  # events that are marked: accumulating switches would cover the curve
+
+
+def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str) -> bytes:
+    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
+    require_drawable(partition)
+    return figure_bytes(lambda: build_figure(partition, trajectory), suffix)
+
+
+def build_figure(partition: Partition, trajectory: Trajectory) -> Figure:
+    """The picture as a Matplotlib figure."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
+    curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
+    _draw_curves(curves, trajectory)
+    _draw_path(figure.add_subplot(grid[:, 1]), partition, trajectory)
+    name = one_line(partition.scene.name)
+    title = f"{name}: rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
+    figure.suptitle(title, fontsize="medium", parse_math=False)
+    _explain(figure, trajectory)
+    return figure
+
+
+def _draw_curves(curves: list[Axes], trajectory: Trajectory) -> None:
+    times, states = _dense(trajectory)
+    for k, axes in enumerate(curves):
+        axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+        axes.plot(times, states[:, k], color=PATH, linewidth=1.6)
+        for event in trajectory.events[:MOST_MARKS]:
+            place = [float(event.t)], [float(event.state[k])]
+            axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=5, fillstyle="none", linestyle="none")
+        axes.set_ylabel(LABELS[k])
+        axes.margins(x=0.02, y=0.15)
+        if k < 2:
+            axes.tick_params(labelbottom=False)
+    curves[2].set_xlabel("t [time]")
+    curves[0].sharex(curves[2])
+    curves[1].sharex(curves[2])
+
+
+def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times and states close enough together that arcs look round; the samples themselves where there are no pieces."""
+    times = np.array([float(t) for t in trajectory.times])
+    if not trajectory.pieces:
+        return times, trajectory.array
+    finer = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], SAMPLES)]))
+    return finer, trajectory.sample(finer.tolist())
+
+
+def _draw_path(axes: Axes, partition: Partition, trajectory: Trajectory) -> None:
+    twists = list(dict.fromkeys(cell.twists for cell in partition.cells))
+    for cell in partition.cells:
+        xs, ys = zip(*((float(x), float(y)) for x, y in cell.polygon.vertices), strict=True)
+        color = PALETTE[twists.index(cell.twists) % len(PALETTE)]
+        axes.fill(xs, ys, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
+        axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
+    _, path = _dense(trajectory)
+    axes.plot(path[:, 0], path[:, 1], color=PATH, linewidth=1.8, zorder=3)
+    axes.plot(*path[0, :2], marker=">", color=PATH, markersize=8, zorder=4)
+    for event in trajectory.events[:MOST_MARKS]:
+        place = [[float(event.state[0])], [float(event.state[1])]]
+        axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4)
+    axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+
+
+def _explain(figure: Figure, trajectory: Trajectory) -> None:
+    """The legend of what occurs."""
+    from matplotlib.lines import Line2D
+
+    kinds = dict.fromkeys(event.kind for event in trajectory.events)
+    entries = [Line2D([], [], marker=">", color=PATH, linestyle="none", label="start")]
+    for kind in kinds:
+        marker = MARKERS[kind]
+        entries.append(Line2D([], [], label=str(kind), marker=marker, color=INK, fillstyle="none", linestyle="none"))
+    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)

@@ -1,0 +1,141 @@
+"""Sections of the derivation report on contact: constraints, contact states with their equations, cells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.reports.document import Block, Bullets, Display, Section, Text, display, number, point, table
+from nonsmooth.reports.prose import listed, paragraph
+from nonsmooth.symbolic.constraints import constraint_matrix
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
+from nonsmooth.symbolic.formulas import number_latex, real_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Wheel
+
+LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)
+LONGEST_ENTRY = 30  # the same for an entry of a matrix
+SIDE_BY_SIDE = 62  # characters of both widest lines up to which two systems stand beside each other
+
+
+def constraints_section(wheels: Iterable[Wheel]) -> Section:
+    """Omega_i of the given wheels, about the checked point."""
+    general = display(
+        r"\Omega_i = \begin{pmatrix} d_i^T & d_i \cdot J p_i & -u_i \\ n_i^T & n_i \cdot J p_i & 0 \end{pmatrix},"
+        r"\qquad n_i = J d_i, \qquad \Omega_i \begin{pmatrix} \xi \\ 1 \end{pmatrix} = 0",
+        "Omega_i = [[d_i^T, d_i . J p_i, -u_i], [n_i^T, n_i . J p_i, 0]], n_i = J d_i, Omega_i (xi, 1) = 0",
+    )
+    blocks: list[Block] = [
+        paragraph(
+            "Wheel i acts through a roll row and a side row (eq. 2 of the paper, written for a rim along `d_i`):"
+        ),
+        general,
+        paragraph(
+            "In the body's own coordinates the arm is `p_i - c` instead of `p_i`: the rows depend on x and y, "
+            "never on `theta`."
+        ),
+    ]
+    blocks += [_constraint(wheel) for wheel in wheels]
+    return Section("Constraints", tuple(blocks))
+
+
+def held_wheels(result: CellCheck) -> list[Wheel]:
+    """The wheels whose rows are held somewhere in the square."""
+    held = {row.wheel.index for state in result.partition.states for row in state.rows}
+    return [wheel for wheel in result.partition.scene.wheels if wheel.index in held]
+
+
+def _constraint(wheel: Wheel) -> Display:
+    rows = constraint_matrix(wheel)
+    latex = r" \\ ".join(" & ".join(number_latex(entry, LONGEST_ENTRY) for entry in row) for row in rows)
+    plain = "; ".join(", ".join(str(entry) for entry in row) for row in rows)
+    return display(
+        rf"\Omega_{{{wheel.index}}} = \begin{{pmatrix}} {latex} \end{{pmatrix}}", f"Omega_{wheel.index} = [{plain}]"
+    )
+
+
+def contact_states_section(result: CellCheck) -> Section:
+    """The census, the general solution, and every minimizing state in both coordinates."""
+    general = display(
+        r"\omega = \frac{u_j - u_i\, d_i \cdot d_j}{d_j \cdot J(p_j - p_i)}, \qquad v = u_i d_i - \omega J p_i",
+        "omega = (u_j - u_i d_i . d_j) / (d_j . J(p_j - p_i)), v = u_i d_i - omega J p_i",
+    )
+    words = paragraph(
+        "Both rows of wheel i and the roll row of wheel j have the solution below; for the side row of wheel "
+        "j, `n_j` replaces `d_j` and 0 replaces `u_j`."
+    )
+    blocks: tuple[Block, ...] = (_census(result), words, general)
+    if result.scene.contact.rule is Rule.BOX:
+        functional = display(
+            r"D(\xi) = \sum_i N_i \left(\mu_R \lvert d_i \cdot v(p_i) - u_i \rvert"
+            r" + \mu_S \lvert n_i \cdot v(p_i) \rvert\right)",
+            "D(xi) = sum_i N_i (mu_R |d_i . v(p_i) - u_i| + mu_S |n_i . v(p_i)|)",
+        )
+        words = paragraph("The motion minimizes the dissipation below; a minimizer satisfies three independent rows.")
+        blocks = (_census(result), words, functional)
+    states = tuple(_state_section(result, state) for state in result.partition.states)
+    return Section("Contact states and governing equations", blocks, states)
+
+
+def _census(result: CellCheck) -> Bullets:
+    census = result.census
+    items: list[Text] = [(f"possible: {census.possible} triples of the {2 * len(result.scene.wheels)} rows",)]
+    if census.singular is not None:
+        items.append((f"singular: {census.singular} triples of dependent rows",))
+        items.append((f"regular: {census.regular}, with {census.distinct_twists} distinct twists",))
+    items.append((f"minimizing: {len(result.partition.states)} own a cell of the checked square",))
+    return Bullets(tuple(items))
+
+
+def _state_section(result: CellCheck, state: ContactState) -> Section:
+    held = set(state.rows)
+    cells = [str(c.index) for c in result.partition.cells if any(set(s.rows) == held for s in c.states)]
+    title = f"{state.name} (cell{'s' * (len(cells) > 1)} {', '.join(cells)})"
+    blocks: list[Block] = [paragraph("At the scene's speeds, spatial twist and pose rate:")]
+    blocks += _pair(*(governing_equations(state, kind) for kind in Coordinates))
+    if len(state.rows) > 3:
+        words = "More than three rows hold at these speeds, so no three of them define control vector fields."
+        blocks.append(paragraph(words))
+    elif state.control_fields:
+        blocks.append(paragraph("With the speeds as inputs (their factors are the control vector fields):"))
+        blocks += _pair(*(governing_equations(state, kind, symbolic_inputs=True) for kind in Coordinates))
+    else:
+        blocks.append(paragraph("No input acts: all three rows are side rows."))
+    return Section(title, tuple(blocks))
+
+
+def _pair(*systems: GoverningEquations) -> list[Block]:
+    """Two systems beside each other where there is room, one below the other elsewhere."""
+    plains = [system.plain(LONGEST) for system in systems]
+    latex = [system.latex(LONGEST) for system in systems]
+    if sum(max(len(line) for line in plain.splitlines()) for plain in plains) <= SIDE_BY_SIDE:
+        return [display(r" \qquad ".join(latex), "\n".join(plains))]
+    return [display(*notations) for notations in zip(latex, plains, strict=True)]
+
+
+def cells_section(result: CellCheck) -> Section:
+    """The polygons and the proof that they tile the square."""
+    rows = [
+        (
+            str(cell.index),
+            " or ".join(state.name for state in cell.states),
+            listed([point(vertex) for vertex in cell.polygon.vertices]),
+            number(cell.polygon.area),
+        )
+        for cell in result.partition.cells
+    ]
+    header = ("cell", "rows held", "vertices, counterclockwise", "area")
+    return Section("Cells", (table(header, rows, (1.2, 2, 6.6, 2.7)), paragraph("{}", _tiling(result))))
+
+
+def _tiling(result: CellCheck) -> str:
+    partition = result.partition
+    if not partition.complete:
+        return "Only the cells at the checked point were built; the verdicts need no others."
+    error = partition.area_error
+    if isinstance(error, Number) and not error:
+        return "The cells' areas add up to the area of the square exactly, so they tile it."
+    holds = "holds 0" if partition.tiles else "does not hold 0"
+    return f"Area of the square minus area of the cells: {real_text(error)}, which {holds}."

@@ -1,0 +1,92 @@
+"""The feedback clause in the derivation report: the law, why it works, and the sign it needs in every cell."""
+
+from __future__ import annotations
+
+from nonsmooth.proofs.clauses.authority import Authority
+from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.reports.document import Block, Entry, Math, Paragraph, Table, display, number, point, table
+from nonsmooth.reports.prose import listed, paragraph, prose
+
+_SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
+
+
+def feedback_blocks(feedback: FeedbackResult | SampledFeedback, authority: Authority) -> tuple[Block, ...]:
+    """Reason, law, witness, table of cells or samples, and torque authority, as far as there are any."""
+    blocks: list[Block] = [paragraph("Reason: {}.", feedback.reason)]
+    if feedback.verdict is Feedback.STABILIZABLE:
+        blocks += _law_blocks()
+    if feedback.witness is not None:
+        words = "Witness: `c` = {} and `theta` = {} ({})."
+        witness = feedback.witness
+        blocks.append(paragraph(words, point(witness.point), number(witness.value), witness.meaning))
+    if isinstance(feedback, SampledFeedback):
+        blocks += _sample_blocks(feedback)
+    else:
+        blocks += _sign_blocks(feedback)
+    missing = listed([point(twist) for twist in authority.missing])
+    shown = prose("no twist is missing") if not missing else (*prose("missing twists `xi = (v, omega)`: "), *missing)
+    rank = prose("Torque authority: the roll rows have rank {} of 3 at the checked point; ", str(authority.rank))
+    return (*blocks, Paragraph((*rank, *shown, ".")))
+
+
+def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
+    blocks: list[Block] = []
+    if feedback.rate is not None:
+        kappa = feedback.rate.kappa
+        bound = f"-{float(2 * kappa):.4g}"
+        formula = Math(rf"\dot V \le {bound}\, k V", f"V' <= {bound} k V")
+        blocks.append(paragraph("Certified on every closed cone at the equilibrium: {}.", formula))
+    if feedback.cells:
+        blocks.append(_cell_table(feedback))
+    failing = ", ".join(str(index) for index in feedback.printed_sign_fails)
+    if failing:
+        blocks.append(paragraph("The paper's `u_j = -k theta` (sec. 3.3) has the wrong sign in the cells {}.", failing))
+    return blocks
+
+
+def _sample_blocks(feedback: SampledFeedback) -> list[Block]:
+    if not feedback.laws:
+        return []
+    rows: list[tuple[Entry, ...]] = []
+    for sample in feedback.laws:
+        state = listed([Math(x, x) for x in (f"{value:.4g}" for value in sample.worst_state)])
+        rate = f"{sample.worst_rate:.4g}"
+        rows.append((str(sample.law), str(sample.states), Math(f"{rate}\\, k", f"{rate} k"), state))
+    header = ("law", "states", prose("largest `V'/V` found"), "at (x, y, theta)")
+    return [paragraph("Sampled, not proved, with gain `k`:"), table(header, rows, (3, 1.5, 3, 4))]
+
+
+def _law_blocks() -> list[Block]:
+    law = display(
+        r"\begin{gathered} u_i = -k a, \qquad u_j = -k b, \\ b = \frac{\theta - c \cdot J p_i}{d_j \cdot J(p_j - p_i)},"
+        r" \qquad a = c \cdot d_i - (d_i \cdot d_j)\, b \end{gathered}",
+        "u_i = -k a, u_j = -k b, b = (theta - c . J p_i)/(d_j . J(p_j - p_i)), a = c . d_i - (d_i . d_j) b",
+    )
+    rate = display(
+        r"V = \lvert c \rvert^2 + \theta^2, \qquad \tfrac12 \dot V = a u_i + b u_j = -k (a^2 + b^2)",
+        "V = |c|^2 + theta^2, V'/2 = a u_i + b u_j = -k (a^2 + b^2)",
+    )
+    why = paragraph(
+        "The two coefficients vanish together only where `c . d_i = 0`; the table shows that this product has "
+        "one strict sign on each closed cell at the equilibrium."
+    )
+    return [law, rate, why]
+
+
+def _cell_table(feedback: FeedbackResult) -> Table:
+    header = (
+        "cell",
+        prose("`i`"),
+        prose("`j`"),
+        prose("sign of `u_j` that turns `theta > 0` back"),
+        prose("signs of `c . d_i` at the vertices"),
+    )
+    return table(header, [_cell_row(data) for data in feedback.cells], (1.2, 1, 1, 4, 4))
+
+
+def _cell_row(data: InputCell) -> tuple[Entry, ...]:
+    needed = _SIGNS[-data.torque_sign] if data.torque_sign else "none: side row"
+    signs = listed([_SIGNS[projection.sign()] for projection in data.projections])
+    return str(data.cell.index), str(data.nearest.index), str(data.second.index), needed, signs

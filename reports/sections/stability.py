@@ -1,0 +1,191 @@
+"""Sections of the derivation report on stability: Filippov set, upper derivative, the clauses of Theorem 4."""
+
+from __future__ import annotations
+
+import math
+
+from nonsmooth.analysis.fields.filippov import CellDerivative
+from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
+from nonsmooth.proofs.clauses.fan import FanResult
+from nonsmooth.proofs.clauses.rotation import RotationResult
+from nonsmooth.proofs.clauses.translation import TranslationResult, Witness
+from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.reports.document import Block, Entry, Paragraph, Section, column, display, number, point, table
+from nonsmooth.reports.prose import listed, paragraph, prose
+from nonsmooth.reports.records import Check
+from nonsmooth.reports.sections.feedback import feedback_blocks
+from nonsmooth.symbolic.constraints import Twist
+
+
+def filippov_section(result: CellCheck) -> Section:
+    """The twists that meet at the checked point."""
+    general = display(
+        r"F(c) = \operatorname{co} \{ \dot c \text{ of every cell whose closure holds } c \}",
+        "F(c) = co { c' of every cell whose closure holds c }",
+    )
+    rows = [
+        (", ".join(_cells_of(result, twist)), point(twist.velocity), number(twist.omega))
+        for twist in result.equilibrium.twists
+    ]
+    words = paragraph("Values on the boundaries of cells are ignored. At the checked point these motions meet:")
+    return Section("Filippov set", (general, words, table(("cells", prose("`v`"), prose("`omega`")), rows, (2, 5, 3))))
+
+
+def _cells_of(result: CellCheck, twist: Twist) -> list[str]:
+    zero = result.partition.scene.field.zero
+    meeting = result.partition.cells_at((zero, zero))
+    return [str(cell.index) for cell in meeting if twist in cell.twists]
+
+
+def lyapunov_section(result: CellCheck) -> Section:
+    """V* on every closed cell."""
+    general = display(
+        r"\dot V^*(c) = \max_{f \in F(c)} \nabla V \cdot f, \qquad \nabla V \cdot \dot c = 2\, c \cdot v"
+        r" \quad \text{on a cell, because } c \cdot J c = 0",
+        "V*(c) = max over f in F(c) of grad V . f; on a cell grad V . c' = 2 c . v, because c . J c = 0",
+    )
+    intro = paragraph(
+        "With `V = |c - c*|^2` this is linear on each closed cell, so its sign is decided at the vertices, exactly. "
+        "The last column is the supremum of `V*/|c|` on the cell."
+    )
+    if result.translation.lemma is not None:
+        lemma = "All wheels lie on one circle about the point with rims inward, so `V* <= 0` on the whole square."
+        intro = Paragraph((*intro.text, " ", *prose(lemma)))
+    header = ("cell", prose("`v`"), prose("`V*` at the vertices"), "supremum")
+    rows = [_derivative_row(derivative) for derivative in result.translation.derivatives]
+    where = "On the whole square" if result.partition.complete else "On these cells"
+    worst = paragraph(where + " the supremum of `V*/|c|` is {}.", number(result.translation.worst_rate))
+    return Section("Upper derivative", (general, intro, table(header, rows, (1.2, 4, 5.8, 2.7)), worst))
+
+
+def _derivative_row(derivative: CellDerivative) -> tuple[Entry, ...]:
+    rates = listed([number(rate) for rate in derivative.rates])
+    supremum = number(derivative.relative().value)
+    return str(derivative.cell.index), point(derivative.twist.velocity), rates, supremum
+
+
+def equilibria_section(result: CellCheck) -> Section:
+    """Every equilibrium of the square, where they were searched for."""
+    if result.others is None:
+        return Section("Equilibria of the square", (paragraph("Other equilibria were not searched for."),))
+    if not result.others:
+        return Section("Equilibria of the square", (paragraph("There is none."),))
+    rows: list[tuple[Entry, ...]] = [
+        (
+            str(judged.found.place),
+            listed([point(p) for p in judged.found.points]),
+            ", ".join(str(cell) for cell in judged.found.cells),
+            "" if judged.translation is None else str(judged.translation),
+            "" if judged.rotation is None else str(judged.rotation),
+        )
+        for judged in result.others
+    ]
+    words = paragraph("Points with zero velocity in the Filippov set of the exact kinematics, all of them:")
+    return Section(
+        "Equilibria of the square",
+        (words, table(("where", "points", "cells", "(x, y)", "theta"), rows, (2, 3, 2, 2, 2))),
+    )
+
+
+def theorem_section(result: Check) -> Section:
+    """The clauses with certificate or witness, and the conclusion."""
+    clauses = (
+        Section(f"Clause 1, equilibrium: {result.equilibrium.verdict}", _equilibrium_blocks(result.equilibrium)),
+        Section(f"Clause 2, translation: {result.translation.verdict}", _translation_blocks(result.translation)),
+        Section(f"Clause 3, rotation: {result.rotation.verdict}", _rotation_blocks(result.rotation)),
+        Section(f"Clause 4, feedback: {result.feedback.verdict}", feedback_blocks(result.feedback, result.authority)),
+        Section(f"Conclusion: {result.verdict}", (paragraph("Because {}.", result.reason),)),
+    )
+    return Section("Theorem 4, clause by clause", (), clauses)
+
+
+def _equilibrium_blocks(equilibrium: EquilibriumResult | EllipseEquilibrium) -> tuple[Block, ...]:
+    reason = paragraph("Reason: {}.", equilibrium.reason)
+    if isinstance(equilibrium, EllipseEquilibrium):
+        return (reason,)
+    if equilibrium.verdict is Equilibrium.HOLDS:
+        rows = [(point(equilibrium.twists[k].velocity), number(w)) for k, w in equilibrium.weights.items()]
+        words = paragraph("These convex weights give velocity zero, so 0 lies in `F(c*)`:")
+        return reason, words, table((prose("`v`"), "weight"), rows, (3, 1))
+    if equilibrium.separator is None:
+        return (reason,)
+    separator = column(equilibrium.separator)
+    words = paragraph(
+        "This vector has a positive product with every velocity that meets there, so 0 is not in `F(c*)`:"
+    )
+    return reason, words, display(separator.latex, separator.plain)
+
+
+def _translation_blocks(translation: TranslationResult | EllipseTranslation) -> tuple[Block, ...]:
+    blocks: list[Block] = [paragraph("Reason: {}.", translation.reason)]
+    if isinstance(translation, EllipseTranslation):
+        return tuple(blocks)
+    if translation.region_radius is not None:
+        relation = "`V* < 0`" if translation.verdict is Translation.ASYMPTOTICALLY_STABLE else "`V* <= 0`"
+        region = relation + " on the disc of radius {} about the checked point, but at the point itself."
+        blocks.append(paragraph(region, number(translation.region_radius)))
+    decay = translation.decay_rate
+    if decay is not None:
+        bound = display(
+            rf"\dot V^* \le -\kappa \lvert c \rvert, \quad \kappa = {number(decay).latex}, \quad"
+            r" \text{so } c \text{ arrives within } 2 \lvert c_0 \rvert / \kappa",
+            f"V* <= -kappa |c|, kappa = {number(decay).plain}, so c arrives within 2 |c_0|/kappa",
+        )
+        blocks.append(bound)
+    if translation.witness is not None:
+        blocks.append(_translation_witness(translation.witness))
+    if translation.fan is not None:
+        blocks += _fan_blocks(translation.fan)
+    return tuple(blocks)
+
+
+def _fan_blocks(fan: FanResult) -> list[Block]:
+    """What the cones around the point decide where V does not."""
+    words = (
+        "The fan of the {} cones that meet at the point says: {}. Near the point a solution moves away at most {}-fold."
+    )
+    if fan.squared_overshoot is None:  # several motions tie in a cone
+        return [paragraph("The fan of the {} cones that meet at the point says: {}.", str(len(fan.cones)), fan.reason)]
+    growth = f"{math.sqrt(float(fan.squared_overshoot)):.6g}"
+    return [paragraph(words, str(len(fan.cones)), fan.reason, growth)]
+
+
+def _translation_witness(witness: Witness) -> Block:
+    words = "Witness: at `c` = {} the upper derivative `V*` is {} ({})."
+    return paragraph(words, point(witness.point), number(witness.value), witness.meaning)
+
+
+def _rotation_blocks(rotation: RotationResult) -> tuple[Block, ...]:
+    invariance = paragraph(
+        "No twist depends on `theta`, so `theta = 0` is never asymptotically stable. This alone does not prove "
+        "that it is unstable; the drift decides: the range of `omega` over those members of `F(c*)` that leave "
+        "`c` at rest."
+    )
+    reason = paragraph("Reason: {}.", rotation.reason)
+    if rotation.drift is None:
+        return invariance, reason
+    low, high = (number(end) for end in rotation.drift.interval)
+    interval = display(rf"\omega \in \left[{low.latex},\ {high.latex}\right]", f"omega in [{low.plain}, {high.plain}]")
+    ends = (("lowest", rotation.drift.lowest), ("highest", rotation.drift.highest))
+    twists = rotation.drift.twists
+    rows = [
+        (name, point(twists[k].velocity), number(twists[k].omega), number(weight))
+        for name, mixture in ends
+        for k, weight in mixture.weights.items()
+    ]
+    bounds = paragraph(
+        "No weights pass beyond: the multipliers `y` below satisfy `y . (v, 1) >= omega` for every twist (for "
+        "the lowest end with `-omega`), and their last entry is the bound."
+    )
+    multipliers = [(name, point(mixture.multipliers)) for name, mixture in ends]
+    return (
+        invariance,
+        interval,
+        reason,
+        paragraph("Convex weights that leave `c` at rest and attain the ends:"),
+        table(("end", prose("`v`"), prose("`omega`"), "weight"), rows, (2, 5, 3, 2)),
+        bounds,
+        table(("end", prose("`y`")), multipliers, (1, 5)),
+    )

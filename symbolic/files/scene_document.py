@@ -1,0 +1,109 @@
+"""The tables of a scene file and the keys that each may hold."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated, TypeAlias
+
+from pydantic import PlainValidator, StrictStr
+
+from nonsmooth.symbolic.expression import Expression
+from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
+from nonsmooth.symbolic.files.scene_values import (
+    Exact,
+    ExactField,
+    OptionalExact,
+    PairField,
+    Table,
+    read_exact,
+    read_in_plane,
+)
+from nonsmooth.symbolic.files.velocity_fields import AnyField
+from nonsmooth.symbolic.rule import Rule
+
+MAX_NAME = 200  # characters
+
+LoadRows: TypeAlias = tuple[tuple[Exact, Exact, Exact], ...]
+
+
+def read_loads(value: object) -> LoadRows | None:
+    """``elastic`` (None), [[c0, cx, cy], ...] or {table = [...]}.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if value == "elastic":
+        return None
+    rows = value["table"] if isinstance(value, dict) and set(value) == {"table"} else value
+    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == 3 for row in rows):
+        raise ValueError('required "elastic" or rows [[c0, cx, cy], ...]')
+    return tuple((read_exact(a), read_exact(b), read_exact(c)) for a, b, c in rows)
+
+
+def read_lyapunov(value: object) -> Expression | None:
+    """A formula in x and y; None for the default ``x**2 + y**2``.
+
+    Raises:
+        ExpressionError: for anything else.
+    """
+    formula = read_in_plane(value)
+    return None if formula.text.replace(" ", "") == "x**2+y**2" else formula
+
+
+def read_name(value: object) -> str:
+    """A printable line.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or not value.isprintable():
+        raise ValueError(f"required a printable text of 1 to {MAX_NAME} characters")
+    return value.strip()
+
+
+Name = Annotated[str | None, PlainValidator(read_name)]
+Loads = Annotated[LoadRows | None, PlainValidator(read_loads)]
+
+
+class FrictionTable(Table):
+    """``[friction]``: Coulomb coefficients of every wheel that names none."""
+
+    mu_roll: OptionalExact = None
+    mu_side: OptionalExact = None
+
+
+class WheelFile(Table):
+    """``[wheels]``: a CSV table, its path relative to the scene file."""
+
+    file: StrictStr
+
+
+class ContactTable(Table):
+    """``[contact]``; ``table = [...]`` is short for ``loads = {table = [...]}``."""
+
+    rule: Rule = Rule.NEAREST
+    loads: Loads = None
+    table: Loads = None
+
+
+class CheckTable(Table):
+    """``[check]``: the equilibrium, the half-width of the square about it, and a Lyapunov function V."""
+
+    equilibrium: PairField = (Fraction(0), Fraction(0))
+    radius: ExactField = Fraction(1, 2)
+    lyapunov: Annotated[Expression | None, PlainValidator(read_lyapunov)] = None
+
+
+class Document(Table):
+    """A whole scene file."""
+
+    name: Name = None
+    description: Name = None
+    friction: FrictionTable = FrictionTable()
+    wheel: list[WheelTable] | None = None
+    ring: Ring | None = None
+    grid: Grid | None = None
+    wheels: WheelFile | None = None
+    field: AnyField | None = None
+    contact: ContactTable = ContactTable()
+    check: CheckTable = CheckTable()

@@ -1,0 +1,235 @@
+"""Scene files: TOML in, one :class:`Scene` with exact numbers in one field out.
+
+Structure is checked by pydantic, numbers by the formula parser, geometry last.  Whatever is wrong ends
+in one :class:`SceneError` that names file, key, what was expected and what was received.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from decimal import Decimal
+from difflib import get_close_matches
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from nonsmooth.symbolic.files.layouts import Layout, WheelList
+from nonsmooth.symbolic.files.scene_document import Document
+from nonsmooth.symbolic.files.scene_validation import validate
+from nonsmooth.symbolic.files.scene_values import Numbers, angles, field_of
+from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
+from nonsmooth.symbolic.files.wheel_csv import parse_wheels
+from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene
+from nonsmooth.symbolic.scene_error import Fact, SceneError
+
+__all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "builtin_systems", "load_scene", "read_document"]
+
+MAX_TOML_BYTES = 1 << 20
+MAX_CSV_BYTES = 64 << 20
+_SCENES = Path(__file__).parents[1] / "scenes"
+_BUILTIN = (
+    "four-wheel",
+    "four-wheel-side",
+    "rectangle",
+    "ring-3",
+    "ring-5",
+    "ring-6",
+    "ring-8",
+    "grid-4x4",
+    "elliptic",
+    "spiral-30",
+    "conveyor-3",
+    "saddle",
+    "outward",
+    "off-center",
+)
+_SYSTEMS = (
+    "relay-oscillator",
+    "relay-oscillator-damped",
+    "flower",
+    "escaping-slide",
+    "line-of-equilibria",
+    "eq-3",
+    "eq-4",
+)
+
+
+def builtin_scenes() -> tuple[str, ...]:
+    """Names of the built-in scenes."""
+    return _BUILTIN
+
+
+def builtin_systems() -> tuple[str, ...]:
+    """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.system_file`)."""
+    return _SYSTEMS
+
+
+def builtin_descriptions() -> dict[str, str]:
+    """One line about each built-in scene, by name."""
+    return {name: _read_toml(_SCENES / f"{name}.toml", name)["description"] for name in _BUILTIN}
+
+
+def read_document(
+    source: str | Path, *, rule: str | None = None, radius: str | None = None, at: str | None = None
+) -> tuple[dict[str, Any], str, Path]:
+    """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
+
+    Raises:
+        SceneError: for a file that cannot be read.
+    """
+    file = str(source) or "''"
+    path = _path(source)
+    return _overridden(_read_toml(path, file), rule, radius, at), file, path
+
+
+def load_scene(
+    source: str | Path, *, rule: str | None = None, radius: str | None = None, at: str | None = None
+) -> Scene:
+    """Read a scene.
+
+    Args:
+        source: path of a scene file, or the name of a built-in scene.
+        rule: contact rule that replaces the file's: nearest, box or ellipse.
+        radius: half-width of the checked square (length) that replaces the file's, as text.
+        at: equilibrium ``x,y`` that replaces the file's, as text.
+
+    Raises:
+        SceneError: for whatever cannot be used.
+    """
+    try:
+        return _scene(*read_document(source, rule=rule, radius=radius, at=at))
+    except RecursionError:
+        raise SceneError(str(source), "", "a document with fewer nested brackets", Fact("too many")) from None
+
+
+def _path(source: str | Path) -> Path:
+    """File of a scene: built-in names come before files, so that a stray file changes no result."""
+    if isinstance(source, str) and source in _BUILTIN:
+        return _SCENES / f"{source}.toml"
+    if isinstance(source, str) and source in _SYSTEMS:
+        return _SCENES / "systems" / f"{source}.toml"
+    return Path(source)
+
+
+def _read_toml(path: Path, file: str) -> dict[str, Any]:
+    text = _read_text(path, MAX_TOML_BYTES, file, "")
+    try:
+        return tomllib.loads(text, parse_float=Decimal)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(file, "", "a TOML document", Fact(f"an error: {str(error)[:120]}")) from None
+    except (ValueError, ArithmeticError):  # of int and Decimal
+        raise SceneError(file, "", "numbers of moderate length", Fact("one that is too long")) from None
+
+
+def _read_text(path: Path, limit: int, file: str, key: str) -> str:
+    """Text of a file of bounded size.
+
+    Raises:
+        SceneError: for a missing, unreadable, oversized or binary file.
+    """
+    try:
+        if not path.is_file():
+            raise SceneError(file, key, _wanted(file, key), Fact(_kind(path)))
+        with path.open("rb") as stream:
+            data = stream.read(limit + 1)
+        if len(data) > limit:
+            raise SceneError(file, key, f"a file of at most {limit >> 20} MB", Fact("more"))
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = Fact(f"other bytes at position {error.start}")
+        raise SceneError(file, key, "a text file in UTF-8", found) from None
+    except OSError as error:
+        raise SceneError(file, key, "a readable file", Fact(error.strerror or "an error")) from None
+
+
+def _wanted(file: str, key: str) -> str:
+    """What a missing file should have been."""
+    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS), 2) or _BUILTIN[:2]
+    return "a file" if key else f"a scene file or a built-in scene such as {' or '.join(close)}"
+
+
+def _kind(path: Path) -> str:
+    if path.is_dir():
+        return "a directory"
+    return "something that is no regular file" if path.exists() else "no such file"
+
+
+def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: str | None) -> dict[str, Any]:
+    """The document with the command line's values in their places, to be validated like the file's own."""
+    equilibrium = None if at is None else at.split(",")
+    changes: dict[str, dict[str, object]] = {
+        "contact": {"rule": rule},
+        "check": {"radius": radius, "equilibrium": equilibrium},
+    }
+    for name, values in changes.items():
+        given = {key: value for key, value in values.items() if value is not None}
+        section = data.get(name, {})
+        if given and isinstance(section, dict):
+            data = {**data, name: {**section, **given}}
+    return data
+
+
+def _scene(data: dict[str, Any], file: str, path: Path) -> Scene:
+    if "system" in data:
+        raise SceneError(file, "system", "an array of wheels", Fact("a plain switched system"))
+    document = validate(Document, data, file)
+    layout = _layout(document, file, path)
+    numbers = Numbers(file, field_of(_turns(document, layout), file))
+    wheels = WheelBuilder(document, numbers).build(layout.places(numbers))
+    return Scene(
+        name=document.name or path.stem,
+        field=numbers.field,
+        wheels=wheels,
+        contact=_contact(document, numbers, len(wheels)),
+        check=_check(document, numbers),
+        source=file,
+    )
+
+
+def _layout(document: Document, file: str, path: Path) -> Layout:
+    """The one layout of the document.
+
+    Raises:
+        SceneError: for none or several.
+    """
+    names = ("wheel", "ring", "grid", "wheels")
+    named = [name for name in names if getattr(document, name) is not None]
+    if len(named) != 1:
+        key, found = " and ".join(named) or "wheel", Fact(f"{len(named)}" if named else "none")
+        raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", found)
+    if document.wheels is not None:
+        name = document.wheels.file
+        text = _read_text(path.parent / name, MAX_CSV_BYTES, file, f"wheels.file {name}")
+        return parse_wheels(text, name, file)
+    return document.ring or document.grid or WheelList(document.wheel or [])
+
+
+def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
+    yield from layout.turns()
+    for table in (document.friction, document.field, document.contact, document.check):
+        yield from angles(table)
+
+
+def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
+    table = document.contact
+    if table.loads is not None and table.table is not None:
+        raise SceneError(numbers.file, "contact.table", "either loads or table", Fact("both"))
+    rows = table.table if table.loads is None else table.loads
+    if rows is None:
+        return Contact(table.rule)
+    if len(rows) != wheels:
+        expected = f"{wheels} rows [c0, cx, cy], one for each wheel"
+        raise SceneError(numbers.file, "contact.loads", expected, Fact(f"{len(rows)}"))
+    key = "contact.loads[{}]"
+    exact = tuple(
+        (numbers(a, key.format(k)), numbers(b, key.format(k)), numbers(c, key.format(k)))
+        for k, (a, b, c) in enumerate(rows, 1)
+    )
+    return Contact(table.rule, LoadTable(exact))
+
+
+def _check(document: Document, numbers: Numbers) -> Check:
+    table = document.check
+    x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
+    return Check((x, y), numbers.positive(table.radius, "check.radius"), table.lyapunov)

@@ -1,0 +1,100 @@
+"""Pydantic's findings in the words of a scene file: the key, what it requires, what it received."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar, get_args
+
+from pydantic import ValidationError
+
+from nonsmooth.symbolic.files.scene_values import Table, requirement
+from nonsmooth.symbolic.scene_error import Fact, SceneError
+
+Model = TypeVar("Model", bound=Table)
+
+
+def validate(model: type[Model], data: object, file: str) -> Model:
+    """The data as a table.
+
+    Raises:
+        SceneError: naming the first offending key; misspelt keys come before missing ones.
+    """
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+        first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+        raise SceneError(file, _key(first), _expected(model, first), _received(first)) from None
+
+
+def _key(detail: Any) -> str:
+    """The offending key; pydantic's location in a field holds the kind as well."""
+    location = detail["loc"]
+    if detail["type"] in _NO_KIND:
+        location = (*location, "kind")
+    elif location[0] == "field":
+        location = location[:1] + location[2:]
+    return key_text(location)
+
+
+def _received(detail: Any) -> object:
+    match detail["type"]:
+        case "missing":
+            return Fact("nothing")
+        case "extra_forbidden":
+            return Fact("an unknown key")
+        case kind if kind in _NO_KIND:
+            return detail["input"].get("kind", Fact("nothing"))
+    return detail["input"]
+
+
+def key_text(location: tuple[int | str, ...]) -> str:
+    """``wheel[2].speed``; list items are counted from 1."""
+    return "".join(f"[{k + 1}]" if isinstance(k, int) else f".{k}" for k in location).removeprefix(".")
+
+
+_EXPECTED = {
+    "missing": "a value",
+    "int_type": "an integer",
+    "int_from_float": "an integer",
+    "int_parsing": "an integer",
+    "string_type": "a text in quotes",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "list_type": "a list of tables, written [[wheel]]",
+    "greater_than_equal": "an integer of at least {ge}",
+    "less_than_equal": "an integer of at most {le}",
+    "enum": "{expected}",
+    "literal_error": "{expected}",
+}
+_NO_KIND = ("union_tag_not_found", "union_tag_invalid")
+
+
+def _expected(model: type[Table], detail: Any) -> str:
+    """What a pydantic error detail requires, in the words of a scene file."""
+    context = detail.get("ctx", {})
+    if isinstance(context.get("error"), ValueError):
+        return requirement(context["error"])
+    if detail["type"] == "extra_forbidden":
+        return f"one of the keys {', '.join(_keys(model, detail['loc']))}"
+    if detail["type"] in _NO_KIND:
+        kinds = (t.model_fields["kind"].default for t in _tables(model.model_fields["field"].annotation))
+        return f"one of {', '.join(kinds)}"
+    known = _EXPECTED.get(detail["type"])
+    return detail["msg"] if known is None else known.format(**context)
+
+
+def _keys(model: type[Table], location: tuple[int | str, ...]) -> list[str]:
+    """Keys of the table that holds the unknown key."""
+    if len(location) == 1:
+        return list(model.model_fields)
+    tables = list(_tables(model.model_fields[str(location[0])].annotation))
+    tagged = (t for t in tables if "kind" in t.model_fields and t.model_fields["kind"].default == location[1])
+    return list(next(tagged, tables[0]).model_fields)
+
+
+def _tables(annotation: Any) -> Iterator[type[Table]]:
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _tables(argument)

@@ -1,0 +1,96 @@
+"""Wheels from places: each takes what it does not name from the scene's field and friction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from nonsmooth.symbolic.files.layouts import Place
+from nonsmooth.symbolic.files.scene_document import Document
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, short_number
+from nonsmooth.symbolic.files.velocity_fields import INWARD, Speed
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Friction, Vector, Wheel
+from nonsmooth.symbolic.scene_error import Fact, SceneError
+
+
+class WheelBuilder:
+    """Builds the wheels of one scene; equal friction is one shared object."""
+
+    def __init__(self, document: Document, numbers: Numbers) -> None:
+        field = document.field or INWARD
+        self._numbers, self._document = numbers, document
+        self._psi = field.psi(numbers, "field")
+        self._field_speed = self._speed_of_field(field.speed)
+        self._frictions: dict[tuple[Exact | None, Exact | None], Friction] = {}
+
+    def build(self, places: Iterable[Place]) -> tuple[Wheel, ...]:
+        """Wheels numbered from 1.
+
+        Raises:
+            SceneError: for fewer than two wheels, two wheels at one place, no heading, bad friction.
+        """
+        wheels: list[Wheel] = []
+        taken: dict[Vector, int] = {}
+        for index, place in enumerate(places, 1):
+            first = taken.setdefault(place.position, index)
+            if first != index:
+                where = Fact(f"{_text(place.position)}, the place of wheel {first}")
+                raise self._error(f"{place.key}.position", f"another place for wheel {index}", where)
+            wheels.append(self._wheel(index, place))
+        if len(wheels) < 2:
+            raise self._error("wheel", "at least two wheels", Fact(f"{len(wheels)}"))
+        return tuple(wheels)
+
+    def _wheel(self, index: int, place: Place) -> Wheel:
+        own = place.own
+        if own.speed is not None:
+            speed: Number | None = self._numbers(own.speed, f"{place.key}.speed")
+        else:
+            speed = self._field_speed if own.heading is None else self._numbers.field.one
+        friction = self._friction(index, place)
+        return Wheel(index, place.position, self._direction(index, place), speed, friction)
+
+    def _direction(self, index: int, place: Place) -> Vector:
+        heading, key = place.own.heading, "field"
+        if heading is None:
+            direction = self._psi(place.position)
+        else:
+            key = f"{place.key}.heading"
+            direction = heading.psi(self._numbers, key)(place.position)
+        if not direction[0] and not direction[1]:
+            where = f"a nonzero direction at wheel {index}, position {_text(place.position)}"
+            raise self._error(key, where, Fact("(0, 0)"))
+        return direction
+
+    def _speed_of_field(self, speed: Speed) -> Number | None:
+        if isinstance(speed, str):
+            return self._numbers.field.one if speed == "unit" else None
+        return self._numbers(speed, "field.speed")
+
+    def _friction(self, index: int, place: Place) -> Friction:
+        named = place.own.mu_roll, place.own.mu_side
+        if named not in self._frictions:
+            roll = self._coefficient("mu_roll", named[0], index, place)
+            side = self._coefficient("mu_side", named[1], index, place)
+            if not roll and not side:
+                key = "friction" if named == (None, None) else place.key
+                raise self._error(key, "mu_roll or mu_side above 0", Fact("0 for both"))
+            self._frictions[named] = Friction(roll, side)
+        return self._frictions[named]
+
+    def _coefficient(self, name: str, own: Exact | None, index: int, place: Place) -> Number:
+        key = f"friction.{name}" if own is None else f"{place.key}.{name}"
+        value: Exact | None = getattr(self._document.friction, name) if own is None else own
+        if value is None:
+            raise self._error(key, f"a number, since wheel {index} names none", Fact("nothing"))
+        number = self._numbers(value, key)
+        if number.sign() < 0:
+            raise self._error(key, "a number of at least 0", Fact(short_number(number)))
+        return number
+
+    def _error(self, key: str, expected: str, value: object) -> SceneError:
+        return SceneError(self._numbers.file, key, expected, value)
+
+
+def _text(position: Vector) -> str:
+    return f"({short_number(position[0])}, {short_number(position[1])})"

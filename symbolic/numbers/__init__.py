@@ -1,0 +1,1 @@
+"""Numbers of one real field per scene, polynomials over them, and the interface that they share."""

@@ -1,0 +1,202 @@
+"""Numbers that are exact but evaluated late: a ball first, the field element only where the ball is undecided.
+
+Cell vertices are quotients of sums over many square roots.  Their exact form is long, and inverting such a sum
+doubles in length with every root; yet nearly every sign needed of them is clear from a 256-bit ball.  A
+:class:`Lazy` keeps the ball and the recipe.  Only when a sign is not clear, which means a true tie or nearly so,
+the recipe is carried out as a fraction of field elements, whose sign is certified.  So no answer depends on a
+precision: the ball only saves work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from flint import arb, ctx, fmpq
+
+from nonsmooth.symbolic.numbers.exact_real import ExactReal
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+# With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
+FEW_ROOTS = 2
+
+_PRECISION = 256
+_FLOAT_BITS = 53
+
+Quotient: TypeAlias = tuple[Number, Number]  # numerator, nonzero denominator
+
+
+class Lazy(ExactReal):
+    """A real number of a field, known as a ball and as a recipe for its exact value."""
+
+    __slots__ = ("_quotient", "_recipe", "_sign", "ball", "field")
+
+    def __init__(self, field: NumberField, ball: arb, recipe: Callable[[], Quotient]) -> None:
+        self.field = field
+        self.ball = ball
+        self._recipe = recipe
+        self._quotient: Quotient | None = None
+        self._sign: int | None = None
+
+    @classmethod
+    def of(cls, number: Number) -> Lazy:
+        """Wrap a field element."""
+        with ctx.workprec(_PRECISION):
+            ball = number.ball()
+        return cls(number.field, ball, lambda: (number, number.field.one))
+
+    def quotient(self) -> Quotient:
+        """Exact numerator and denominator."""
+        if self._quotient is None:
+            self._quotient = self._recipe()
+        return self._quotient
+
+    def sign(self) -> int:
+        """Certified sign: -1, 0 or 1."""
+        if self._sign is None:
+            if self.ball > 0:
+                self._sign = 1
+            elif self.ball < 0:
+                self._sign = -1
+            else:
+                numerator, denominator = self.quotient()
+                self._sign = numerator.sign() * denominator.sign()
+                self.ball = self._tight_ball()
+        return self._sign
+
+    def _tight_ball(self) -> arb:
+        """A ball from the exact value that shows its sign."""
+        if not self._sign:
+            return arb(0)
+        numerator, denominator = self.quotient()
+        precision = _PRECISION
+        while True:
+            with ctx.workprec(precision):
+                ball = numerator.ball() / denominator.ball()
+            if ball > 0 or ball < 0:
+                return ball
+            precision *= 2
+
+    def _operand(self, value: Any) -> Lazy | None:
+        if isinstance(value, Lazy):
+            return value
+        if isinstance(value, Number):
+            return Lazy.of(value)
+        if isinstance(value, int | Fraction | fmpq):
+            return Lazy.of(self.field.rational(value))
+        return None
+
+    def __add__(self, value: Any) -> Lazy:
+        other = self._operand(value)
+        if other is None:
+            return NotImplemented
+        return _make(self.field, self.ball, other.ball, arb.__add__, lambda: _add(self.quotient(), other.quotient()))
+
+    def __neg__(self) -> Lazy:
+        with ctx.workprec(_PRECISION):  # arb rounds even a negation to the working precision
+            ball = -self.ball
+        return Lazy(self.field, ball, lambda: (-self.quotient()[0], self.quotient()[1]))
+
+    def __mul__(self, value: Any) -> Lazy:
+        other = self._operand(value)
+        if other is None:
+            return NotImplemented
+        return _make(
+            self.field,
+            self.ball,
+            other.ball,
+            arb.__mul__,
+            lambda: _multiply(self.quotient(), other.quotient()),
+        )
+
+    def __truediv__(self, value: Any) -> Lazy:
+        """Quotient.
+
+        Raises:
+            ZeroDivisionError: if the divisor is zero.
+        """
+        other = self._operand(value)
+        if other is None:
+            return NotImplemented
+        if not other.sign():
+            raise ZeroDivisionError("division by zero in the number field")
+
+        def recipe() -> Quotient:
+            top, bottom = other.quotient()
+            return _multiply(self.quotient(), (bottom, top))
+
+        return _make(self.field, self.ball, other.ball, arb.__truediv__, recipe)
+
+    def __rtruediv__(self, value: Any) -> Lazy:
+        other = self._operand(value)
+        return NotImplemented if other is None else other / self
+
+    def inverse(self) -> Lazy:
+        """``1/x``."""
+        return 1 / self
+
+    def __bool__(self) -> bool:
+        return self.sign() != 0
+
+    def __eq__(self, value: object) -> bool:
+        order = self._compare(value)
+        return NotImplemented if order is None else order == 0
+
+    __hash__ = None  # type: ignore[assignment]  # equality needs arithmetic; no canonical form to hash
+
+    def sqrt(self) -> Number:
+        """Square root as a field element (carries out the recipe).
+
+        Raises:
+            ValueError: if the value is negative.
+        """
+        return self.exact().sqrt()
+
+    def exact(self) -> Number:
+        """The value as a field element; may be slow where many square roots meet in the denominator."""
+        numerator, denominator = self.quotient()
+        return numerator / denominator
+
+    def __float__(self) -> float:
+        if not self.sign():
+            return 0.0
+        if self.ball.rel_accuracy_bits() > _FLOAT_BITS:
+            return float(self.ball.mid())
+        numerator, denominator = self.quotient()
+        return float(numerator) / float(denominator)
+
+    def __str__(self) -> str:
+        numerator, denominator = self.quotient()
+        return str(numerator) if denominator == 1 else f"({numerator})/({denominator})"
+
+    __repr__ = __str__
+
+
+def _make(
+    field: NumberField, a: arb, b: arb, operation: Callable[[arb, arb], arb], recipe: Callable[[], Quotient]
+) -> Lazy:
+    with ctx.workprec(_PRECISION):
+        return Lazy(field, operation(a, b), recipe)
+
+
+def _add(left: Quotient, right: Quotient) -> Quotient:
+    (a, b), (c, d) = left, right
+    return (a + c, b) if b == d else (a * d + c * b, b * d)
+
+
+def _multiply(left: Quotient, right: Quotient) -> Quotient:
+    (a, b), (c, d) = left, right
+    if a == d:
+        return c, b
+    if b == c:
+        return a, d
+    return a * c, b * d
+
+
+def divided(numerator: Number, denominator: Number) -> Any:
+    """The quotient: a field element over few square roots, late otherwise."""
+    if len(numerator.field.radicands) > FEW_ROOTS:
+        return Lazy.of(numerator) / Lazy.of(denominator)
+    return numerator / denominator

@@ -1,0 +1,297 @@
+"""Elements of a real number field: exact arithmetic, certified signs.
+
+An element is a sparse sum ``sum_S c_S prod_{i in S} sqrt(g_i)`` with ``c_S`` in the base field (see
+:mod:`nonsmooth.symbolic.numbers.number_field`); the products are linearly independent, so it is zero iff it has no
+terms. Signs are decided by a float filter with a rigorous rounding bound, then by balls (python-flint) at rising
+precision; because zero is excluded beforehand this ends.  Division by a sum of r independent roots may need 2^r
+terms: the one operation to avoid in inner loops.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from flint import arb, ctx, fmpq, fmpz
+
+from nonsmooth.symbolic.numbers.exact_real import ExactReal
+
+if TYPE_CHECKING:
+    import sympy
+
+    from nonsmooth.symbolic.numbers.number_field import NumberField
+
+Coefficient: TypeAlias = Any  # fmpq over Q, fmpq_poly reduced by the base modulus otherwise
+Rational: TypeAlias = int | Fraction | fmpq
+
+_FLOAT_BITS = 53
+_FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
+TINY, HUGE = 2.0**-900, 2.0**900  # outside this range floats may under- or overflow: use balls
+_FIRST_PRECISION = 128
+
+
+def sign(value: Any) -> int:
+    """Sign -1, 0 or 1 of a field element (exact), fraction or float."""
+    return value.sign() if hasattr(value, "sign") else (value > 0) - (value < 0)
+
+
+def as_fmpq(value: Rational) -> fmpq:
+    """Convert an int, Fraction or fmpq to fmpq."""
+    if isinstance(value, Fraction):
+        return fmpq(value.numerator, value.denominator)
+    return fmpq(value)
+
+
+def fmpq_to_float(value: fmpq) -> float:
+    """Correctly rounded float of a rational (infinite on overflow)."""
+    try:
+        return int(value.p) / int(value.q)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def bits(mask: int) -> list[int]:
+    """Indices of the set bits of a mask, ascending."""
+    return [i for i in range(mask.bit_length()) if mask >> i & 1]
+
+
+class Number(ExactReal):
+    """Immutable element of a :class:`NumberField`; +, -, *, /, ** int, comparisons and hash are exact."""
+
+    __slots__ = ("_hash", "_sign", "field", "terms")
+
+    def __init__(self, field: NumberField, terms: dict[int, Coefficient]) -> None:
+        self.field = field
+        self.terms = terms
+        self._sign: int | None = None
+        self._hash: int | None = None
+
+    # ---- ring operations -----------------------------------------------------------------
+
+    def _operand(self, value: Any) -> Number | None:
+        if isinstance(value, Number):
+            if value.field is not self.field:
+                raise ValueError("required numbers of one field, received two fields")
+            return value
+        if isinstance(value, int | Fraction | fmpq | fmpz):
+            return self.field.rational(fmpq(value) if isinstance(value, fmpz) else value)
+        return None
+
+    def __add__(self, value: Any) -> Number:
+        other = self._operand(value)
+        if other is None:
+            return NotImplemented
+        if not other.terms:
+            return self
+        terms = dict(self.terms)
+        for mask, c in other.terms.items():
+            total = terms[mask] + c if mask in terms else c
+            if total:
+                terms[mask] = total
+            else:
+                del terms[mask]
+        return Number(self.field, terms)
+
+    def __neg__(self) -> Number:
+        return Number(self.field, {mask: -c for mask, c in self.terms.items()})
+
+    def __mul__(self, value: Any) -> Number:
+        other = self._operand(value)
+        if other is None:
+            return NotImplemented
+        field, modulus = self.field, self.field.modulus
+        if not self.terms or not other.terms:
+            return field.zero
+        if modulus is None and len(self.terms) == 1 == len(other.terms):
+            ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
+            if not s & t:  # a rational factor, or two different roots: nothing to collect
+                return Number(field, {s ^ t: a * b})
+        terms: dict[int, Coefficient] = {}
+        nested: Number = field.zero
+        for s, a in self.terms.items():
+            for t, b in other.terms.items():
+                product = a * b if modulus is None else (a * b) % modulus
+                mask, shared = s ^ t, s & t
+                if shared:
+                    factor = field.radicand_product(shared).terms
+                    if len(factor) > 1 or 0 not in factor:
+                        monomial = Number(field, {mask: product})
+                        nested = nested + monomial * field.radicand_product(shared)
+                        continue
+                    product = product * factor[0] if modulus is None else (product * factor[0]) % modulus
+                terms[mask] = terms[mask] + product if mask in terms else product
+        result = field.collected(terms)
+        return result + nested if nested.terms else result
+
+    def __pow__(self, exponent: int) -> Number:
+        if not isinstance(exponent, int):
+            return NotImplemented
+        base = self if exponent >= 0 else self.inverse()
+        result, power = self.field.one, abs(exponent)
+        while power:
+            if power & 1:
+                result = result * base
+            power >>= 1
+            base = base * base if power else base
+        return result
+
+    def inverse(self) -> Number:
+        """Multiplicative inverse, by conjugating the highest square root away.
+
+        Raises:
+            ZeroDivisionError: for zero.
+        """
+        if not self.terms:
+            raise ZeroDivisionError("division by zero in the number field")
+        field = self.field
+        if len(self.terms) == 1:
+            ((mask, c),) = self.terms.items()
+            if not mask:
+                return Number(field, {0: self._base_inverse(c)})
+            root = Number(field, {mask: field.coefficient(fmpq(1))})
+            return root * (Number(field, {0: c}) * field.radicand_product(mask)).inverse()
+        top = 1 << (max(self.terms).bit_length() - 1)
+        conjugate = Number(field, {mask: -c if mask & top else c for mask, c in self.terms.items()})
+        return conjugate * (self * conjugate).inverse()
+
+    def _base_inverse(self, coefficient: Coefficient) -> Coefficient:
+        modulus = self.field.modulus
+        if modulus is None:
+            return 1 / coefficient
+        divisor, cofactor, _ = coefficient.xgcd(modulus)
+        return (cofactor * (1 / divisor.coeffs()[0])) % modulus
+
+    def __truediv__(self, value: Any) -> Number:
+        other = self._operand(value)
+        return NotImplemented if other is None else self * other.inverse()
+
+    def __rtruediv__(self, value: Any) -> Number:
+        return self.inverse() * value
+
+    # ---- order ---------------------------------------------------------------------------
+
+    def sign(self) -> int:
+        """Certified sign: -1, 0 or 1."""
+        if self._sign is None:
+            self._sign = self._decide_sign()
+        return self._sign
+
+    def _decide_sign(self) -> int:
+        if not self.terms:
+            return 0
+        if self.field.modulus is None and len(self.terms) == 1:
+            return 1 if next(iter(self.terms.values())) > 0 else -1
+        value, magnitude = self._float_filter()
+        if TINY < magnitude < HUGE and abs(value) > magnitude * 2.0**-_FILTER_BITS:
+            return 1 if value > 0 else -1
+        precision = _FIRST_PRECISION
+        while True:  # ends: the terms are independent, so the value is not zero
+            with ctx.workprec(precision):
+                ball = self.ball()
+            if ball > 0:
+                return 1
+            if ball < 0:
+                return -1
+            precision *= 2
+
+    def _float_filter(self) -> tuple[float, float]:
+        """Float value and the sum of absolute terms that bounds its rounding error."""
+        field = self.field
+        total = magnitude = 0.0
+        for mask, c in self.terms.items():
+            root = 1.0
+            for i in bits(mask):
+                root *= field.root_floats[i]
+            if field.modulus is None:
+                term = fmpq_to_float(c) * root
+                total += term
+                magnitude += abs(term)
+            else:
+                power = root
+                for q in c.coeffs():
+                    term = fmpq_to_float(q) * power
+                    total += term
+                    magnitude += abs(term)
+                    power *= field.base_float
+        return total, magnitude
+
+    def ball(self) -> arb:
+        """Enclosure of the value at the working precision of ``flint.ctx``."""
+        field = self.field
+        total = arb(0)
+        for mask, c in self.terms.items():
+            if field.modulus is None:
+                term = arb(c)
+            else:
+                term, base = arb(0), field.base_ball()
+                for q in reversed(c.coeffs()):
+                    term = term * base + arb(q)
+            for i in bits(mask):
+                term *= field.root_ball(i)
+            total += term
+        return total
+
+    def __float__(self) -> float:
+        if not self.terms:
+            return 0.0
+        if self.field.modulus is None and len(self.terms) == 1 and 0 in self.terms:
+            return fmpq_to_float(self.terms[0])
+        if len(self.terms) == 1:
+            value, magnitude = self._float_filter()
+            if TINY < magnitude < HUGE and self.field.modulus is None:
+                return value  # one product of correctly rounded factors: no cancellation
+        precision = _FIRST_PRECISION
+        while True:
+            with ctx.workprec(precision):
+                ball = self.ball()
+                if ball.rel_accuracy_bits() > _FLOAT_BITS:
+                    return float(ball.mid())
+            precision *= 2
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    def __eq__(self, value: object) -> bool:
+        other = self._operand(value)
+        return NotImplemented if other is None else self.terms == other.terms
+
+    def __hash__(self) -> int:
+        if self._hash is None:
+            rational = self.as_rational()
+            if rational is not None:  # equal to a Fraction, so hashed like one
+                self._hash = hash(Fraction(int(rational.p), int(rational.q)))
+            else:
+                self._hash = hash(frozenset((mask, str(c)) for mask, c in self.terms.items()))
+        return self._hash
+
+    # ---- conversion ----------------------------------------------------------------------
+
+    def as_rational(self) -> fmpq | None:
+        """The value as a rational number, or None where it is irrational."""
+        if not self.terms:
+            return fmpq(0)
+        if len(self.terms) > 1 or 0 not in self.terms:
+            return None
+        c = self.terms[0]
+        if self.field.modulus is None:
+            return c
+        return c.coeffs()[0] if c.degree() == 0 else None
+
+    def sqrt(self) -> Number:
+        """Non-negative square root in the (possibly grown) field."""
+        return self.field.sqrt(self)
+
+    def __str__(self) -> str:
+        from nonsmooth.symbolic.printing import number_text
+
+        return number_text(self)
+
+    def __repr__(self) -> str:
+        return f"Number({self})"
+
+    def to_sympy(self) -> sympy.Expr:
+        """The same number as a SymPy expression (square roots and cosines)."""
+        from nonsmooth.symbolic.printing import number_to_sympy
+
+        return number_to_sympy(self)

@@ -1,0 +1,188 @@
+"""Polynomials in a few named variables over the scene's number field: the smooth pieces of switched systems.
+
+Sparse, exact and immutable.  A polynomial of degree d becomes a form (homogeneous, one more variable ``w`` that
+stands for 1) by :meth:`Polynomial.homogenized`; then a polygon, an unbounded cone and a half-plane are all cones of
+generators ``(x, y, w)`` with ``w >= 0``, and :func:`in_generators` writes the form in those generators.  Points and
+generators may hold late numbers (:mod:`nonsmooth.symbolic.numbers.lazy`); coefficients are always field elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, TypeAlias
+
+from nonsmooth.symbolic.numbers.exact_real import ExactRing
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+Exponents: TypeAlias = tuple[int, ...]
+Terms: TypeAlias = dict[Exponents, Any]  # nonzero coefficients of any ordered ring
+
+
+def add_terms(first: Mapping[Exponents, Any], second: Mapping[Exponents, Any]) -> Terms:
+    """Sum, without zero coefficients."""
+    total = dict(first)
+    for exponents, coefficient in second.items():
+        value = total[exponents] + coefficient if exponents in total else coefficient
+        if value:
+            total[exponents] = value
+        else:
+            total.pop(exponents, None)
+    return total
+
+
+def multiply_terms(first: Mapping[Exponents, Any], second: Mapping[Exponents, Any]) -> Terms:
+    """Product, without zero coefficients."""
+    total: Terms = {}
+    for a, c in first.items():
+        for b, d in second.items():
+            exponents = tuple(map(int.__add__, a, b))
+            total[exponents] = total[exponents] + c * d if exponents in total else c * d
+    return {exponents: c for exponents, c in total.items() if c}
+
+
+def in_generators(terms: Mapping[Exponents, Any], generators: Sequence[Sequence[Any]]) -> Terms:
+    """The form at ``sum_i lambda_i generators[i]``, as terms in ``lambda`` (monomial coefficients)."""
+    count = len(generators)
+    units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
+    rows = [{unit: g[k] for unit, g in zip(units, generators, strict=True) if g[k]} for k in range(len(generators[0]))]
+    powers: list[list[Terms]] = [[{(0,) * count: 1}] for _ in rows]
+    total: Terms = {}
+    for exponents, coefficient in terms.items():
+        product: Terms = {(0,) * count: coefficient}
+        for row, known, power in zip(rows, powers, exponents, strict=True):
+            while len(known) <= power:
+                known.append(multiply_terms(known[-1], row))
+            product = multiply_terms(product, known[power]) if power else product
+        total = add_terms(total, product)
+    return total
+
+
+@dataclass(frozen=True)
+class Polynomial(ExactRing):
+    """``sum_e terms[e] * prod_k variables[k]**e[k]``.
+
+    Attributes:
+        field: the number field of the coefficients.
+        variables: names, in the order of the exponents.
+        terms: nonzero coefficients by exponents.
+    """
+
+    field: NumberField
+    variables: tuple[str, ...]
+    terms: Mapping[Exponents, Number]
+
+    @classmethod
+    def constant(cls, field: NumberField, variables: Sequence[str], value: Number | int | Fraction) -> Polynomial:
+        """A constant."""
+        number = field(value)
+        return cls(field, tuple(variables), {(0,) * len(variables): number} if number else {})
+
+    @classmethod
+    def variable(cls, field: NumberField, variables: Sequence[str], name: str) -> Polynomial:
+        """One of the variables."""
+        return cls(field, tuple(variables), {tuple(int(v == name) for v in variables): field.one})
+
+    def _operand(self, value: Any) -> Polynomial | None:
+        if isinstance(value, Polynomial):
+            if value.variables != self.variables:
+                raise ValueError(f"required polynomials in {self.variables}, received {value.variables}")
+            return value
+        if isinstance(value, Number | int | Fraction):
+            return Polynomial.constant(self.field, self.variables, value)
+        return None
+
+    def _with(self, terms: Terms) -> Polynomial:
+        return Polynomial(self.field, self.variables, terms)
+
+    def __add__(self, value: Any) -> Polynomial:
+        other = self._operand(value)
+        return NotImplemented if other is None else self._with(add_terms(self.terms, other.terms))
+
+    def __neg__(self) -> Polynomial:
+        return self._with({e: -c for e, c in self.terms.items()})
+
+    def __mul__(self, value: Any) -> Polynomial:
+        other = self._operand(value)
+        return NotImplemented if other is None else self._with(multiply_terms(self.terms, other.terms))
+
+    def __pow__(self, exponent: int) -> Polynomial:
+        result, base = Polynomial.constant(self.field, self.variables, 1), self
+        while exponent:
+            if exponent & 1:
+                result = result * base
+            exponent >>= 1
+            base = base * base if exponent else base
+        return result
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    def __hash__(self) -> int:
+        return hash((self.variables, frozenset(self.terms.items())))
+
+    def __call__(self, point: Sequence[Any]) -> Any:
+        """Value at a point (in the order of the variables)."""
+        powers: list[list[Any]] = [[1, coordinate] for coordinate in point]
+        total: Any = self.field.zero
+        for exponents, coefficient in self.terms.items():
+            term: Any = coefficient
+            for known, exponent in zip(powers, exponents, strict=True):
+                while len(known) <= exponent:
+                    known.append(known[-1] * known[1])
+                term = term * known[exponent] if exponent else term
+            total = total + term
+        return total
+
+    @cached_property
+    def degree(self) -> int:
+        """Total degree; 0 for the zero polynomial."""
+        return max((sum(e) for e in self.terms), default=0)
+
+    @cached_property
+    def is_homogeneous(self) -> bool:
+        """Whether all terms have the same total degree."""
+        return len({sum(e) for e in self.terms}) <= 1
+
+    @property
+    def constant_value(self) -> Number | None:
+        """The value of a constant polynomial; None for any other."""
+        return self.terms.get((0,) * len(self.variables), self.field.zero) if not self.degree else None
+
+    def derivative(self, name: str) -> Polynomial:
+        """Partial derivative."""
+        k = self.variables.index(name)
+        return self._with({(*e[:k], e[k] - 1, *e[k + 1 :]): c * e[k] for e, c in self.terms.items() if e[k]})
+
+    def homogenized(self, degree: int | None = None, name: str = "w") -> Polynomial:
+        """The form of the given degree (by default the polynomial's own) that equals it at ``w = 1``."""
+        top = self.degree if degree is None else degree
+        return Polynomial(self.field, (*self.variables, name), {(*e, top - sum(e)): c for e, c in self.terms.items()})
+
+    def composed(self, values: Sequence[Polynomial]) -> Polynomial:
+        """The polynomial with each variable replaced by a polynomial (all in the same new variables)."""
+        total = Polynomial.constant(self.field, values[0].variables, 0)
+        for exponents, coefficient in self.terms.items():
+            term = Polynomial.constant(self.field, values[0].variables, coefficient)
+            for value, exponent in zip(values, exponents, strict=True):
+                term = term * value**exponent if exponent else term
+            total = total + term
+        return total
+
+    def __str__(self) -> str:
+        order = sorted(self.terms, key=lambda e: (-sum(e), tuple(-k for k in e)))
+        text = " + ".join(self._term_text(e) for e in order) or "0"
+        return text.replace("+ -", "- ")
+
+    def _term_text(self, exponents: Exponents) -> str:
+        powers = [name if k == 1 else f"{name}**{k}" for name, k in zip(self.variables, exponents, strict=True) if k]
+        coefficient = self.terms[exponents]
+        number = str(coefficient)
+        if powers and number in ("1", "-1"):
+            return number[:-1] + "*".join(powers)
+        if powers and coefficient.as_rational() is None and len(coefficient.terms) > 1:
+            number = f"({number})"
+        return "*".join([number, *powers])

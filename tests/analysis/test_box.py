@@ -1,0 +1,223 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from flint import arb
+from scipy.optimize import linprog
+
+from nonsmooth.analysis.partitions.box import build_box_partition, rest_cells
+from nonsmooth.analysis.partitions.loads import LoadError, load_regions, value_at
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import AREA_ROOTS, Partition, RefusalError
+from nonsmooth.analysis.partitions.point_location import PointLocator
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.symbolic.constraints import Twist, scene_rows
+from nonsmooth.symbolic.contact_states import regular_states
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+# Relative to D: the linear program's own feasibility tolerance is 1e-7 absolute, its optimum is a vertex and so
+# accurate to rounding.
+OPTIMUM_AGREEMENT = 1e-9
+
+
+def weights_at(scene: Scene, point: Point) -> list[Number]:
+    """``mu_k N_i / |D_i|`` of every scaled row at a point, exactly."""
+    region = next(r for r in load_regions(scene) if r.polygon.contains(point))
+    result = []
+    for row in scene_rows(scene):
+        friction = row.wheel.friction.roll if row.kind == "R" else row.wheel.friction.side
+        result.append(value_at(region.forces[row.wheel.index - 1], point) * friction / row.wheel.length)
+    return result
+
+
+def dissipation(scene: Scene, weights: list[Number], twist: Twist) -> Number:
+    total: Number = scene.field.zero
+    for row, weight in zip(scene_rows(scene), weights, strict=True):
+        total = total + weight * abs(row.residual(twist))
+    return total
+
+
+def linear_program_optimum(scene: Scene, weights: list[Number]) -> float:
+    a = np.array([[float(x) for x in row.normal] for row in scene_rows(scene)])
+    b = np.array([float(row.rhs) for row in scene_rows(scene)])
+    w = np.array([float(x) for x in weights])
+    identity = np.eye(len(b))
+    result = linprog(
+        np.r_[np.zeros(3), w],
+        A_ub=np.block([[a, -identity], [-a, -identity]]),
+        b_ub=np.r_[b, -b],
+        bounds=[(None, None)] * 3 + [(0, None)] * len(b),
+    )
+    return float(result.fun)
+
+
+def check_cells(arrays: Arrays, scene: Scene, rng: np.random.Generator, most: int = 40) -> Partition:
+    """Cells tile, and each twist attains the optimum of an independent linear program inside its cell."""
+    partition = build_box_partition(scene)
+    assert partition.tiles
+    for k in rng.permutation(len(partition.cells))[:most]:
+        cell = partition.cells[k]
+        point = arrays.interior_point(cell.polygon, rng)
+        weights = weights_at(scene, point)
+        assert all(weight.sign() >= 0 for weight in weights)
+        optimum = linear_program_optimum(scene, weights)
+        for twist in cell.twists:
+            assert abs(float(dissipation(scene, weights, twist)) - optimum) <= OPTIMUM_AGREEMENT * max(optimum, 1.0)
+    return partition
+
+
+@pytest.mark.parametrize(
+    ("side", "cells"),
+    [(Fraction(1, 2), 5), (Fraction(1, 5), 13), (Fraction(1, 10), 13), (Fraction(1, 100), 13), (1, 1), (2, 1)],
+)
+def test_four_wheel_cells_and_rest_area(arrays: Arrays, side: Fraction, cells: int) -> None:
+    scene = arrays.four_wheel((1, side))
+    partition = build_box_partition(scene)
+    assert len(partition.cells) == cells
+    assert partition.area_error == 0
+    (rest,) = rest_cells(partition)
+    # rest iff |x| + |y| <= mu_S/mu_R: the diamond, cut by the square where the ratio exceeds 1/2
+    if side <= Fraction(1, 2):
+        assert {tuple(map(str, v)) for v in rest.polygon.vertices} == {
+            (str(x), str(y)) for x, y in [(side, 0), (0, side), (-side, 0), (0, -side)]
+        }
+    else:
+        assert rest.polygon.area == 1
+
+
+@pytest.mark.parametrize("side", [Fraction(1, 5), Fraction(1, 10), Fraction(1, 100), Fraction(1, 10**6)])
+def test_the_papers_states_are_among_the_minimizers_and_fill_the_square_as_side_friction_vanishes(
+    arrays: Arrays, side: Fraction
+) -> None:
+    scene = arrays.four_wheel((1, side))
+    paper = {state.twist for state in build_nearest_partition(scene).states}
+    partition = build_box_partition(scene)
+    owned = [cell for cell in partition.cells if cell.twists[0] in paper]
+    assert {cell.twists[0] for cell in owned} == paper
+    assert sum(cell.polygon.area for cell in owned) == 1 - 2 * side
+
+
+@pytest.mark.parametrize("count", range(3, 9))
+def test_rings_against_a_linear_program(arrays: Arrays, count: int) -> None:
+    scene = arrays.ring(count, (1, Fraction(1, 5)), Fraction(1, 4))
+    assert check_cells(arrays, scene, np.random.default_rng(count)).area_error == 0
+
+
+@pytest.mark.parametrize(("rows", "radius"), [(2, Fraction(2, 5)), (3, Fraction(1, 2)), (4, Fraction(5, 4))])
+def test_grids_against_a_linear_program(arrays: Arrays, rows: int, radius: Fraction) -> None:
+    scene = arrays.grid(rows, rows, (1, Fraction(1, 5)), radius)
+    assert check_cells(arrays, scene, np.random.default_rng(rows)).area_error == 0
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_arrays_against_a_linear_program(arrays: Arrays, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scene = arrays.random(seed, int(rng.integers(4, 8)))
+    scene = replace(scene, check=replace(scene.check, radius=scene.field(1) / 8))
+    try:
+        load_regions(scene)
+    except LoadError:
+        return
+    partition = check_cells(arrays, scene, rng, most=15)
+    if isinstance(partition.area_error, arb):  # a ball around zero, where exact quotients would take too long
+        assert len(scene.field.radicands) > AREA_ROOTS
+        assert float(partition.area_error.rad()) < 1e-50
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_walk_finds_what_enumerating_all_triples_finds(arrays: Arrays, seed: int) -> None:
+    """The literal definition: the best of all regular triples at a point."""
+    rng = np.random.default_rng(seed)
+    scene = arrays.with_friction(arrays.four_wheel(turn=arrays.circle_point(Fraction(seed, 7))), (1, Fraction(1, 3)))
+    partition = build_box_partition(scene)
+    twists = {state.twist for state in regular_states(scene)}
+    for cell in partition.cells:
+        point = arrays.interior_point(cell.polygon, rng)
+        weights = weights_at(scene, point)
+        best = min(dissipation(scene, weights, twist) for twist in twists)
+        assert dissipation(scene, weights, cell.twists[0]) == best
+
+
+def test_twists_tie_only_on_shared_sides(arrays: Arrays) -> None:
+    """Theorem 2: on a common side both twists minimize D, and so does their midpoint."""
+    scene = arrays.four_wheel((1, Fraction(1, 5)))
+    partition = build_box_partition(scene)
+    met = 0
+    for first, second in combinations(partition.cells, 2):
+        common = [v for v in first.polygon.vertices if second.polygon.contains(v)]
+        if len(common) == 2:
+            met += 1
+            (x1, y1), (x2, y2) = common
+            weights = weights_at(scene, ((x1 + x2) / 2, (y1 + y2) / 2))
+            a, b = first.twists[0], second.twists[0]
+            middle = Twist(*((p + q) / 2 for p, q in zip(a, b, strict=True)))
+            values = {dissipation(scene, weights, twist) for twist in (a, b, middle)}
+            assert len(values) == 1
+    assert met >= len(partition.cells) - 1
+
+
+def test_equal_isotropic_wheels_tie_on_the_whole_square(arrays: Arrays) -> None:
+    """Theorem 1's exception: two equal wheels, equal loads, isotropic friction."""
+    wheels = [w._replace(friction=(1, 1)) for w in arrays.inward([(1, 0), (-1, 0)])]
+    scene = arrays.scene(wheels)
+    half, zero = scene.field(1) / 2, scene.field.zero
+    scene = replace(scene, contact=Contact(Rule.BOX, LoadTable(((half, zero, zero),) * 2)))
+    partition = build_box_partition(scene)
+    assert partition.area_error == 0
+    assert partition.tied_area == 1
+    weights = weights_at(scene, (zero, zero))
+    (cell,) = partition.cells
+    assert len(cell.twists) > 1
+    assert len({dissipation(scene, weights, twist) for twist in cell.twists}) == 1
+
+
+@pytest.mark.parametrize("exponent", [-12, -6, 6, 12])
+def test_extreme_friction_ratios(arrays: Arrays, exponent: int) -> None:
+    side = Fraction(10) ** exponent
+    partition = build_box_partition(arrays.four_wheel((1, side)))
+    assert partition.area_error == 0
+    assert len(partition.cells) == (13 if exponent < 0 else 1)
+
+
+@pytest.mark.parametrize("scale", [Fraction(1, 10**9), 10**9])
+def test_extreme_scales_change_nothing(arrays: Arrays, scale: Fraction) -> None:
+    scene = arrays.four_wheel((1, Fraction(1, 5)))
+    wheels = tuple(replace(w, position=(w.position[0] * scale, w.position[1] * scale)) for w in scene.wheels)
+    scaled = replace(scene, wheels=wheels, check=replace(scene.check, radius=scene.check.radius * scale))
+    partition = build_box_partition(scaled)
+    assert partition.area_error == 0
+    assert sorted(c.polygon.area / scale / scale for c in partition.cells) == sorted(
+        c.polygon.area for c in build_box_partition(scene).cells
+    )
+
+
+def test_wheels_that_almost_coincide(arrays: Arrays) -> None:
+    """Rows that differ by 1e-12: floats decide nothing about them."""
+    corner = arrays.inward([(1 + Fraction(1, 10**12), 1)])
+    wheels = arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    scene = arrays.scene([*wheels, *corner], (1, Fraction(1, 5)))
+    check_cells(arrays, scene, np.random.default_rng(0))
+
+
+def test_arrays_without_enough_friction_are_refused(arrays: Arrays) -> None:
+    with pytest.raises(RefusalError, match="not determined"):
+        build_box_partition(arrays.four_wheel((1, 0)))
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "elliptic", "grid-4x4"])
+def test_the_explicit_minimizer_proves_itself_at_random_points(name: str) -> None:
+    """Forces at the located twist: inside the box, in balance, and without a duality gap."""
+    scene = load_scene(name, rule="box", radius="1/4")
+    points = np.random.default_rng(0).uniform(-0.25, 0.25, (60, 2))
+    assert PointLocator(build_box_partition(scene)).minima(points).check().all()

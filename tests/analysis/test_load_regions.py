@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.partitions.loads import LoadError, LoadRegion, load_regions, support_polygon, value_at
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+
+def check_optimality(scene: Scene, region: LoadRegion, point: tuple[Fraction, Fraction]) -> None:
+    """The KKT conditions of min |N|^2: balance, no tension, N = m . y on loaded wheels and m . y <= 0 elsewhere."""
+    x, y = (scene.field(value) for value in point)
+    loads = [value_at(form, (x, y)) for form in region.forces]
+    assert all(load >= 0 for load in loads)
+    assert sum(loads) == 1
+    assert sum(n * w.position[0] for n, w in zip(loads, scene.wheels, strict=True)) == x
+    assert sum(n * w.position[1] for n, w in zip(loads, scene.wheels, strict=True)) == y
+    rows = np.array([[1.0, *map(float, wheel.position)] for wheel in scene.wheels])
+    loaded = [wheel.index in region.loaded for wheel in scene.wheels]
+    multiplier, _, _, _ = np.linalg.lstsq(rows[loaded], [float(n) for n in np.array(loads)[loaded]], rcond=None)
+    assert np.abs(rows[loaded] @ multiplier - [float(n) for n in np.array(loads)[loaded]]).max() < 1e-12
+    assert (rows[~np.array(loaded)] @ multiplier <= 1e-12).all()
+
+
+@pytest.mark.parametrize("radius", [Fraction(1, 2), Fraction(3, 4), Fraction(1)])
+def test_four_wheel_loads_split_the_square_where_a_wheel_lifts_off(arrays: Arrays, radius: Fraction) -> None:
+    scene = arrays.four_wheel(radius=radius)
+    regions = load_regions(scene)
+    assert len(regions) == (1 if radius == Fraction(1, 2) else 5)
+    assert sum(region.polygon.area for region in regions) == (2 * radius) ** 2
+    inner = next(region for region in regions if len(region.loaded) == 4)
+    quarter = Fraction(1, 4)
+    for form, wheel in zip(inner.forces, scene.wheels, strict=True):
+        assert form == (quarter, wheel.position[0] * quarter, wheel.position[1] * quarter)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_loads_are_optimal_in_every_region(arrays: Arrays, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    scene = arrays.random(seed, int(rng.integers(4, 10)))
+    try:
+        regions = load_regions(scene)
+    except LoadError:
+        hull = support_polygon([wheel.position for wheel in scene.wheels])
+        corners = [(x, y) for x, y in _corners(scene)]
+        assert len(hull) < 3 or any(_outside(hull, corner) for corner in corners)
+        return
+    assert sum(region.polygon.area for region in regions) == (2 * scene.check.radius) ** 2
+    for region in regions:
+        x, y = arrays.interior_point(region.polygon, rng)
+        check_optimality(scene, region, (Fraction(str(x)), Fraction(str(y))))
+
+
+def _corners(scene: Scene) -> list[tuple[float, float]]:
+    (x, y), r = (float(v) for v in scene.check.equilibrium), float(scene.check.radius)
+    return [(x + a * r, y + b * r) for a in (-1, 1) for b in (-1, 1)]
+
+
+def _outside(hull: list, point: tuple[float, float]) -> bool:  # type: ignore[type-arg]
+    floats = [(float(x), float(y)) for x, y in hull]
+    return any(
+        (q[0] - p[0]) * (point[1] - p[1]) - (q[1] - p[1]) * (point[0] - p[0]) < 0
+        for p, q in zip(floats, floats[1:] + floats[:1], strict=True)
+    )
+
+
+def test_a_body_that_would_tip_is_refused_with_the_largest_radius(arrays: Arrays) -> None:
+    with pytest.raises(LoadError, match=r"check.radius: required at most 1 .*received 11/10: at .* tips"):
+        load_regions(arrays.four_wheel(radius=Fraction(11, 10)))
+
+
+def test_collinear_wheels_are_refused(arrays: Arrays) -> None:
+    scene = arrays.scene(arrays.inward([(1, 1), (2, 2), (-1, -1)]))
+    with pytest.raises(LoadError, match="collinear"):
+        load_regions(scene)
+
+
+def test_a_table_of_loads_is_taken_as_it_is_and_may_not_be_negative(arrays: Arrays) -> None:
+    scene = arrays.four_wheel()
+    quarter, zero = scene.field(1) / 4, scene.field.zero
+    table = LoadTable(((quarter, zero, zero),) * 4)
+    given = replace(scene, contact=Contact(Rule.BOX, table))
+    (region,) = load_regions(given)
+    assert region.forces == table.rows
+    bad = LoadTable(((quarter, quarter * 4, zero), *table.rows[1:]))
+    with pytest.raises(LoadError, match=r"negative load of wheel 1 at \(-1/2"):
+        load_regions(replace(scene, contact=Contact(Rule.BOX, bad)))
+
+
+@pytest.mark.parametrize("seed", [8, 18, 31, 38])
+def test_a_line_of_wheels_that_takes_the_whole_load_is_refused(arrays: Arrays, seed: int) -> None:
+    """The loaded set would change by more than one wheel: said in one line, never a division by zero."""
+    with pytest.raises(LoadError):
+        load_regions(arrays.cocircular(seed))

@@ -1,0 +1,516 @@
+"""What every minimizer of the dissipation must pass, whichever functional it minimizes and however."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
+from nonsmooth.analysis.minimizers import sum_of_norms
+from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
+from nonsmooth.analysis.minimizers.choice import MINIMIZERS, Minimizer, minimizers_of
+from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
+from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+Floats = NDArray[np.float64]
+
+FOUR = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], float)
+SAME_VALUE = 1e-9  # relative: what the least exact minimizer reaches
+SAME_TWIST = 1e-5  # relative to the speeds: the reference solvers know D to 1e-11, a twist to its square root
+ROUNDING = 1e-10  # of twists and forces of order 1 by the exact minimizers
+GAPS = {EllipseInterior: 1e-10, BoxHighs: 1e-10, BoxEnumeration: 1e-9, CvxpyMinimizer: 1e-7}  # relative
+
+
+def label(minimizer: Minimizer) -> str:
+    return f"{type(minimizer).__name__}-{minimizer.functional}"
+
+
+EVERY = pytest.mark.parametrize("minimizer", MINIMIZERS, ids=label)
+EXACT = pytest.mark.parametrize("minimizer", [m for m in MINIMIZERS if not isinstance(m, CvxpyMinimizer)], ids=label)
+
+
+def certified(minima: Minima, minimizer: Minimizer) -> bool:
+    return bool(minima.check(GAPS[type(minimizer)]).all()) and all(m.check(GAPS[type(minimizer)]) for m in minima)
+
+
+# ---- arrays ------------------------------------------------------------------------------------
+
+
+class Case(NamedTuple):
+    """An array under normal forces (m, n)."""
+
+    model: ContactModel
+    loads: Floats
+
+
+def four_wheels(mu_roll: float = 1, mu_side: float = 0.5) -> ContactModel:
+    return ContactModel.build(FOUR, -FOUR, np.ones(4), (mu_roll, mu_side))
+
+
+def ring(count: int, friction: tuple[float, float] = (1, 0.5), semi_axes: tuple[float, float] = (1, 1)) -> ContactModel:
+    """Wheels on the unit circle, rims along the elliptic field ``(-a x, -b y)``."""
+    angles = 2 * np.pi * np.arange(count) / count
+    positions = np.column_stack([np.cos(angles), np.sin(angles)])
+    return ContactModel.build(positions, -positions * semi_axes, np.ones(count), friction)
+
+
+def grid(rows: int, columns: int, friction: tuple[float, float] = (1, 0.5)) -> ContactModel:
+    """Unit pitch about the origin, rims inward; a wheel at the origin points along x."""
+    x, y = np.arange(columns) - (columns - 1) / 2, np.arange(rows) - (rows - 1) / 2
+    positions = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    rims = np.where(np.any(positions, axis=1, keepdims=True), -positions, [[1.0, 0.0]])
+    return ContactModel.build(positions, rims, np.ones(len(positions)), friction)
+
+
+def random_array(seed: int, friction: tuple[float, float] | None = None) -> ContactModel:
+    """Random places, rims and speeds, a third of which are zero; random friction unless given."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 9))
+    speeds = rng.normal(size=count) * (rng.random(count) > 1 / 3)
+    own = 10.0 ** rng.uniform(-1, 1, (count, 2)) if friction is None else friction
+    return ContactModel.build(rng.normal(size=(count, 2)), rng.normal(size=(count, 2)), speeds, own)
+
+
+def at_random_points(model: ContactModel, count: int, seed: int = 0) -> Case:
+    """Elastic loads at random centres of mass inside the support polygon."""
+    weights = np.random.default_rng(seed).dirichlet(np.ones(model.wheels), size=count)
+    return Case(model, elastic_loads(model, weights @ model.positions))
+
+
+def two_isotropic_wheels(first: float, second: float) -> Case:
+    """Wheels at (0, 0) and (2, 1) with equal friction both ways and two surface velocities each."""
+    model = ContactModel.build([(0, 0), (2, 1)], [(1, 0), (1, 0)], [(1, 0.3), (-0.2, 0.5)], (1, 1))
+    return Case(model, np.array([[first, second]], float))
+
+
+CASES: dict[str, Callable[[], Case]] = {
+    "four-wheel": lambda: at_random_points(contact_model(load_scene("four-wheel")), 6),
+    "ring-5": lambda: at_random_points(contact_model(load_scene("ring-5")), 6),
+    "elliptic": lambda: at_random_points(contact_model(load_scene("elliptic")), 6),
+    "spiral-30": lambda: at_random_points(contact_model(load_scene("spiral-30")), 6),
+    "grid-3x3": lambda: at_random_points(grid(3, 3), 4),
+    "side friction larger": lambda: at_random_points(four_wheels(0.5, 1), 4),
+    "a wheel lifts off": lambda: Case(four_wheels(), elastic_loads(four_wheels(), [(0.75, 0.75), (0.9, -0.4)])),
+    **{f"random-{k}": lambda k=k: at_random_points(random_array(k), 4) for k in range(6)},  # type: ignore[misc]
+}
+ARRAYS = pytest.mark.parametrize("case", CASES, indirect=True)
+
+
+@pytest.fixture
+def case(request: pytest.FixtureRequest) -> Case:
+    return CASES[request.param]()
+
+
+# ---- every minimizer ---------------------------------------------------------------------------
+
+
+@EVERY
+@ARRAYS
+def test_results_prove_themselves(minimizer: Minimizer, case: Case) -> None:
+    minima = minimizer.minimize(*case)
+    assert len(minima) == len(case.loads)
+    assert certified(minima, minimizer)
+
+
+@EVERY
+@ARRAYS
+def test_values_agree(minimizer: Minimizer, case: Case) -> None:
+    reference = minimizers_of(minimizer.functional)[0].minimize(*case)
+    np.testing.assert_allclose(minimizer.minimize(*case).values, reference.values, rtol=SAME_VALUE, atol=1e-14)
+
+
+@EVERY
+@ARRAYS
+def test_unique_twists_agree(minimizer: Minimizer, case: Case) -> None:
+    minima, reference = minimizer.minimize(*case), minimizers_of(minimizer.functional)[0].minimize(*case)
+    for one, other in zip(minima, reference, strict=True):
+        assert (one.face is None) == (other.face is None)
+        if one.face is None:
+            np.testing.assert_allclose(one.twist, other.twist, atol=SAME_TWIST)
+
+
+@EVERY
+@ARRAYS
+def test_no_other_twist_dissipates_less(minimizer: Minimizer, case: Case) -> None:
+    rng = np.random.default_rng(0)
+    steps = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-6, 0.5, (300, 1))
+    for minimum in minimizer.minimize(*case):
+        around = dissipation(minimum.functional, minimum.model, minimum.loads, minimum.twist + steps)
+        assert around.min() >= minimum.value * (1 - SAME_VALUE)
+
+
+@EXACT
+@ARRAYS
+def test_friction_opposes_slip(minimizer: Minimizer, case: Case) -> None:
+    """Complementarity: each wheel's friction takes all the power its slip can lose, ``-f . slip = |weighted slip|``."""
+    for minimum in minimizer.minimize(*case):
+        slips = case.model.slips(minimum.twist)
+        lost = -(minimum.forces * slips).sum(axis=1)
+        weighted = case.model.limits(minimum.loads) * slips
+        box = minimum.functional is Functional.BOX
+        most = np.abs(weighted).sum(axis=1) if box else np.hypot(weighted[:, 0], weighted[:, 1])
+        np.testing.assert_allclose(lost, most, atol=ROUNDING)
+
+
+@EXACT
+@ARRAYS
+def test_order_of_the_wheels_does_not_matter(minimizer: Minimizer, case: Case) -> None:
+    model, order = case.model, np.random.default_rng(0).permutation(case.model.wheels)
+    rows = np.column_stack([2 * order, 2 * order + 1]).reshape(-1)
+    shuffled = ContactRows(model.rows[rows], model.targets[rows], model.friction[rows])
+    minima, other = minimizer.minimize(*case), minimizer.minimize(shuffled, case.loads[:, order])
+    np.testing.assert_allclose(other.values, minima.values, rtol=SAME_VALUE, atol=1e-14)
+    for one, two in zip(minima, other, strict=True):
+        if one.face is None:
+            np.testing.assert_allclose(two.twist, one.twist, atol=SAME_TWIST)
+
+
+@EXACT
+@ARRAYS
+def test_a_turned_array_moves_in_the_turned_direction(minimizer: Minimizer, case: Case) -> None:
+    """Turned about the origin, v turns along and omega stays."""
+    c, s = 0.6, 0.8
+    turn = np.array([(c, -s), (s, c)])
+    model = case.model
+    surface, friction = model.targets.reshape(-1, 2), model.friction.reshape(-1, 2)
+    turned = ContactModel.build(model.positions @ turn.T, model.rims @ turn.T, surface, friction)
+    minima, other = minimizer.minimize(*case), minimizer.minimize(turned, case.loads)
+    np.testing.assert_allclose(other.values, minima.values, rtol=SAME_VALUE, atol=1e-14)
+    for one, two in zip(minima, other, strict=True):
+        if one.face is None:
+            np.testing.assert_allclose(two.twist, np.r_[turn @ one.twist[:2], one.twist[2]], atol=SAME_TWIST)
+
+
+@EXACT
+@pytest.mark.parametrize(("length", "speed", "weight"), [(1e3, 1, 1), (1e-3, 1e6, 1e3), (1, 1e-9, 1e-6)])
+def test_units_do_not_matter(minimizer: Minimizer, length: float, speed: float, weight: float) -> None:
+    model, loads = at_random_points(random_array(3), 3)
+    surface = speed * model.targets.reshape(-1, 2)
+    scaled = ContactModel.build(length * model.positions, model.rims, surface, model.friction.reshape(-1, 2))
+    minima, other = minimizer.minimize(model, loads), minimizer.minimize(scaled, weight * loads)
+    assert certified(other, minimizer)
+    np.testing.assert_allclose(other.values, speed * weight * minima.values, rtol=SAME_VALUE)
+    np.testing.assert_allclose(other.twists * [1, 1, length] / speed, minima.twists, atol=SAME_TWIST)
+
+
+# ---- closed forms ------------------------------------------------------------------------------
+
+
+@EVERY
+@pytest.mark.parametrize("heavy", range(4))
+def test_a_dominating_wheel_sticks(minimizer: Minimizer, heavy: int) -> None:
+    """Its smallest limit, ``mu_S N_i``, exceeds what all others can push together."""
+    loads = np.full((1, 4), 0.04)
+    loads[0, heavy] = 0.88
+    minima = minimizer.minimize(four_wheels(1, 0.5), loads)
+    assert certified(minima, minimizer)
+    np.testing.assert_allclose(minima.model.slips(minima.twists[0])[heavy], 0, atol=SAME_TWIST)
+
+
+@pytest.mark.parametrize("minimizer", minimizers_of(Functional.BOX), ids=label)
+@pytest.mark.parametrize("ratio", [0.5, 0.2, 0.1])
+def test_four_wheels_rest_near_the_origin(minimizer: Minimizer, ratio: float) -> None:
+    """Box functional: rest iff ``|x| + |y| <= mu_S/mu_R``."""
+    rng, model = np.random.default_rng(0), four_wheels(1, ratio)
+    points = rng.uniform(-0.5, 0.5, (20, 2))
+    moves = np.abs(minimizer.minimize(model, loads_at(model, points)).twists).max(axis=1) > SAME_TWIST
+    np.testing.assert_array_equal(moves, np.abs(points).sum(axis=1) > ratio)
+
+
+@pytest.mark.parametrize("minimizer", minimizers_of(Functional.ELLIPSE), ids=label)
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 3.0])
+def test_four_wheels_settle_exponentially(minimizer: Minimizer, ratio: float) -> None:
+    """Ellipse functional: ``c' = -sqrt(2) (mu_R/mu_S)^2 c`` to first order, with ``c' = v + omega J c``."""
+    model, small = four_wheels(1, ratio), 1e-3
+    points = small * np.array([(1, 0), (0, -1), (0.6, 0.8)])
+    twists = minimizer.minimize(model, elastic_loads(model, points)).twists
+    rates = twists[:, :2] + twists[:, 2:] * np.column_stack([-points[:, 1], points[:, 0]])
+    np.testing.assert_allclose(rates, -np.sqrt(2) / ratio**2 * points, atol=SAME_TWIST)
+
+
+@pytest.mark.parametrize("minimizer", minimizers_of(Functional.ELLIPSE), ids=label)
+def test_two_isotropic_wheels(minimizer: Minimizer) -> None:
+    minima = minimizer.minimize(*two_isotropic_wheels(1, 2))
+    assert certified(minima, minimizer)
+    assert minima.values[0] == pytest.approx(0.98387, abs=5e-6)
+    assert minima.twists[0, 2] == pytest.approx(0.32, abs=SAME_TWIST)
+    assert minima[0].face is None
+
+
+@pytest.mark.parametrize("minimizer", minimizers_of(Functional.ELLIPSE), ids=label)
+def test_equal_isotropic_wheels_leave_a_segment(minimizer: Minimizer) -> None:
+    """Slips are parallel and opposite: at either end of the segment one wheel sticks."""
+    case = two_isotropic_wheels(1, 1)
+    (minimum,) = minimizer.minimize(*case)
+    assert minimum.check(GAPS[type(minimizer)])
+    assert minimum.face is not None
+    assert len(minimum.face) == 2
+    np.testing.assert_allclose(minimum.face[:, 2], 0.32, atol=SAME_TWIST)
+    slips = np.hypot(*np.moveaxis(case.model.slips(minimum.face), -1, 0))
+    np.testing.assert_allclose(np.sort(slips, axis=1)[:, 0], 0, atol=SAME_TWIST)
+    assert sorted(slips.argmin(axis=1)) == [0, 1]
+
+
+@EVERY
+def test_weighted_median(minimizer: Minimizer) -> None:
+    """One unknown, weights 3, 2, 2 on speeds 0, 1, 1: the minimizer is 1, though 3 is the largest weight."""
+    rows = np.tile([(1.0, 0, 0), (0, 1, 0)], (3, 1))
+    model = ContactRows(rows, np.array([0.0, 0, 1, 0, 1, 0]), np.tile([1.0, 1.0], 3))
+    if isinstance(minimizer, BoxEnumeration):
+        with pytest.raises(ValueError, match="three independent"):
+            minimizer.minimize(model, [(3, 2, 2)])
+        return
+    minima = minimizer.minimize(model, [(3, 2, 2)])
+    assert certified(minima, minimizer)
+    np.testing.assert_allclose(minima.values, 3, rtol=SAME_VALUE)
+    np.testing.assert_allclose(minima.twists, [(1, 0, 0)], atol=SAME_TWIST)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "elliptic"])
+def test_box_minimizer_moves_as_the_exact_cells_say(name: str) -> None:
+    scene = load_scene(name, rule="box")
+    model, rng = contact_model(scene), np.random.default_rng(0)
+    for cell in build_box_partition(scene).cells:
+        vertices = np.array([[float(x) for x in vertex] for vertex in cell.polygon.vertices])
+        points = rng.dirichlet(np.ones(len(vertices)), size=3) @ vertices
+        exact = [[float(x) for x in twist] for twist in cell.twists]
+        np.testing.assert_allclose(BoxHighs().minimize(model, loads_at(model, points)).twists, exact * 3, atol=ROUNDING)
+
+
+# ---- Theorem 2: faces --------------------------------------------------------------------------
+
+
+def square_face() -> Case:
+    """Two wheels of equal weight in one place that want (0, 0) and (1, 1), a third holds the rotation."""
+    rows = np.array([(1, 0, 0), (0, 1, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 1)], float)
+    model = ContactRows(rows, np.array([0.0, 0, 1, 1, 0, 0]), np.ones(6))
+    return Case(model, np.ones((1, 3)))  # type: ignore[arg-type]
+
+
+FACES: dict[str, Callable[[], Case]] = {
+    "square": square_face,
+    "two wheels": lambda: two_isotropic_wheels(1, 1),
+    "edge of the rest area": lambda: Case(four_wheels(), elastic_loads(four_wheels(), [(0.25, 0.25), (0.3, -0.2)])),
+    "corner of the rest area": lambda: Case(four_wheels(), elastic_loads(four_wheels(), [(0.5, 0)])),
+    "one constraint more": lambda: Case(four_wheels(1, 0.2), elastic_loads(four_wheels(), [(0.2, 0), (0.3, 0.3)])),
+}
+
+
+@EVERY
+@pytest.mark.parametrize("name", FACES)
+def test_all_points_of_a_face_dissipate_the_same(minimizer: Minimizer, name: str) -> None:
+    """Theorem 2, with the vertices found by the oracle of the same functional."""
+    case, rng = FACES[name](), np.random.default_rng(0)
+    minima, reference = minimizer.minimize(*case), minimizers_of(minimizer.functional)[-2].minimize(*case)
+    assert certified(minima, minimizer)
+    for minimum, other in zip(minima, reference, strict=True):
+        assert (minimum.face is None) == (other.face is None)
+        if minimum.face is not None and other.face is not None:
+            mixtures = rng.dirichlet(np.ones(len(minimum.face)), size=20) @ minimum.face
+            values = dissipation(minimum.functional, case.model, minimum.loads, mixtures)
+            np.testing.assert_allclose(values, minimum.value, rtol=SAME_VALUE)
+            assert_same_points(minimum.face, other.face)
+
+
+def assert_same_points(first: Floats, second: Floats) -> None:
+    assert len(first) == len(second)
+    distances = np.abs(first[:, None] - second[None]).max(axis=2)
+    assert distances.min(axis=0).max() < SAME_TWIST
+    assert distances.min(axis=1).max() < SAME_TWIST
+
+
+def test_faces_of_the_square_example() -> None:
+    """Box: all of [0, 1]^2; ellipse: its diagonal."""
+    case = square_face()
+    (box,), (ellipse,) = (minimizers_of(functional)[0].minimize(*case) for functional in Functional)
+    assert box.face is not None
+    assert ellipse.face is not None
+    assert_same_points(box.face, np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], float))
+    assert_same_points(ellipse.face, np.array([(0, 0, 0), (1, 1, 0)], float))
+
+
+# ---- degenerate and extreme --------------------------------------------------------------------
+
+
+@EVERY
+def test_wheels_at_rest_hold_the_body(minimizer: Minimizer) -> None:
+    model = ContactModel.build(FOUR, -FOUR, np.zeros(4), (1, 0.5))
+    minima = minimizer.minimize(model, np.full((2, 4), 0.25))
+    assert certified(minima, minimizer)
+    np.testing.assert_allclose(minima.twists, 0, atol=SAME_TWIST)
+    np.testing.assert_allclose(minima.values, 0, atol=1e-9)
+
+
+@EVERY
+def test_a_rigid_motion_that_all_wheels_want_costs_nothing(minimizer: Minimizer) -> None:
+    wanted = np.array([0.3, -0.2, 0.5])
+    positions = np.random.default_rng(0).normal(size=(5, 2))
+    velocities = wanted[:2] + wanted[2] * np.column_stack([-positions[:, 1], positions[:, 0]])
+    model = ContactModel.build(positions, velocities, np.hypot(*velocities.T), (1, 0.5))
+    minima = minimizer.minimize(model, np.full((1, 5), 0.2))
+    np.testing.assert_allclose(minima.twists, [wanted], atol=SAME_TWIST)
+    np.testing.assert_allclose(minima.values, 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("minimizer", [m for m in MINIMIZERS if not isinstance(m, BoxEnumeration)], ids=label)
+def test_one_loaded_wheel(minimizer: Minimizer) -> None:
+    """The body may turn about it: no dissipation, and the wheel sticks.
+
+    Of a vanishing D the reference solvers know no relative gap, so only the exact minimizers prove it.
+    """
+    minima = minimizer.minimize(four_wheels(), [(0, 1, 0, 0)])
+    assert isinstance(minimizer, CvxpyMinimizer) or certified(minima, minimizer)
+    np.testing.assert_allclose(minima.values, 0, atol=1e-8)
+    np.testing.assert_allclose(minima.model.slips(minima.twists[0])[1], 0, atol=SAME_TWIST)
+
+
+RATIOS = pytest.mark.parametrize("ratio", [1e-3, 1e-2, 0.1, 0.5, 1, 2, 10, 1e2, 1e3])
+
+
+@RATIOS
+def test_interior_on_rings_grids_and_random_arrays(ratio: float) -> None:
+    """At a thousand points each: gap below 1e-10, and D no more than CVXPY's best plus 1e-9 of it."""
+    models = [ring(count, (1, ratio)) for count in range(3, 9)] + [ring(6, (1, ratio), (1, 2))]
+    models += [grid(2, 3, (1, ratio)), grid(4, 4, (1, ratio)), grid(6, 6, (1, ratio))]
+    models += [random_array(seed, (1, ratio)) for seed in range(4)]
+    reference = CvxpyMinimizer(Functional.ELLIPSE)
+    for seed, model in enumerate(models):
+        _, loads = at_random_points(model, 1000, seed)
+        minima = EllipseInterior().minimize(model, loads)
+        assert minima.check(1e-10).all()
+        best = reference.minimize(model, loads[:2]).values
+        assert (minima.values[:2] <= best * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("exponent", range(-12, 13, 3))
+def test_interior_at_extreme_friction(exponent: int) -> None:
+    for seed in range(4):
+        model, loads = at_random_points(random_array(seed, (1, 10.0**exponent)), 200, seed)
+        assert EllipseInterior().minimize(model, loads).check(1e-9).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_interior_at_extreme_loads_places_and_speeds(seed: int) -> None:
+    """Loads over twelve decades, a wheel array far from the origin, thin, or with speeds over many decades."""
+    rng, model = np.random.default_rng(seed), random_array(seed)
+    surface, friction = model.targets.reshape(-1, 2), model.friction.reshape(-1, 2)
+
+    def moved(positions: Floats) -> ContactModel:
+        return ContactModel.build(positions, model.rims, surface, friction)
+
+    wide = 10.0 ** rng.uniform(-12, 0, (100, model.wheels))
+    even = rng.dirichlet(np.ones(model.wheels), size=100)
+    speeds = 10.0 ** rng.uniform(-9, 9, model.wheels)
+    for other, loads in [
+        (model, wide),
+        (moved(model.positions + 1e4), even),
+        (moved(model.positions * [1, 1e-5]), even),
+        (ContactModel.build(model.positions, model.rims, speeds, friction), even),
+    ]:
+        assert EllipseInterior().minimize(other, loads).check(1e-9).all()
+
+
+def test_interior_point_alone_reaches_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without Newton's finish: the same values to its own gap, twists to the square root of it."""
+    cases = [at_random_points(random_array(seed), 100, seed) for seed in range(5)]
+    polished = [EllipseInterior().minimize(*case) for case in cases]
+
+    def never(*arguments: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        _, _, _, y, z = arguments
+        return y, z, np.zeros(y.shape[1], bool)
+
+    monkeypatch.setattr(sum_of_norms, "polish", never)
+    for case, reference in zip(cases, polished, strict=True):
+        alone = EllipseInterior().minimize(*case)
+        assert alone.check(1e-11).all()
+        np.testing.assert_allclose(alone.values, reference.values, rtol=1e-11)
+        np.testing.assert_allclose(alone.twists, reference.twists, atol=SAME_TWIST)
+
+
+# ---- results -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def minimum() -> Minimum:
+    return EllipseInterior().minimize(four_wheels(), elastic_loads(four_wheels(), [(0.2, 0.1)]))[0]
+
+
+@pytest.mark.parametrize(
+    "forge",
+    [
+        lambda m: replace(m, twist=m.twist + np.array([1e-3, 0, 0])),
+        lambda m: replace(m, twist=m.twist * np.nan),
+        lambda m: replace(m, forces=1.001 * m.forces),
+        lambda m: replace(m, forces=0.999 * m.forces),
+        lambda m: replace(m, forces=m.forces + 1e-6 * np.eye(4)[:, :2]),
+        lambda m: replace(m, forces=np.zeros_like(m.forces)),
+        lambda m: replace(m, loads=m.loads * [1, 1, 1, 0.5]),
+        lambda m: replace(m, functional=Functional.BOX),
+        lambda m: replace(m, face=np.stack([m.twist, m.twist + np.array([0, 0, 0.1])])),
+        lambda m: replace(m, face=m.twist[None]),
+    ],
+)
+def test_forged_results_fail(minimum: Minimum, forge: Callable[[Minimum], Minimum]) -> None:
+    assert minimum.check()
+    assert not forge(minimum).check()
+
+
+def test_many_results_are_a_sequence() -> None:
+    model, loads = at_random_points(four_wheels(), 5)
+    minima = EllipseInterior().minimize(model, loads)
+    assert len(minima) == len(list(minima)) == 5
+    np.testing.assert_array_equal(minima[-1].twist, minima.twists[4])
+    np.testing.assert_allclose([m.value for m in minima], minima.values, rtol=1e-15)
+    np.testing.assert_allclose([m.gap for m in minima], minima.gaps, atol=1e-15)
+    with pytest.raises(IndexError):
+        minima[5]
+
+
+def test_points_do_not_depend_on_their_company() -> None:
+    """Thousands of points go through several blocks; each result is that of the point alone."""
+    model, loads = at_random_points(random_array(2), 9000)
+    together = EllipseInterior().minimize(model, loads)
+    assert together.check(1e-10).all()
+    for k in (0, 4000, 8999):
+        alone = EllipseInterior().minimize(model, loads[k])
+        np.testing.assert_allclose(together.twists[k], alone.twists[0], atol=ROUNDING)
+
+
+def test_no_points() -> None:
+    minima = EllipseInterior().minimize(four_wheels(), np.empty((0, 4)))
+    assert len(minima) == 0
+    assert minima.check().shape == (0,)
+
+
+def test_lighter_loads_dissipate_less() -> None:
+    """D is linear in the loads."""
+    model, loads = at_random_points(random_array(1), 1)
+    values = EllipseInterior().minimize(model, np.outer([1, 2, 3, 10], loads[0])).values
+    assert all(a < b for a, b in pairwise(values))
+    np.testing.assert_allclose(values, values[0] * np.array([1, 2, 3, 10]), rtol=1e-12)
+
+
+@EVERY
+@pytest.mark.parametrize(
+    ("loads", "expected"),
+    [([1, 2, 3], "shape"), ([[1, 1, 1, -1]], ">= 0"), ([[1, 1, 1, np.nan]], "finite"), ([[[1, 1, 1, 1]]], "shape")],
+)
+def test_loads_are_validated(minimizer: Minimizer, loads: list[float], expected: str) -> None:
+    with pytest.raises(ValueError, match=expected):
+        minimizer.minimize(four_wheels(), loads)
+
+
+def test_enumeration_refuses_large_arrays() -> None:
+    with pytest.raises(ValueError, match="at most 40 wheels"):
+        BoxEnumeration().minimize(grid(7, 7), np.ones((1, 49)))

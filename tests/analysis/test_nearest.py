@@ -1,0 +1,287 @@
+"""Rule ``nearest``: its exact cells against the rule's own words, point by point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.sampling import literal_twist
+from nonsmooth.analysis.partitions.nearest import bisector, build_nearest_partition, nearest_states
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.symbolic.constraints import Row, Twist, determinant, roll_row, side_row, wheel_rows
+from nonsmooth.symbolic.contact_states import solve_rows
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Friction, Scene, Wheel
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+Build: TypeAlias = "Callable[[Arrays], Scene]"
+
+ROLL = (1, Fraction(1, 2))
+SIDE = (Fraction(1, 2), 1)
+TIE = (1, 1)
+
+
+def random(seed: int) -> Build:
+    return lambda arrays: arrays.random(seed, 2 + seed % 7)
+
+
+def cocircular(seed: int) -> Build:
+    return lambda arrays: arrays.cocircular(seed)
+
+
+SCENES: dict[str, Build] = {
+    "four-wheel": lambda arrays: arrays.four_wheel(radius=3),
+    "ring-3": lambda arrays: arrays.ring(3, SIDE),
+    "ring-5": lambda arrays: arrays.ring(5, ROLL, radius=2),
+    "ring-8": lambda arrays: arrays.ring(8, SIDE),
+    "ring-9": lambda arrays: arrays.ring(9, ROLL),
+    "grid-1x2": lambda arrays: arrays.grid(1, 2, radius=3),
+    "grid-3x3": lambda arrays: arrays.grid(3, 3, TIE, radius=2),
+    "grid-4x5": lambda arrays: arrays.grid(4, 5, SIDE, radius=3),
+    "line": lambda arrays: arrays.grid(1, 5, SIDE, radius=2),
+    **{f"random-{seed}": random(seed) for seed in range(14)},
+    **{f"cocircular-{seed}": cocircular(seed) for seed in range(8)},
+}
+
+# A float solve of three rows of length about 1; triples of small determinant lose some digits.
+ROUNDING = 1e-8
+
+
+@pytest.fixture(params=SCENES)
+def scene(request: pytest.FixtureRequest, arrays: Arrays) -> Scene:
+    return SCENES[request.param](arrays)
+
+
+def squared_distance(wheel: Wheel, point: Point) -> Number:
+    (x, y), (px, py) = point, wheel.position
+    return (x - px) ** 2 + (y - py) ** 2
+
+
+def literal_rows(scene: Scene, point: Point) -> list[Row]:
+    """The rule in its own words, exactly: nearest wheels first, larger friction first, greedy until three."""
+    chosen: list[Row] = []
+    for wheel in sorted(scene.wheels, key=lambda w: squared_distance(w, point)):
+        rows = wheel_rows(wheel)
+        for row in rows if wheel.friction.roll >= wheel.friction.side else rows[::-1]:
+            if len(chosen) < 2 or (len(chosen) == 2 and determinant([*chosen, row])):
+                chosen.append(row)
+    return chosen
+
+
+def generic_point(scene: Scene, rng: np.random.Generator) -> Point:
+    """A point of the square with large denominators: on no bisector of a test array."""
+    (x, y), radius = scene.check.equilibrium, scene.check.radius
+    a, b = rng.integers(-99990, 99991, 2).tolist()
+    return x + radius * Fraction(a, 99991), y + radius * Fraction(b, 99991)
+
+
+def picture(partition: Partition) -> set[tuple[tuple[int, ...], frozenset[Point], frozenset[Twist]]]:
+    """Wheels, vertices and twists of every cell, whatever their order."""
+    return {(c.wheels, frozenset(c.polygon.vertices), frozenset(c.twists)) for c in partition.cells}
+
+
+# ---- the cells are those of the rule -------------------------------------------------------------
+
+
+def test_cells_tile_the_square_exactly(scene: Scene) -> None:
+    partition = build_nearest_partition(scene)
+    assert partition.area_error == 0
+    assert all(cell.polygon.area > 0 for cell in partition.cells)
+
+
+def test_a_generic_point_lies_in_one_cell_only(scene: Scene) -> None:
+    partition = build_nearest_partition(scene)
+    rng = np.random.default_rng(1)
+    for _ in range(15):
+        assert len(partition.cells_at(generic_point(scene, rng))) == 1
+
+
+def test_each_cell_follows_the_literal_rule(scene: Scene, arrays: Arrays) -> None:
+    rng = np.random.default_rng(2)
+    for cell in build_nearest_partition(scene).cells:
+        for _ in range(3):
+            point = arrays.interior_point(cell.polygon, rng)
+            assert cell.states == nearest_states(scene, point)
+            names = {row.name for row in literal_rows(scene, point)}
+            assert {row.name for row in cell.states[0].rows} == names
+
+
+def test_each_cell_has_the_twist_of_the_float_rule(scene: Scene, arrays: Arrays) -> None:
+    rng = np.random.default_rng(3)
+    for cell in build_nearest_partition(scene).cells:
+        point = arrays.interior_point(cell.polygon, rng)
+        twist = literal_twist(scene, np.array([float(x) for x in point]))
+        assert twist == pytest.approx([float(x) for x in cell.twists[0]], rel=ROUNDING, abs=ROUNDING)
+
+
+def test_cells_say_which_wheels_are_nearest(scene: Scene, arrays: Arrays) -> None:
+    rng = np.random.default_rng(4)
+    for cell in build_nearest_partition(scene).cells:
+        point = arrays.interior_point(cell.polygon, rng)
+        distances = {wheel.index: squared_distance(wheel, point) for wheel in scene.wheels}
+        nearest, second = cell.wheels
+        others = [d for index, d in distances.items() if index not in (nearest, second)]
+        assert distances[nearest] < distances[second]
+        assert all(distances[second] < d for d in others)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_rule_of_a_pair_is_the_greedy_rule(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 6)
+    rng = np.random.default_rng(seed)
+    for _ in range(10):
+        point = generic_point(scene, rng)
+        (first, *_) = nearest_states(scene, point)
+        assert {row.name for row in first.rows} == {row.name for row in literal_rows(scene, point)}
+
+
+# ---- looking only at wheels that can matter ------------------------------------------------------
+
+
+def test_pruning_changes_nothing(scene: Scene) -> None:
+    pruned, whole = (build_nearest_partition(scene, prune=prune) for prune in (True, False))
+    assert picture(pruned) == picture(whole)
+    assert pruned.wheels_considered <= whole.wheels_considered == len(scene.wheels)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pruning_keeps_wheels_closer_together_than_doubles_resolve(arrays: Arrays, seed: int) -> None:
+    """Positions differ by 1e-17 beside 1: as floats, near wheels and far ones are mixed up."""
+    rng = np.random.default_rng(seed)
+    tiny = Fraction(1, 10**17)
+    places = dict.fromkeys((x, y) for x, y in rng.integers(-12, 13, (14, 2)).tolist())
+    scene = arrays.scene(arrays.inward([(1 + x * tiny, 1 + y * tiny) for x, y in places]), radius=Fraction(3, 2))
+    pruned, whole = (build_nearest_partition(scene, prune=prune) for prune in (True, False))
+    assert picture(pruned) == picture(whole)
+
+
+@pytest.mark.parametrize("seed", [36, 83, 85])  # seeds at which relative margins alone would lose a wheel
+@pytest.mark.parametrize("unit", [Fraction(1, 10**323), Fraction(1, 10**400)], ids=["denormal", "underflow"])
+def test_pruning_keeps_wheels_in_units_below_the_floats(arrays: Arrays, unit: Fraction, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    places = dict.fromkeys((x, y) for x, y in rng.integers(-9, 10, (14, 2)).tolist() if x or y)
+    scene = arrays.scene(arrays.inward([(x * unit / 2, y * unit / 2) for x, y in places]), radius=3 * unit)
+    pruned, whole = (build_nearest_partition(scene, prune=prune) for prune in (True, False))
+    assert picture(pruned) == picture(whole)
+
+
+def test_far_wheels_do_not_matter(arrays: Arrays) -> None:
+    near = arrays.four_wheel()
+    far = [replace(wheel, position=(wheel.position[0] * 50, wheel.position[1] * 50)) for wheel in near.wheels]
+    crowd = replace(near, wheels=near.wheels + tuple(replace(w, index=w.index + 4) for w in far))
+    partition = build_nearest_partition(crowd)
+    assert partition.wheels_considered == 4
+    assert picture(partition) == picture(build_nearest_partition(near))
+
+
+def test_only_a_handful_of_a_large_grid_is_considered(arrays: Arrays) -> None:
+    scene = arrays.grid(30, 30)
+    partition = build_nearest_partition(scene)
+    assert partition.wheels_considered <= 24
+    assert partition.area_error == 0
+    assert {w for cell in partition.cells for w in cell.wheels} == {w.index for w in middle(scene, 2)}
+
+
+def middle(scene: Scene, reach: int) -> list[Wheel]:
+    """Wheels that are among the two nearest somewhere within 1/2 of the origin."""
+    return [w for w in scene.wheels if abs(w.position[0]) + abs(w.position[1]) < reach]
+
+
+# ---- special arrays ------------------------------------------------------------------------------
+
+
+def test_two_wheels_share_the_square_along_their_bisector(arrays: Arrays) -> None:
+    scene = arrays.scene(arrays.inward([(2, 0), (0, 2)]), radius=1)
+    partition = build_nearest_partition(scene)
+    assert [cell.wheels for cell in partition.cells] == [(1, 2), (2, 1)]
+    assert [cell.polygon.area for cell in partition.cells] == [2, 2]
+    assert all(c.polygon.contains((scene.field.zero, scene.field.zero)) for c in partition.cells)
+
+
+@pytest.mark.parametrize("n", range(3, 11))
+def test_cocircular_wheels_meet_at_the_centre(arrays: Arrays, n: int) -> None:
+    scene = arrays.ring(n)
+    partition = build_nearest_partition(scene)
+    assert len(partition.cells_at((scene.field.zero, scene.field.zero))) == len(partition.cells) == 2 * n
+
+
+def test_a_wheel_on_the_equilibrium_owns_its_neighbourhood(arrays: Arrays) -> None:
+    scene = arrays.grid(3, 3)
+    partition = build_nearest_partition(scene)
+    zero = scene.field.zero
+    at_rest = partition.cells_at((zero, zero))
+    assert {cell.wheels for cell in at_rest} == {(5, 2), (5, 4), (5, 6), (5, 8)}
+    assert {cell.wheels[0] for cell in partition.cells} == {5}
+
+
+def test_equal_frictions_put_both_states_into_the_hull(arrays: Arrays) -> None:
+    for seed in range(10):
+        scene = arrays.random(seed, 5)
+        tie, roll, side = (build_nearest_partition(arrays.with_friction(scene, f)) for f in (TIE, ROLL, SIDE))
+        for cell, with_roll, with_side in zip(tie.cells, roll.cells, side.cells, strict=True):
+            assert cell.polygon == with_roll.polygon == with_side.polygon
+            assert set(cell.twists) == set(with_roll.twists) | set(with_side.twists)
+
+
+def test_the_second_wheel_s_own_friction_decides_its_row(arrays: Arrays) -> None:
+    scene = arrays.four_wheel(ROLL)
+    slippery = Friction(scene.field(Fraction(1, 2)), scene.field(1))
+    scene = replace(scene, wheels=(replace(scene.wheels[0], friction=slippery), *scene.wheels[1:]))
+    for cell in build_nearest_partition(scene).cells:
+        third = cell.states[0].rows[2]
+        assert third.name == ("S1" if cell.wheels[1] == 1 else f"R{cell.wheels[1]}")
+
+
+@pytest.mark.parametrize(("friction", "fallback"), [(ROLL, "S"), (SIDE, "R")])
+def test_a_dependent_row_gives_way_to_the_next(
+    arrays: Arrays, friction: tuple[Fraction | int, Fraction | int], fallback: str
+) -> None:
+    """The line of wheel 2's preferred row passes through wheel 1: the row repeats what wheel 1 says along it."""
+    along, across = ((-1, 0), (0, 1))
+    rims = (along, along) if friction == ROLL else (along, across)
+    positions = ((1, 0), (-1, 0))
+    wheels = [arrays.inward([p])[0]._replace(direction=d) for p, d in zip(positions, rims, strict=True)]
+    scene = arrays.scene(wheels, friction)
+    first, second = scene.wheels
+    preferred = roll_row(second) if friction == ROLL else side_row(second)
+    assert solve_rows((*wheel_rows(first), preferred)) is None
+    cell = build_nearest_partition(scene).cells[0]
+    assert [row.name for row in cell.states[0].rows] == ["R1", "S1", f"{fallback}2"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bisectors_compare_distances(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 4)
+    rng = np.random.default_rng(seed)
+    for near, far in product(scene.wheels, repeat=2):
+        if near is not far:
+            line = bisector(near, far)
+            point = generic_point(scene, rng)
+            difference = squared_distance(far, point) - squared_distance(near, point)
+            assert line.slack(point) == difference
+            (a, b), (c, d) = near.position, far.position
+            assert not line.slack(((a + c) / 2, (b + d) / 2))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_recentring_moves_cells_with_the_origin(arrays: Arrays, seed: int) -> None:
+    """Cells shift by -c*, pose rates at shifted points agree, rotation rates stay."""
+    scene = arrays.random(seed, 5)
+    x, y = scene.check.equilibrium
+    before, after = build_nearest_partition(scene), build_nearest_partition(scene.recentred())
+    for old, new in zip(before.cells, after.cells, strict=True):
+        assert new.wheels == old.wheels
+        assert new.polygon.vertices == tuple((a - x, b - y) for a, b in old.polygon.vertices)
+        for twist, moved in zip(old.twists, new.twists, strict=True):
+            assert moved.omega == twist.omega
+            a, b = old.polygon.centre
+            assert moved.pose_rate((a - x, b - y)) == twist.pose_rate((a, b))

@@ -1,0 +1,193 @@
+"""Cell complexes, the two kinds of switched fields, and small problems on convex hulls."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
+from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, least_norm_weights
+from nonsmooth.analysis.fields.feedback_laws import corrected_law
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
+from nonsmooth.analysis.fields.smooth_field import Vector, affine_surface, smooth_surface
+from nonsmooth.analysis.fields.switched_field import array_field, domain_size, flow_of, piecewise_constant
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge, build_complex
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, square
+from nonsmooth.symbolic.numbers.number import sign
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+
+def complex_of(partition: Partition) -> CellComplex:
+    return build_complex([cell.polygon for cell in partition.cells], domain_size(partition))
+
+
+def assert_is_a_complex(cells: CellComplex) -> None:
+    """Euler's formula of a disc, and both sides of every edge where they are said to be."""
+    assert len(cells.corners) - len(cells.edges) + len(cells.polygons) == 1
+    for number, edge in enumerate(cells.edges):
+        (x1, y1), (x2, y2) = cells.points[edge.start], cells.points[edge.end]
+        middle = ((x1 + x2) / 2, (y1 + y2) / 2)
+        assert cells.locate(middle) == OnEdge(number)
+        holders = {k for k, polygon in enumerate(cells.polygons) if polygon.contains(middle)}
+        assert holders == set(edge.cells)
+        assert edge.left is None or sign(_turn((x1, y1), (x2, y2), cells.polygons[edge.left].centre)) > 0
+        assert edge.right is None or sign(_turn((x1, y1), (x2, y2), cells.polygons[edge.right].centre)) < 0
+    for number, corner in enumerate(cells.corners):
+        assert cells.locate(corner.point) == AtCorner(number)
+        holders = {k for k, polygon in enumerate(cells.polygons) if polygon.contains(corner.point)}
+        assert holders == set(corner.cells)
+    for number, polygon in enumerate(cells.polygons):
+        assert cells.locate(polygon.centre) == InCell(number)
+
+
+def _turn(p: Point, q: Point, r: Point) -> object:
+    return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_cells_of_random_arrays_form_a_complex(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 3 + seed % 4)
+    cells = complex_of(build_nearest_partition(scene))
+    assert_is_a_complex(cells)
+    rounded = cells.floats()
+    assert (rounded.edges, rounded.borders) == (cells.edges, cells.borders)
+    for k, point in enumerate(rounded.points):
+        assert rounded.locate(point) == AtCorner(k)
+
+
+@pytest.mark.parametrize("side", [Fraction(1, 2), Fraction(1, 5)])
+def test_cells_of_rule_box_form_a_complex(arrays: Arrays, side: Fraction) -> None:
+    """A side of the rest cell meets several cells: it is cut where they meet."""
+    assert_is_a_complex(complex_of(build_box_partition(arrays.four_wheel((1, side)))))
+
+
+def test_nothing_lies_outside_the_domain(arrays: Arrays) -> None:
+    cells = complex_of(build_nearest_partition(arrays.four_wheel()))
+    assert cells.locate((Fraction(3, 4), Fraction(0))) is None
+    assert cells.floats().locate((0.75, 0.0)) is None
+
+
+def test_kinematics_differ_by_the_turning_term(arrays: Arrays) -> None:
+    twist = build_nearest_partition(arrays.four_wheel()).cells[0].twists[0]
+    one = twist.omega.field.one
+    point = (one / 4, one / 3)
+    assert flow_of(twist, Kinematics.EXACT).velocity(point) == twist.pose_rate(point)
+    assert flow_of(twist, Kinematics.LEADING).velocity(point) == twist.velocity
+
+
+def test_piecewise_constant_reads_floats_exactly() -> None:
+    domain = square((Fraction(0), Fraction(0)), Fraction(1))
+    field = piecewise_constant(domain, [([HalfPlane((0.1, -1.0), 0.3)], (0.1, 0, 0))], exact=True)
+    assert field.flows[0][0].vx == Fraction(0.1)
+    with pytest.raises(ValueError, match="piece 1"):
+        piecewise_constant(domain, [([HalfPlane((1, 0), -2)], (1, 0, 0))])
+    with pytest.raises(ValueError, match="leading-order"):
+        piecewise_constant(domain, [([], (1, 0, 0))], Kinematics.EXACT, exact=True)
+
+
+def four_lines() -> SignField:
+    normals = {"x": (1, 0), "y": (0, 1), "y - x": (-1, 1), "y + x": (1, 1)}
+    surfaces = tuple(affine_surface(name, normal) for name, normal in normals.items())
+    return SignField(("x", "y"), surfaces, lambda signs: lambda t, x: np.array(signs[:2], dtype=float))
+
+
+def test_four_lines_through_one_point_give_eight_cells_and_eight_rays() -> None:
+    faces = four_lines().faces_at(np.zeros(2))
+    held = [len(face.keep) for face in faces]
+    assert [held.count(k) for k in (0, 1, 4)] == [8, 8, 1]
+    assert len(faces) == 17
+    assert {len(face.members) for face in faces if len(face.keep) == 1} == {2}
+    assert len(faces[0].members) == 8
+    assert [len(face.keep) for face in four_lines().faces_at(np.array([0.3, 0.3]))] == [1, 0, 0]
+    assert [len(face.keep) for face in four_lines().faces_at(np.array([0.3, 0.1]))] == [0]
+
+
+def test_a_surface_without_gradient_is_refused_with_advice() -> None:
+    surface = smooth_surface("y^2 - x^2", lambda x: float(x[1] ** 2 - x[0] ** 2))
+    field = SignField(("x", "y"), (surface,), lambda signs: lambda t, x: -x)
+    with pytest.raises(DegenerateSurfaceError, match="product of the signs of its factors"):
+        field.faces_at(np.zeros(2))
+
+
+def test_gradients_by_difference() -> None:
+    surface = smooth_surface("h", lambda x: math.sin(x[0]) * x[1] ** 2)
+    for point in np.random.default_rng(0).uniform(-2, 2, (20, 2)):
+        x, y = point
+        assert surface.gradient(point) == pytest.approx([math.cos(x) * y * y, 2 * math.sin(x) * y], abs=1e-9)
+
+
+def test_faces_of_an_array_are_those_of_its_complex(arrays: Arrays) -> None:
+    field = smooth_form(array_field(build_nearest_partition(arrays.four_wheel()), Kinematics.EXACT))
+    assert [len(face.keep) for face in field.faces_at(np.zeros(3))] == [2] + [1] * 8 + [0] * 8
+    assert [face.name for face in field.faces_at(np.array([0.3, 0.3, 1.0]))] == ["cell 2 | cell 1", "cell 1", "cell 2"]
+    assert field.on_border(np.array([0.5, 0.1, 0]))
+    assert not field.on_border(np.array([0.4, 0.1, 0]))
+    assert field.faces_at(np.array([0.6, 0.1, 0])) == []
+
+
+def test_feedback_moves_the_body_by_its_control_fields(arrays: Arrays) -> None:
+    """xi = g_i u_i + g_j u_j, written out for cell 1 of the four-wheel array (wheels 1 and 2)."""
+    partition = build_nearest_partition(arrays.four_wheel())
+    pose = np.array([0.1, 0.3, -0.2])
+    state = partition.cells[0].states[0]
+    columns = {wheel: np.array([float(v) for v in g]) for wheel, g in state.control_fields.items()}
+    steer = 2 * 0.2 * np.sign(columns[2][2])
+    twist = columns[1] * (abs(steer) + 2 * math.hypot(0.1, 0.3)) + columns[2] * steer
+    for kinematics, turn in ((Kinematics.LEADING, 0.0), (Kinematics.EXACT, twist[2])):
+        field = feedback_field(partition, corrected_law(2), kinematics)
+        expected = twist + turn * np.array([-0.3, 0.1, 0])
+        assert field.members[0].velocity(0, pose) == pytest.approx(expected, abs=1e-15)
+
+
+def holds_zero(vectors: Vector) -> bool:
+    system = np.vstack([vectors.T, np.ones(len(vectors))])
+    right = np.append(np.zeros(vectors.shape[1]), 1)
+    return bool(linprog(np.zeros(len(vectors)), A_eq=system, b_eq=right).status == 0)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_basic_weights_against_linear_programs(seed: int) -> None:
+    """They exist iff the hull holds zero, and they attain the extremes of any linear form over all solutions."""
+    rng = np.random.default_rng(seed)
+    count, dimension = int(rng.integers(1, 9)), int(rng.integers(1, 4))
+    vectors = rng.integers(-2, 3, (count, dimension)).astype(float)
+    weights = basic_weights(vectors)
+    assert bool(len(weights)) == holds_zero(vectors)
+    if not len(weights):
+        return
+    assert weights.min() >= 0
+    assert weights.sum(axis=1) == pytest.approx(1)
+    assert np.abs(weights @ vectors).max() <= 1e-12
+    form = rng.normal(size=count)
+    system, right = np.vstack([vectors.T, np.ones(count)]), np.append(np.zeros(dimension), 1)
+    assert (weights @ form).min() == pytest.approx(linprog(form, A_eq=system, b_eq=right).fun, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_point_of_least_norm(seed: int) -> None:
+    """No vertex lies on the near side of the plane through it: v . p >= |p|^2."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(int(rng.integers(2, 7)), 3)) + 1
+    weights = least_norm_weights(points)
+    nearest = weights @ points
+    assert weights.min() >= 0
+    assert weights.sum() == pytest.approx(1)
+    assert (points @ nearest >= nearest @ nearest - 1e-9).all()
+
+
+def test_the_least_mix_of_two_is_exact() -> None:
+    third = Fraction(1, 3)
+    assert least_mix((Fraction(-1), third), (Fraction(2), third)) == Fraction(2, 3)
+    assert least_mix((third, third), (third, third)) == Fraction(1, 2)
+    assert least_mix((Fraction(1), third), (Fraction(2), third)) == 1

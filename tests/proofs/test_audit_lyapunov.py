@@ -1,0 +1,253 @@
+"""Somebody else's Lyapunov function: valid, invalid with a witness that anyone can re-evaluate, or undecided."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, AuditVerdict, audit
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.system import SystemScene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+DIFFERENCE = 1e-6  # step of the numerical gradients below (length)
+BESIDE = 1e-9  # how far outside a cell a witness on its side may be rounded (length)
+
+
+def audited(scene: Scene | SystemScene, lyapunov: str) -> AuditResult:
+    result = audit(scene, lyapunov)
+    assert result.check()
+    assert (result.witness is None) == (result.verdict is not AuditVerdict.INVALID)
+    return result
+
+
+def float_potential(text: str) -> Callable[[float, float], float]:
+    """V in floats, by Python's own evaluation of the trusted test text."""
+    names: dict[str, Any] = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt}
+    return lambda x, y: float(eval(text, {"__builtins__": {}}, {**names, "x": x, "y": y}))  # noqa: S307 - test text
+
+
+def partition_of(scene: Scene) -> Partition:
+    build = build_nearest_partition if scene.contact.rule is Rule.NEAREST else build_box_partition
+    return build(scene.recentred())
+
+
+def rates_at(scene: Scene, lyapunov: str, point: tuple[float, float]) -> list[float]:
+    """``grad V . (v + omega J c)`` for the cells that hold a point.
+
+    V is differentiated numerically a little inside each cell, so that kinks do no harm.
+    """
+    potential = float_potential(lyapunov)
+    rates = []
+    for cell in partition_of(scene).cells:
+        vertices = np.array([[float(v) for v in p] for p in cell.polygon.vertices])
+        sides = [(*(float(n) for n in side.normal), float(side.offset)) for side in cell.polygon.sides]
+        if any(a * point[0] + b * point[1] > c + BESIDE for a, b, c in sides):
+            continue
+        inward = [*(vertices - point), vertices.mean(axis=0) - point]
+        for (x, y), twist in product(np.array(point) + 1e-4 * np.array(inward), cell.twists):
+            f = float(twist.vx) - float(twist.omega) * y
+            g = float(twist.vy) + float(twist.omega) * x
+            rates.append((potential(x + f * DIFFERENCE, y + g * DIFFERENCE) - potential(x, y)) / DIFFERENCE)
+    return rates
+
+
+def refutes(scene: Scene, lyapunov: str, witness: Refutation) -> None:
+    """The witness, re-evaluated in floats from the array's own cells."""
+    x, y = (float(v) for v in witness.point)
+    if witness.meaning == "V is not positive":
+        assert float_potential(lyapunov)(x, y) == pytest.approx(float(witness.value or 0), abs=1e-9)
+        assert float(witness.value or 0) <= 0
+        return
+    assert witness.meaning == "the derivative of V is positive"
+    assert witness.value is not None
+    assert float(witness.value) > 0
+    rates = rates_at(scene, lyapunov, (x, y))
+    assert any(rate == pytest.approx(float(witness.value), rel=1e-2, abs=1e-2) for rate in rates)
+
+
+# ---- arrays ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "lyapunov", "proves"),
+    [
+        ("four-wheel", "x**2 + y**2", Translation.ASYMPTOTICALLY_STABLE),
+        ("four-wheel", "1.000001*x**2 + 0.999999*y**2 - 1.2e-7*x*y", Translation.ASYMPTOTICALLY_STABLE),
+        ("four-wheel", "Abs(x) + Abs(y)", Translation.ASYMPTOTICALLY_STABLE),
+        ("four-wheel", "(x**2 + y**2)**2", Translation.ASYMPTOTICALLY_STABLE),
+        ("four-wheel-side", "x**2 + y**2", Translation.STABLE),
+        ("four-wheel-side", "Abs(x) + Abs(y)", Translation.STABLE),
+        ("ring-5", "x**2 + 1.1*y**2", Translation.ASYMPTOTICALLY_STABLE),
+        ("grid-4x4", "x**2 + y**2", Translation.ASYMPTOTICALLY_STABLE),
+        ("conveyor-3", "x**2 + y**2", Translation.STABLE),
+    ],
+)
+def test_valid_on_arrays(name: str, lyapunov: str, proves: Translation) -> None:
+    result = audited(load_scene(name), lyapunov)
+    assert (result.verdict, result.proves) == (AuditVerdict.VALID, proves)
+    assert result.verdict.exit_status == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "lyapunov"),
+    [
+        ("saddle", "x**2 + y**2"),
+        ("outward", "x**2 + y**2"),
+        ("spiral-30", "x**2 + 2.5*y**2"),
+        ("four-wheel-side", "x**2 + 2.5*y**2 + 0.1*x*y"),
+        ("four-wheel", "x**2 - 1e-9*y**2"),
+        ("four-wheel", "x**2 + 2*x*y + y**2"),
+        ("four-wheel", "x**2 + y**2 + 30*x**3"),
+        ("four-wheel", "x**2 + y**2 + 1.5*x**3"),
+        ("off-center", "Abs(x) + Abs(y)"),
+        ("conveyor-3", "Abs(x) + Abs(y)"),
+    ],
+)
+@pytest.mark.parametrize("rule", ["nearest", "box"])
+def test_invalid_on_arrays_with_a_witness(name: str, lyapunov: str, rule: str) -> None:
+    scene = load_scene(name, rule=rule)
+    result = audited(scene, lyapunov)
+    if result.verdict is AuditVerdict.VALID:  # a rest area may be kinder to V than the rule of the paper
+        assert rule == "box"
+        assert result.proves is Translation.STABLE
+        return
+    assert result.verdict is AuditVerdict.INVALID
+    assert result.verdict.exit_status == 1
+    assert result.witness is not None
+    assert all(isinstance(v, Number) for v in (*result.witness.point, result.witness.value))  # for JSON
+    refutes(scene, lyapunov, result.witness)
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+@pytest.mark.parametrize("rule", ["nearest", "box"])
+def test_agrees_with_the_translation_clause(name: str, rule: str) -> None:
+    """For V = |c|^2 the rotation drops out: the rates at the vertices decide, whatever the audit does."""
+    scene = load_scene(name, rule=rule)
+    result = audited(scene, "x**2 + y**2")
+    worst = decide_translation(partition_of(scene)).worst_rate
+    expected = {1: AuditVerdict.INVALID}.get(worst.sign(), AuditVerdict.VALID)
+    assert result.verdict is expected
+    if worst.sign() < 0:
+        assert result.proves is Translation.ASYMPTOTICALLY_STABLE
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_arrays_against_sampled_rates(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    rng = np.random.default_rng(seed)
+    lyapunov = f"x**2 + {rng.integers(1, 5)}*y**2/2 + {rng.integers(-2, 3)}*x*y/4 + {rng.integers(-2, 3)}*x*y**2/8"
+    result = audited(scene, lyapunov)
+    assert result.verdict is not AuditVerdict.UNDECIDED
+    if result.witness is not None:
+        refutes(scene, lyapunov, result.witness)
+        return
+    radius = float(scene.check.radius)
+    for x, y in rng.uniform(-radius, radius, size=(60, 2)):
+        assert max(rates_at(scene, lyapunov, (x, y))) < 1e-4
+        assert float_potential(lyapunov)(x, y) > 0
+
+
+def test_v_is_measured_from_the_equilibrium() -> None:
+    scene = load_scene("four-wheel", at="1/8,0", radius="1/16")
+    assert audited(scene, "x**2 + y**2").verdict is AuditVerdict.INVALID  # the array drifts away from there
+    assert audited(load_scene("four-wheel"), "(x - 1/8)**2 + y**2").verdict is AuditVerdict.INVALID
+
+
+def test_rotation_matters_unless_v_is_round() -> None:
+    """The exact pose rate v + omega J c turns a point about the origin: only |c|^2 does not feel it."""
+    scene = load_scene("conveyor-3")
+    cell = partition_of(scene).cells[0]
+    assert cell.twists[0].omega
+    assert audited(scene, "x**2 + y**2").verdict is AuditVerdict.VALID
+    assert audited(scene, "x**2 + 1.01*y**2").verdict is AuditVerdict.INVALID
+
+
+def test_rule_ellipse_is_not_audited() -> None:
+    result = audited(load_scene("four-wheel", rule="ellipse"), "x**2 + y**2")
+    assert result.verdict is AuditVerdict.UNDECIDED
+    assert result.verdict.exit_status == 3
+    assert "ellipse" in result.reason
+
+
+# ---- plain systems -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "lyapunov", "verdict", "proves"),
+    [
+        ("relay-oscillator", "Abs(x) + Abs(y)", AuditVerdict.VALID, Translation.STABLE),
+        ("relay-oscillator", "x**2 + y**2", AuditVerdict.INVALID, None),
+        ("relay-oscillator-damped", "Abs(x) + Abs(y)", AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
+        ("relay-oscillator-damped", "Abs(x) + 0.999*Abs(y)", AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
+        ("relay-oscillator-damped", "Abs(x) + 3*Abs(y)", AuditVerdict.INVALID, None),
+        ("flower", "x**2 + y**2", AuditVerdict.INVALID, None),
+        (
+            "flower",
+            "(x**2 + y**2)*3 + 2*Abs(x**2 - y**2)",
+            AuditVerdict.VALID,
+            Translation.ASYMPTOTICALLY_STABLE,
+        ),
+        ("eq-4", "(Abs(x) + Abs(y) + Abs(Abs(x) - Abs(y)))/2", AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
+        ("eq-3", "x**2 + y**2", AuditVerdict.VALID, Translation.STABLE),
+        ("line-of-equilibria", "x**2 + y**2", AuditVerdict.VALID, Translation.STABLE),
+        ("escaping-slide", "x**2 + y**2", AuditVerdict.INVALID, None),
+    ],
+)
+def test_plain_systems(name: str, lyapunov: str, verdict: AuditVerdict, proves: Translation | None) -> None:
+    result = audited(load_system(name), lyapunov)
+    assert (result.verdict, result.proves) == (verdict, proves)
+
+
+def test_states_name_the_variables_of_v(tmp_path: Path) -> None:
+    (tmp_path / "my.toml").write_text('[system]\nstates = ["a1", "b"]\nrhs = ["-a1", "-b"]\n', encoding="utf-8")
+    scene = load_system(tmp_path / "my.toml")
+    assert audited(scene, "a1**2 + b**2").verdict is AuditVerdict.VALID
+    with pytest.raises(SceneError, match="lyapunov"):
+        audit(scene, "x**2 + y**2")
+
+
+# ---- text --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "lyapunov",
+    ["", "x**2 + z**2", "x**2/y", "exp(x)", "x**2 + theta**2", "__import__('os')", "1/0", "x**99", "cos(pi/7)*x**2"],
+)
+def test_refused_text(lyapunov: str) -> None:
+    for scene in (load_scene("four-wheel"), load_system("eq-4")):
+        with pytest.raises(SceneError, match=r"lyapunov: required .+, received"):
+            audit(scene, lyapunov)
+
+
+def test_angles_of_the_scene_are_allowed() -> None:
+    assert audited(load_scene("ring-5"), "x**2 + 4*cos(pi/5)**2*y**2/3").verdict is not AuditVerdict.UNDECIDED
+    assert audited(load_scene("four-wheel"), "x**2 + 2*cos(pi/12)*y**2").verdict is AuditVerdict.VALID
+
+
+def test_forged_results_are_refused() -> None:
+    scene = load_scene("four-wheel-side")
+    result = audit(scene, "x**2 + y**2")
+    assert not replace(result, proves=Translation.ASYMPTOTICALLY_STABLE).check()
+    assert not replace(result, scene=load_scene("saddle")).check()
+    assert not replace(result, lyapunov="x**2 + 2*y**2").check()
+    assert not replace(result, result=None).check()

@@ -1,0 +1,238 @@
+"""Certificates of the built-in scenes: each is valid, small and quickly checked; what they hold and what is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+import time
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import pytest
+
+from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+from nonsmooth.proofs.checker import check_certificate, check_file
+from nonsmooth.proofs.clauses.certified_disc import certified_disc
+from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
+from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.verdicts import Feedback, Rotation, Translation
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.conftest import Arrays, Pair, WheelData
+
+Record: TypeAlias = dict[str, Any]
+
+HALF = Fraction(1, 2)
+LARGEST_FILE = 40_000  # bytes; the largest built-in certificate (elliptic, rule box) has about half of it
+SLOWEST_CHECK = 10.0  # seconds; the slowest (grid-4x4, rule box) takes about one
+
+
+@pytest.fixture(autouse=True)
+def _few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Under rule box the feedback clause is sampled; a certificate does not depend on it."""
+    monkeypatch.setattr("nonsmooth.proofs.clauses.sampled_feedback.STATES", dict.fromkeys(Rule, 2))
+
+
+def with_rule(scene: Scene, rule: Rule) -> Scene:
+    return replace(scene, contact=replace(scene.contact, rule=rule))
+
+
+@pytest.mark.parametrize("rule", ["nearest", "box"])
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_each_built_in_scene_has_a_valid_certificate(name: str, rule: str) -> None:
+    result = check_cells(load_scene(name, rule=rule))
+    certificate = build_certificate(result)
+    text = certificate_text(certificate)
+    assert json.loads(text) == certificate
+    assert text.isascii()
+    start = time.perf_counter()
+    assert check_certificate(certificate) == ""
+    seconds = time.perf_counter() - start
+    cells, roots = len(certificate["cells"]), len(certificate["field"])
+    print(f"{name}, {rule}: {cells} cells, {roots} generators, {len(text)} bytes, {seconds:.3f} s")
+    assert len(text) < LARGEST_FILE
+    assert seconds < SLOWEST_CHECK
+    assert certificate["theorem4"] == result.verdict
+
+
+def test_the_words_are_those_of_the_check(arrays: Arrays) -> None:
+    for scene in (arrays.four_wheel(), arrays.random(3, 4), arrays.cocircular(2)):
+        result = check_cells(scene)
+        certificate = build_certificate(result)
+        for clause in ("equilibrium", "translation", "rotation", "feedback"):
+            assert certificate[clause]["verdict"] == getattr(result, clause).verdict
+        assert certificate["notes"]["reasons"]["translation"] == result.translation.reason
+
+
+def test_a_written_file_verifies(arrays: Arrays, tmp_path: Path) -> None:
+    path = tmp_path / "certificate.json"
+    path.write_text(certificate_text(build_certificate(check_cells(arrays.ring(5)))), encoding="utf-8")
+    assert check_file(str(path)) == (0, "valid: all claims hold")
+
+
+def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:
+    lines = certificate_text(build_certificate(check_cells(arrays.four_wheel()))).splitlines()
+    assert sum(line.startswith('  {"position"') for line in lines) == 4
+    assert sum(line.startswith('  {"polygon"') for line in lines) == 8
+
+
+def test_rule_ellipse_has_no_certificate() -> None:
+    with pytest.raises(CertificateError, match='"nearest" or "box", received "ellipse"'):
+        build_certificate(check_ellipse(load_scene("four-wheel-side", rule="ellipse")))
+
+
+def test_a_verdict_that_the_checker_cannot_follow_is_refused(arrays: Arrays) -> None:
+    result = check_cells(arrays.four_wheel())
+    forged = replace(result, rotation=replace(result.rotation, verdict=Rotation.NEUTRAL))
+    with pytest.raises(CertificateError, match="rotation: unstable"):
+        build_certificate(forged)
+
+
+def test_sampled_feedback_stands_as_undecided() -> None:
+    """Under rule box a sampled "no certificate" certifies nothing."""
+    result = check_cells(load_scene("four-wheel", rule="box"))
+    assert result.feedback.verdict is Feedback.NO_CERTIFICATE
+    certificate = build_certificate(result)
+    assert certificate["feedback"]["verdict"] == "undecided"
+    assert certificate["notes"]["feedback"] == "no certificate"
+
+
+def test_cells_that_a_lemma_left_out_are_built() -> None:
+    result = check_cells(load_scene("ring-6", rule="box"))
+    assert not result.partition.complete
+    certificate = build_certificate(result)
+    assert len(certificate["cells"]) > len(result.partition.cells)
+
+
+def test_a_load_table_is_certified(arrays: Arrays) -> None:
+    scene = arrays.four_wheel(radius=Fraction(1, 4))
+    quarter, zero = scene.field(Fraction(1, 4)), scene.field.zero
+    table = LoadTable(tuple((quarter, w.position[0] / 4, w.position[1] / 4) for w in scene.wheels))
+    moved = replace(scene.check, equilibrium=(scene.field(Fraction(1, 8)), zero))
+    scene = replace(scene, contact=Contact(Rule.BOX, table), check=moved)
+    certificate = build_certificate(check_cells(scene))
+    assert certificate["loads"][0] == ["1/4", "1/4", "1/4"]
+    for forged in (["1/4", "1/4", "1/5"], ["1/4", "1/4", "2"], ["-1/4", "1/4", "1/4"]):
+        other = copy.deepcopy(certificate)
+        other["loads"][0] = forged
+        assert check_certificate(other)
+    certificate["cells"][0]["loaded"] = [1, 2, 3, 4]
+    assert check_certificate(certificate)
+
+
+# ---- what the clauses need ---------------------------------------------------------------
+
+
+def test_a_point_that_is_no_equilibrium_has_a_separator(arrays: Arrays) -> None:
+    scene = arrays.four_wheel()
+    there = (scene.field(Fraction(1, 5)), scene.field(Fraction(1, 10)))
+    certificate = build_certificate(check_cells(replace(scene, check=replace(scene.check, equilibrium=there))))
+    assert certificate["theorem4"] == "hypotheses not met"
+    assert certificate["equilibrium"]["separator"] is not None
+    assert certificate["rotation"]["lowest"] is None
+    certificate["equilibrium"]["separator"] = ["0", "0"]
+    assert check_certificate(certificate)
+
+
+def spiral_of_ties(arrays: Arrays) -> Scene:
+    """Equal friction and turned rims: several motions tie in cones that are crossed."""
+    return arrays.four_wheel((1, 1), turn=(Fraction(4, 5), Fraction(3, 5)))
+
+
+UNSTABLE_TURNS: dict[str, tuple[int, int]] = {"escape": (1, 1), "slide": (1, -1)}
+
+
+@pytest.mark.parametrize("kind", UNSTABLE_TURNS)
+def test_outward_and_saddle_arrays_are_certified_unstable(arrays: Arrays, kind: str) -> None:
+    x, y = UNSTABLE_TURNS[kind]
+    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in arrays.inward(corners)]
+    certificate = build_certificate(check_cells(arrays.scene(wheels)))
+    assert certificate["translation"] == {"verdict": "unstable", "squared_radius": None}
+    assert certificate["theorem4"] == "fails"
+
+
+def elliptic(arrays: Arrays, stretch: int, friction: Pair = (1, HALF)) -> Scene:
+    """Rational points of the circle, rims along ``(-x, -stretch y)``: |c|^2 may grow, and still the body arrives."""
+    points = [arrays.circle_point(t) for t in (HALF, Fraction(2), -HALF, Fraction(-2))]
+    both = [p for x, y in points for p in ((x, y), (-x, -y))]
+    wheels: list[WheelData] = [
+        w._replace(direction=(-w.position[0], -stretch * w.position[1])) for w in arrays.inward(sorted(set(both)))
+    ]
+    return arrays.scene(wheels, friction)
+
+
+@pytest.mark.parametrize("stretch", [2, 3, 5, 8])
+def test_what_the_fan_decides_is_certified(arrays: Arrays, stretch: int) -> None:
+    """``|c|^2`` grows somewhere at the point, so the checker walks the fan itself: no disc, but a verdict."""
+    for friction in ((1, HALF), (HALF, Fraction(1))):
+        result = check_cells(elliptic(arrays, stretch, friction))
+        certificate = build_certificate(result)
+        assert certificate["translation"]["verdict"] == result.translation.verdict
+        assert (certificate["translation"]["squared_radius"] is None) == (result.translation.region_radius is None)
+
+
+def test_ties_are_certified(arrays: Arrays) -> None:
+    for scene in (arrays.four_wheel((1, 1)), spiral_of_ties(arrays)):
+        certificate = build_certificate(check_cells(scene))
+        assert any(len(cell["states"]) == 2 for cell in certificate["cells"])
+
+
+# ---- the disc ----------------------------------------------------------------------------
+
+
+@pytest.fixture(params=(45, 58, 79, 92))
+def growing(arrays: Arrays, request: pytest.FixtureRequest) -> CellCheck:
+    """An array in whose square V* grows somewhere away from the point; with these seeds there is one."""
+    return check_cells(arrays.cocircular(request.param))
+
+
+def test_barriers_bound_the_disc(growing: CellCheck) -> None:
+    """The disc is the region, or a little less where V* limits it; a barrier cannot be left out or moved."""
+    disc, radius = certified_disc(growing.partition), growing.translation.region_radius
+    assert disc.squared_radius is not None
+    assert radius is not None
+    assert disc.squared_radius <= radius * radius
+    assert float(disc.squared_radius) > float(radius) ** 2 * (1 - 2.0**-17)
+    certificate = build_certificate(growing)
+    for cell, state in disc.barriers:
+        for forged in (None, ["0", "0", "0"], ["1", "0", "-1"], ["1000", "1000", "0"]):
+            other = copy.deepcopy(certificate)
+            other["cells"][cell]["states"][state]["barrier"] = forged
+            assert "barrier" in check_certificate(other)
+
+
+def test_a_larger_disc_than_v_allows_is_rejected(growing: CellCheck) -> None:
+    radius = growing.translation.region_radius
+    assert radius is not None
+    certificate = build_certificate(growing)
+    certificate["translation"]["squared_radius"] = str(Fraction(float(radius) ** 2 * (1 + 2.0**-10)))
+    limited = radius < growing.scene.check.radius
+    assert ("barrier" if limited else "a disc in the square") in check_certificate(certificate)
+
+
+def test_verdicts_of_random_arrays_are_certified(arrays: Arrays) -> None:
+    """All kinds of verdicts occur."""
+    found = set[Translation]()
+    for seed in range(8):
+        for scene in (arrays.random(seed, 3 + seed % 4), arrays.cocircular(seed)):
+            result = check_cells(scene)
+            assert build_certificate(result)
+            found.add(result.translation.verdict)
+    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= found
+
+
+def test_extreme_scales_are_certified(arrays: Arrays) -> None:
+    """Coordinates and speeds far from one: all signs are exact, so no scale is lost."""
+    for scale in (Fraction(1, 10**40), Fraction(10**40)):
+        wheels = [
+            w._replace(position=(scale * w.position[0], scale * w.position[1]))
+            for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+        ]
+        assert build_certificate(check_cells(arrays.scene(wheels, radius=scale / 2)))["theorem4"] == "holds"

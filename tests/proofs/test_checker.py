@@ -1,0 +1,767 @@
+"""The stand-alone checker: what it accepts is true, and what is forged, damaged or malformed it rejects.
+
+Mutants of certificates are either rejected, or proved to be true still: the scene is rebuilt from the mutant's own data
+and decided afresh by the workbench, which shares no code with the checker.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs import checker
+from nonsmooth.proofs.certificate import build_certificate, certificate_text
+from nonsmooth.proofs.checker import check_certificate, check_file
+from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback import decide_feedback, side_friction_rules
+from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Check, Contact, Friction, LoadTable, Scene, Wheel
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+Record: TypeAlias = dict[str, Any]
+Path_: TypeAlias = tuple[Any, ...]
+
+CHECKER = Path(checker.__file__)
+MUTANTS = 300
+SUBJECTS = (
+    ("four-wheel", "nearest"),
+    ("four-wheel-side", "nearest"),
+    ("saddle", "nearest"),
+    ("off-center", "nearest"),
+    ("ring-5", "nearest"),
+    ("four-wheel", "box"),
+    ("spiral-30", "box"),
+)
+ALLOWED_SECONDS = 1.0  # for a certificate of the four-wheel array, interpreter included (about 0.1 s)
+
+
+def certificate_of(name: str, rule: str) -> Record:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "nonsmooth.proofs.clauses.sampled_feedback.STATES", dict.fromkeys(Rule, 2)
+        )  # they certify nothing
+        return build_certificate(check_cells(load_scene(name, rule=rule)))
+
+
+@pytest.fixture(scope="session")
+def certificates() -> dict[tuple[str, str], Record]:
+    return {subject: certificate_of(*subject) for subject in SUBJECTS}
+
+
+@pytest.fixture
+def four_wheel(certificates: dict[tuple[str, str], Record]) -> Record:
+    return copy.deepcopy(certificates["four-wheel", "nearest"])
+
+
+@pytest.fixture
+def four_wheel_box(certificates: dict[tuple[str, str], Record]) -> Record:
+    return copy.deepcopy(certificates["four-wheel", "box"])
+
+
+# ---- stand-alone -------------------------------------------------------------------------
+
+
+def test_the_checker_is_one_small_file_that_needs_the_standard_library_only() -> None:
+    source = CHECKER.read_text(encoding="utf-8")
+    assert len(source.splitlines()) <= 400
+    modules = set[str]()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.module is not None
+            modules.add(node.module.split(".")[0])
+    assert modules <= set(sys.stdlib_module_names)
+
+
+def run_alone(path: Path) -> subprocess.CompletedProcess[str]:
+    """The file copied elsewhere would do as well: ``-I -S`` finds neither the workbench nor any other package."""
+    command = [sys.executable, "-I", "-S", str(CHECKER), str(path)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_a_valid_certificate_within_a_second_with_nothing_installed(four_wheel: Record, tmp_path: Path) -> None:
+    path = tmp_path / "four-wheel.json"
+    path.write_text(certificate_text(four_wheel), encoding="utf-8")
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        result = run_alone(path)
+        seconds.append(time.perf_counter() - start)
+        assert (result.returncode, result.stderr) == (0, "")
+        assert result.stdout.startswith("valid")
+    print(f"four-wheel: {path.stat().st_size} bytes, {min(seconds):.3f} s with the interpreter")
+    assert min(seconds) < ALLOWED_SECONDS
+
+
+def test_a_forged_certificate_is_rejected_in_one_line(four_wheel: Record, tmp_path: Path) -> None:
+    four_wheel["cells"][2]["states"][0]["twist"][0] = "1"
+    path = tmp_path / "forged.json"
+    path.write_text(certificate_text(four_wheel), encoding="utf-8")
+    result = run_alone(path)
+    assert (result.returncode, result.stderr) == (1, "")
+    assert result.stdout == "rejected: required cells[2]: twists that satisfy their rows\n"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"{",
+        b"\xff\xfe\xfa",
+        b'{"schema": 1, "schema": 2}',
+        b"[" * 100_000,
+        b'{"a":' * 100_000,
+        b"9" * 5_000,
+    ],
+    ids=["empty", "cut off", "no text", "a key twice", "nested lists", "nested objects", "a huge integer"],
+)
+def test_what_is_no_json_document_is_unreadable(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "file.json"
+    path.write_bytes(content)
+    status, line = check_file(str(path))
+    assert status == 2
+    assert line.startswith("unreadable: ")
+    assert "\n" not in line
+
+
+def test_absent_files_folders_and_large_files_are_unreadable(tmp_path: Path) -> None:
+    large = tmp_path / "large.json"
+    with large.open("wb") as file:
+        file.truncate(checker.MAX_BYTES + 1)
+    for path in (tmp_path / "absent.json", tmp_path, large):
+        assert check_file(str(path))[0] == 2
+    assert run_alone(tmp_path / "absent.json").returncode == 2
+
+
+def test_no_file_or_two_files_is_a_usage_error() -> None:
+    for arguments in ([], ["a", "b"]):
+        result = subprocess.run(
+            [sys.executable, "-I", "-S", str(CHECKER), *arguments], capture_output=True, text=True, check=False
+        )
+        assert (result.returncode, result.stdout) == (2, "usage: checker.py FILE\n")
+
+
+@pytest.mark.parametrize("data", [None, [], {}, "valid", 1, True, {"schema": "nonsmooth-certificate/1"}], ids=repr)
+def test_json_that_is_no_certificate_is_rejected(data: object, tmp_path: Path) -> None:
+    path = tmp_path / "file.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    assert check_file(str(path))[0] == 1
+
+
+# ---- numbers -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        1,
+        1.0,
+        True,
+        None,
+        "1.0",
+        "1e0",
+        "1/0",
+        "NaN",
+        "Infinity",
+        " 1",
+        "1\n",
+        "+1",
+        "1_0",
+        "\u0661",
+        "",
+        "9" * 4001,
+        [["1", 7]],
+        [["1", -1]],
+        [["1", True]],
+        [["1", 0, 0]],
+        [["1", "0"]],
+        [[1]],
+        [],
+        {"1": 1},
+        ["1"],
+    ],
+    ids=repr,
+)
+def test_numbers_have_one_form(four_wheel: Record, forged: object) -> None:
+    """Also where the value is the same: ``[["1", 0, 0]]`` is 2, written with a power that should have been reduced."""
+    four_wheel["wheels"][0]["speed"] = forged
+    assert check_certificate(four_wheel)
+
+
+def test_json_constants_are_no_numbers(four_wheel: Record, tmp_path: Path) -> None:
+    path = tmp_path / "file.json"
+    for constant in ("NaN", "Infinity", "1.0", "1e999"):
+        text = certificate_text(four_wheel).replace('"speed": "1"', f'"speed": {constant}', 1)
+        path.write_text(text, encoding="utf-8")
+        assert check_file(str(path))[0] == 1
+
+
+def scaled_field(radicand: int) -> Record:
+    return {"polynomial": [str(-radicand), "0", "1"], "above": "0"}
+
+
+def test_a_zero_in_disguise_is_not_taken_for_a_positive_number(four_wheel: Record) -> None:
+    """With sqrt(2) and sqrt(8) in one field, ``sqrt(8) - 2 sqrt(2)`` has terms but no sign: that rejects."""
+    zero = [["1", 1], ["-2", 0]]
+    four_wheel["field"].append(scaled_field(8))
+    assert check_certificate(four_wheel) == ""
+    four_wheel["wheels"][0]["friction"][1] = zero
+    assert "a sign" in check_certificate(four_wheel)
+    four_wheel["wheels"][0]["friction"][1] = "1/2"
+    four_wheel["points"][0] = [[["1", 1], ["-2", 0]], "0", "1"]
+    assert check_certificate(four_wheel)
+
+
+@pytest.mark.parametrize(
+    ("polynomial", "above"),
+    [
+        (["2", "0", "1"], "0"),
+        (["-2", "0", "-1"], "0"),
+        (["-2", "0", "2"], "0"),
+        (["0", "0", "1"], "0"),
+        (["-2", "1"], "0"),
+        (["-2"], "0"),
+        ([], "0"),
+        (["-1/2", "0", "1"], "0"),
+        (["-2", "0", "1"], "-1"),
+        (["-2", "0", "1"], "3/2"),
+        (["-6", "11", "-6", "1"], "0"),
+        ([[["-2", 0]], "0", "1"], "0"),
+    ],
+    ids=[
+        "no real root",
+        "negative leading coefficient",
+        "not monic",
+        "root zero",
+        "linear",
+        "constant",
+        "empty",
+        "fraction",
+        "negative bound",
+        "root below the bound",
+        "three roots",
+        "in itself",
+    ],
+)
+def test_generators_are_single_roots(four_wheel: Record, polynomial: list[Any], above: str) -> None:
+    four_wheel["field"][0] = {"polynomial": polynomial, "above": above}
+    assert check_certificate(four_wheel)
+
+
+def test_another_bound_below_the_same_root_is_still_true(four_wheel: Record) -> None:
+    four_wheel["field"][0]["above"] = "7/5"
+    assert check_certificate(four_wheel) == ""
+
+
+def test_work_is_bounded(four_wheel: Record, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checker, "MAX_WORK", 2_000)
+    assert "less work" in check_certificate(four_wheel)
+
+
+def test_large_fields_are_refused_at_once(four_wheel: Record) -> None:
+    start = time.perf_counter()
+    four_wheel["field"] = [scaled_field(2)] * (checker.MAX_SIZE + 1)
+    assert check_certificate(four_wheel)
+    four_wheel["field"] = [{"polynomial": ["-1", *["0"] * 50_000, "1"], "above": "0"}]
+    assert check_certificate(four_wheel)
+    assert time.perf_counter() - start < ALLOWED_SECONDS
+
+
+# ---- cells -------------------------------------------------------------------------------
+
+
+Forge: TypeAlias = Callable[[Record], object]
+
+
+def swap(items: list[Any], i: int, j: int) -> None:
+    items[i], items[j] = items[j], items[i]
+
+
+def _split_point(c: Record) -> None:
+    """Another name for a corner, used by one cell only."""
+    corner = c["cells"][0]["polygon"][0]
+    c["points"].append(c["points"][corner])
+    c["cells"][0]["polygon"][0] = len(c["points"]) - 1
+
+
+def _scaled_points(factor: str) -> Forge:
+    def forge(c: Record) -> None:
+        c["points"] = [[str(Fraction(x) * Fraction(factor)), y, w] for x, y, w in c["points"]]
+
+    return forge
+
+
+CELL_FORGERIES: dict[str, Forge] = {
+    "a cell is missing": lambda c: c["cells"].pop(3),
+    "a cell is there twice": lambda c: c["cells"].append(copy.deepcopy(c["cells"][0])),
+    "no cells": lambda c: c["cells"].clear(),
+    "clockwise": lambda c: c["cells"][1]["polygon"].reverse(),
+    "all clockwise": lambda c: [cell["polygon"].reverse() for cell in c["cells"]],
+    "a corner is missing": lambda c: c["cells"][1]["polygon"].pop(),
+    "a corner is there twice": lambda c: c["cells"][1]["polygon"].append(c["cells"][1]["polygon"][-1]),
+    "a needle": lambda c: c["cells"][1]["polygon"].extend(c["cells"][1]["polygon"][-2:-1]),
+    "one point": lambda c: c["cells"][1].update(polygon=[0]),
+    "no corner": lambda c: c["cells"][1].update(polygon=[]),
+    "another name for a corner": _split_point,
+    "an unused point": lambda c: c["points"].append(["0", "1/4", "1"]),
+    "a negative denominator": lambda c: c["points"][1].__setitem__(slice(None), ["1/2", "1/2", "-1"]),
+    "denominator zero": lambda c: c["points"][1].__setitem__(2, "0"),
+    "cells beyond the square": _scaled_points("2"),
+    "cells within the square": _scaled_points("1/2"),
+    "a smaller square": lambda c: c.update(radius="1/4"),
+    "a square of size zero": lambda c: c.update(radius="0"),
+    "a square of negative size": lambda c: c.update(radius="-1/2"),
+    "another checked point": lambda c: c["at"].__setitem__(0, "1/10"),
+    "a negative index": lambda c: c["cells"][1]["polygon"].__setitem__(
+        0, c["cells"][1]["polygon"][0] - len(c["points"])
+    ),
+    "an index as text": lambda c: c["cells"][1]["polygon"].__setitem__(0, str(c["cells"][1]["polygon"][0])),
+    "no states": lambda c: c["cells"][1].update(states=[]),
+    "a state twice": lambda c: c["cells"][1]["states"].append(copy.deepcopy(c["cells"][1]["states"][0])),
+    "the other row of the second wheel": lambda c: c["cells"][1]["states"][0]["rows"].__setitem__(2, "S1"),
+    "rows in another order": lambda c: swap(c["cells"][1]["states"][0]["rows"], 0, 1),
+    "two rows": lambda c: c["cells"][1]["states"][0]["rows"].pop(),
+    "unknown wheel": lambda c: c["cells"][1]["states"][0]["rows"].__setitem__(2, "R9"),
+    "states of another cell": lambda c: c["cells"][0].update(states=c["cells"][4]["states"]),
+    "loads under rule nearest": lambda c: c["cells"][1].update(loaded=[1, 2, 3]),
+    "load model under rule nearest": lambda c: c.update(loads="elastic"),
+    "more friction across the rim": lambda c: [w.update(friction=["1/2", "1"]) for w in c["wheels"]],
+    "equal friction": lambda c: c["wheels"][1].update(friction=["1", "1"]),
+    "negative friction": lambda c: c["wheels"][1].update(friction=["1", "-1"]),
+    "a rim of another length": lambda c: c["wheels"][1].update(direction=["1", "1"]),
+    "wheels at one place": lambda c: c["wheels"].append(copy.deepcopy(c["wheels"][0])),
+    "a wheel nearer than those": lambda c: c["wheels"].append({**c["wheels"][0], "position": ["0", "1/4"]}),
+    "fewer wheels": lambda c: c["wheels"].pop(),
+    "rule box": lambda c: c.update(rule="box", loads="elastic"),
+    "an unknown rule": lambda c: c.update(rule="Nearest"),
+    "an unknown key": lambda c: c["cells"][1].update(area="1/8"),
+}
+
+
+@pytest.mark.parametrize("name", CELL_FORGERIES)
+def test_forged_cells_are_rejected(four_wheel: Record, name: str) -> None:
+    CELL_FORGERIES[name](four_wheel)
+    assert check_certificate(four_wheel)
+
+
+def test_a_wheel_too_far_away_to_matter_changes_nothing(four_wheel: Record) -> None:
+    four_wheel["wheels"].append({**four_wheel["wheels"][0], "position": ["5", "4"]})
+    assert check_certificate(four_wheel) == ""
+
+
+def test_the_checked_point_on_a_side_must_be_a_vertex(certificates: dict[tuple[str, str], Record]) -> None:
+    """Under rule box the origin lies inside the rest cell; moved onto its border it must be listed."""
+    c = copy.deepcopy(certificates["four-wheel", "nearest"])
+    origin = c["points"].index(["0", "0", "1"])
+    first = next(cell for cell in c["cells"] if origin in cell["polygon"])
+    first["polygon"].remove(origin)
+    assert check_certificate(c)
+
+
+BOX_FORGERIES: dict[str, Forge] = {
+    "a wheel carries no load": lambda c: c["cells"][0].update(loaded=[1, 2, 3]),
+    "two wheels carry load": lambda c: c["cells"][0].update(loaded=[1, 3]),
+    "no wheel carries load": lambda c: c["cells"][0].update(loaded=[]),
+    "a wheel as text": lambda c: c["cells"][0].update(loaded=[1, 2, 3, "4"]),
+    "a wheel as a truth value": lambda c: c["cells"][0].update(loaded=[True, 2, 3, 4]),
+    "an unknown wheel": lambda c: c["cells"][0].update(loaded=[1, 2, 3, 4, 5]),
+    "no loads": lambda c: c["cells"][0].update(loaded=None),
+    "no load model": lambda c: c.update(loads=None),
+    "a load table of three rows": lambda c: c.update(loads=[["1/4", "0", "0"]] * 3),
+    "a load table of negative loads": lambda c: c.update(loads=[["-1/4", "0", "0"]] * 4),
+    "a row is missing": lambda c: c["cells"][0]["states"][0]["rows"].pop(),
+    "the rest cell is moved": lambda c: [p.__setitem__(0, "1/3") for p in c["points"] if p[0] == "1/2" and p[1] == "0"],
+    "less friction across the rim": lambda c: [w.update(friction=["1", "1/3"]) for w in c["wheels"]],
+    "speed zero": lambda c: [w.update(speed="0") for w in c["wheels"]],
+}
+
+
+@pytest.mark.parametrize("name", BOX_FORGERIES)
+def test_forged_loads_and_minimizers_are_rejected(four_wheel_box: Record, name: str) -> None:
+    BOX_FORGERIES[name](four_wheel_box)
+    assert check_certificate(four_wheel_box)
+
+
+def test_a_wheel_listed_twice_does_not_count_twice(four_wheel_box: Record) -> None:
+    """Counted twice it would be a spring of twice the stiffness, and the cells would be others."""
+    for cell in four_wheel_box["cells"]:
+        cell["loaded"] = [1, *cell["loaded"]]
+    assert check_certificate(four_wheel_box) == ""
+
+
+def test_rows_that_tie_must_all_be_listed(arrays: Arrays) -> None:
+    """Equal friction under rule nearest: both third rows belong to the cell."""
+    c = build_certificate(check_cells(arrays.four_wheel((1, 1))))
+    tied = next(k for k, cell in enumerate(c["cells"]) if len(cell["states"]) == 2)
+    del c["cells"][tied]["states"][1]
+    assert f"cells[{tied}]: the rows that the rule takes" in check_certificate(c)
+
+
+def test_minimizers_that_tie_must_all_be_listed(arrays: Arrays) -> None:
+    """Under equal loads everywhere D is flat between two twists of this array."""
+    scene = arrays.cocircular(23)
+    share, zero = scene.field(Fraction(1, len(scene.wheels))), scene.field.zero
+    loads = LoadTable(((share, zero, zero),) * len(scene.wheels))
+    c = build_certificate(check_cells(replace(scene, contact=Contact(Rule.BOX, loads))))
+    assert len(c["cells"][0]["states"]) == 2
+    for k in (0, 1):
+        forged = copy.deepcopy(c)
+        del forged["cells"][0]["states"][k]
+        assert check_certificate(forged) == "cells[0]: all twists that minimize D"
+
+
+# ---- clauses -----------------------------------------------------------------------------
+
+WORDS = {
+    "equilibrium": ("holds", "fails"),
+    "translation": ("asymptotically stable", "stable", "unstable"),
+    "rotation": ("unstable", "stable, not attractive"),
+    "feedback": ("stabilizable", "no certificate", "not applicable"),
+    "theorem4": ("holds", "fails", "hypotheses not met", "undecided"),
+}
+
+
+@pytest.mark.parametrize("clause", WORDS)
+def test_another_verdict_is_rejected(certificates: dict[tuple[str, str], Record], clause: str) -> None:
+    for original in certificates.values():
+        c = copy.deepcopy(original)
+        own = c[clause] if clause == "theorem4" else c[clause]["verdict"]
+        for word in set(WORDS[clause]) - {own}:
+            c[clause] = word if clause == "theorem4" else {**c[clause], "verdict": word}
+            assert check_certificate(c)
+
+
+def test_an_undecided_clause_claims_less_and_takes_the_conclusion_with_it(four_wheel: Record) -> None:
+    four_wheel["rotation"]["verdict"] = "undecided"
+    assert "theorem4" in check_certificate(four_wheel)
+    four_wheel["theorem4"] = "undecided"
+    assert check_certificate(four_wheel) == ""
+
+
+CLAUSE_FORGERIES: dict[str, Forge] = {
+    "a larger disc": lambda c: c["translation"].update(squared_radius="1/2"),
+    "no disc": lambda c: c["translation"].update(squared_radius=None),
+    "a disc of size zero": lambda c: c["translation"].update(squared_radius="0"),
+    "a needless barrier": lambda c: c["cells"][0]["states"][0].update(barrier=["1", "1", "0"]),
+    "negative weights": lambda c: c["rotation"]["lowest"].update(
+        weights=["-1" if w == "0" else w for w in c["rotation"]["lowest"]["weights"]]
+    ),
+    "no weights": lambda c: c["rotation"]["lowest"].update(weights=["0"] * 8),
+    "weights of the other end": lambda c: c["rotation"]["lowest"].update(weights=c["rotation"]["highest"]["weights"]),
+    "multipliers of no scale": lambda c: c["rotation"]["lowest"].update(multipliers=["0"] * 4),
+    "a separator as well": lambda c: c["equilibrium"].update(separator=["1", "0"]),
+    "no weights for the equilibrium": lambda c: c["rotation"].update(lowest=None, highest=None),
+    "an indefinite shape": lambda c: c["rotation"].update(shape=["2"]),
+}
+
+
+@pytest.mark.parametrize("name", CLAUSE_FORGERIES)
+def test_forged_evidence_is_rejected(four_wheel: Record, name: str) -> None:
+    CLAUSE_FORGERIES[name](four_wheel)
+    assert check_certificate(four_wheel)
+
+
+def test_weights_may_be_scaled(four_wheel: Record) -> None:
+    end = four_wheel["rotation"]["lowest"]
+    end["weights"] = [str(3 * Fraction(w)) for w in end["weights"]]
+    assert check_certificate(four_wheel) == ""
+
+
+@pytest.mark.parametrize(
+    ("subject", "shape", "word"),
+    [
+        (("four-wheel", "nearest"), None, "stable, not attractive"),
+        (("four-wheel", "nearest"), ["1/100", "0"], "stable, not attractive"),
+        (("ring-5", "nearest"), ["99/100", "0"], "undecided"),
+        (("four-wheel-side", "nearest"), None, "undecided"),
+        (("four-wheel", "nearest"), ["1", "1"], "undecided"),
+    ],
+    ids=["|c|^2", "another V", "a V that grows", "a V that rests", "no V"],
+)
+def test_decay_bounds_the_rotation(
+    certificates: dict[tuple[str, str], Record], subject: tuple[str, str], shape: list[str] | None, word: str
+) -> None:
+    """No array of this kind was found, so the four-wheel twists at the point are stripped of their rotation."""
+    read = checker.Checker(certificates[subject])
+    read.here = [(k, rows, (*v[:2], read.zero, read.one), *rest) for k, rows, v, *rest in read.here]
+    weights = certificates[subject]["rotation"]["lowest"]["weights"]
+    ends = [{"weights": weights, "multipliers": ["0", "0", "0", "1"]}] * 2
+    assert read._drift(None, ends, shape) == ("holds", word)
+
+
+def test_a_smaller_disc_is_still_true(four_wheel: Record) -> None:
+    four_wheel["translation"]["squared_radius"] = "1/9"
+    assert check_certificate(four_wheel) == ""
+
+
+def test_notes_are_not_read(four_wheel: Record) -> None:
+    four_wheel["notes"] = {"anything": [1.5, None, "at all"]}
+    assert check_certificate(four_wheel) == ""
+
+
+# ---- mutants -----------------------------------------------------------------------------
+
+
+def places(value: Any, path: Path_ = ()) -> Iterator[Path_]:
+    """Every value of a document but the notes, as the keys and indices that lead to it."""
+    yield path
+    if isinstance(value, dict | list):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            if path or key != "notes":
+                yield from places(value[key], (*path, key))
+
+
+def mutant(certificate: Record, rng: np.random.Generator) -> Record:
+    """The certificate with one value changed at random."""
+    document = {"": copy.deepcopy(certificate)}
+    every = list(places(certificate))
+    *way, last = ("", *every[rng.integers(len(every))])
+    holder: Any = document
+    for key in way:
+        holder = holder[key]
+    holder[last] = changed(holder[last], rng)
+    return json.loads(json.dumps(document[""]), parse_float=str, parse_constant=str)
+
+
+def changed(value: Any, rng: np.random.Generator) -> Any:
+    options: list[Any]
+    match value:
+        case dict():
+            return _changed_object(value, rng)
+        case list():
+            return _changed_list(value, rng)
+        case bool() | int():
+            options = [value + 1, value - 1, -value, -value - 1, 10**30, True, None, str(value), float(value)]
+        case str() if checker.RATIONAL.fullmatch(value):
+            q = Fraction(value)
+            others = [q + 1, q - 1, -q, 2 * q, q / 2, q + Fraction(1, 7), q + Fraction(1, 10**12), Fraction(0)]
+            options = [*map(str, others), "NaN", "1e3", value + "0", "-" + value, value + "/0", "9" * 4400, 3, None]
+        case str() if value[:1] in "RS":
+            options = ["R" + value[1:], "S" + value[1:], value + "0", value[0] + str(int(value[1:]) % 4 + 1), None]
+        case str():
+            words = [word for kind in WORDS.values() for word in kind]
+            options = [*words, "nearest", "box", "ellipse", "elastic", value.upper(), value[:-1], "", None]
+        case _:
+            options = ["0", "1", [], ["0", "0"], ["0", "0", "0"], 0, True, {}]
+    return options[rng.integers(len(options))]
+
+
+def _changed_object(value: Record, rng: np.random.Generator) -> Record:
+    keys = [key for key in value if key != "notes"]
+    first, second = keys[rng.integers(len(keys))], keys[rng.integers(len(keys))]
+    match rng.integers(5):
+        case 0:
+            return {key: item for key, item in value.items() if key != first}
+        case 1:
+            return {**value, "extra": 1}
+        case 2:
+            return {**value, first: value[second], second: value[first]}
+        case 3:
+            return {**value, first: None}
+        case _:
+            return {key + "x" * (key == first): item for key, item in value.items()}
+
+
+def _changed_list(value: list[Any], rng: np.random.Generator) -> Any:
+    n = len(value)
+    i, j = (int(k) for k in rng.integers(max(n, 1), size=2))
+    match rng.integers(7):
+        case 0:
+            return value[:i] + value[i + 1 :]
+        case 1:
+            return value[:i] + value[j : j + 1] + value[i:]
+        case 2:
+            return [value[j if k == i else i if k == j else k] for k in range(n)]
+        case 3:
+            return value[::-1]
+        case 4:
+            return value[1:] + value[:1]
+        case 5:
+            return []
+        case _:
+            return None
+
+
+def assert_still_true(certificate: Record) -> None:
+    """Decide the mutant's own scene afresh, and compare every claim."""
+    decode = Decoder(certificate)
+    scene = rebuilt(certificate, decode)
+    centred = scene.recentred()
+    box = scene.contact.rule is Rule.BOX
+    partition = build_box_partition(centred) if box else build_nearest_partition(centred)
+    translation = decide_translation(partition)
+    blocked = box and side_friction_rules(centred.wheels)
+    words = {
+        "equilibrium": str(decide_equilibrium(partition).verdict),
+        "translation": str(translation.verdict),
+        "rotation": str(decide_rotation(partition, translation).verdict),
+        "feedback": ("not applicable" if blocked else "undecided") if box else str(decide_feedback(partition).verdict),
+    }
+    for clause, word in words.items():
+        assert certificate[clause]["verdict"] in (word, "undecided")
+    assert certificate["theorem4"] in (concluded(words), "undecided")
+    squared = certificate["translation"]["squared_radius"]
+    assert (squared is None) == (translation.region_radius is None)
+    if translation.region_radius is not None:
+        assert decode.number(squared) <= translation.region_radius * translation.region_radius
+    assert_same_cells(certificate, partition, decode)
+
+
+def concluded(words: dict[str, str]) -> str:
+    if words["equilibrium"] == "fails":
+        return "hypotheses not met"
+    if words["translation"] == "unstable" or words["rotation"] == "stable, not attractive":
+        return "fails"
+    return "undecided" if {"undecided", "no certificate"} & set(words.values()) else "holds"
+
+
+def assert_same_cells(certificate: Record, partition: Partition, decode: Decoder) -> None:
+    """In the middle of each cell the workbench finds the cell's twists."""
+    points = [tuple(decode.number(x) for x in point) for point in certificate["points"]]
+    for cell in certificate["cells"]:
+        corners = [(points[k][0] / points[k][2], points[k][1] / points[k][2]) for k in cell["polygon"]]
+        x, y = (sum((c[axis] for c in corners), decode.field.zero) / len(corners) for axis in (0, 1))
+        twists = {Twist(*(decode.number(x) for x in state["twist"])) for state in cell["states"]}
+        assert any(set(own.twists) == twists for own in partition.cells_at((x, y)))
+
+
+class Decoder:
+    """Numbers of a certificate in the workbench's own field."""
+
+    def __init__(self, certificate: Record) -> None:
+        entries = certificate["field"]
+        largest = max((len(entry["polynomial"]) for entry in entries), default=0)
+        self.field = NumberField(order_of(entries[0]["polynomial"]) if largest > 3 else 1)
+        self.generators: list[Number] = []
+        for entry in entries:
+            coefficients = [self.number(c) for c in entry["polynomial"]]
+            if len(coefficients) > 3:
+                self.generators.append(self.field.two_cos(1))
+            else:
+                c, b, _ = coefficients
+                self.generators.append(((b * b - 4 * c).sqrt() - b) / 2)
+
+    def number(self, data: Any) -> Number:
+        """The number of a rational text or of a list of products."""
+        if isinstance(data, str):
+            return self.field.rational(Fraction(data))
+        total = self.field.zero
+        for text, *factors in data:
+            term = self.field.rational(Fraction(text))
+            for k in factors:
+                term = term * self.generators[k]
+            total = total + term
+        return total
+
+
+def order_of(polynomial: list[str]) -> int:
+    """N of the minimal polynomial of ``2 cos(2 pi/N)``."""
+    for order in range(5, 400):
+        modulus = NumberField(order).modulus
+        if modulus is not None and [str(c) for c in modulus.coeffs()] == [str(Fraction(c)) for c in polynomial]:
+            return order
+    raise ValueError("required a cyclotomic polynomial")
+
+
+def rebuilt(certificate: Record, decode: Decoder) -> Scene:
+    """The scene that a certificate speaks of."""
+
+    def pair(data: list[Any]) -> tuple[Number, Number]:
+        return decode.number(data[0]), decode.number(data[1])
+
+    wheels = tuple(
+        Wheel(n, pair(w["position"]), pair(w["direction"]), decode.number(w["speed"]), Friction(*pair(w["friction"])))
+        for n, w in enumerate(certificate["wheels"], 1)
+    )
+    loads = None
+    if certificate["loads"] not in (None, "elastic"):
+        loads = LoadTable(tuple((decode.number(a), *pair([b, c])) for a, b, c in certificate["loads"]))
+    check = Check(pair(certificate["at"]), decode.number(certificate["radius"]))
+    return Scene("rebuilt", decode.field, wheels, Contact(Rule(certificate["rule"]), loads), check)
+
+
+def count_mutants(certificates: dict[tuple[str, str], Record], count: int, seed: int) -> tuple[int, int]:
+    """How many mutants are rejected, and how many are accepted and proved to be true; equal ones are not counted."""
+    rng = np.random.default_rng(seed)
+    subjects = list(certificates)
+    rejected = accepted = 0
+    while rejected + accepted < count:
+        original = certificates[subjects[rng.integers(len(subjects))]]
+        forged = mutant(original, rng)
+        if json.dumps(forged) == json.dumps(original):
+            continue
+        if check_certificate(forged):
+            rejected += 1
+        else:
+            assert_still_true(forged)
+            accepted += 1
+    return rejected, accepted
+
+
+def test_every_mutant_is_rejected_or_still_true(certificates: dict[tuple[str, str], Record]) -> None:
+    rejected, accepted = count_mutants(certificates, MUTANTS, seed=4)
+    print(f"{rejected} mutants rejected, {accepted} still true")
+    assert accepted > 0  # reordered sums, far frictions, scaled points: the second half is tested too
+
+
+@pytest.mark.parametrize("subject", SUBJECTS, ids=" ".join)
+def test_the_original_passes_the_same_proof(
+    certificates: dict[tuple[str, str], Record], subject: tuple[str, str]
+) -> None:
+    assert_still_true(certificates[subject])
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_checker_agrees_with_the_workbench_on_random_arrays(arrays: Arrays, seed: int) -> None:
+    """It decides every clause by its own code: equal words on arrays of all kinds are a test of both."""
+    for scene in (arrays.random(seed, 2 + seed % 5), arrays.cocircular(seed)):
+        assert check_certificate(build_certificate(check_cells(scene))) == ""
+
+
+def test_a_mutant_that_changes_a_claim_is_told_apart(four_wheel: Record) -> None:
+    """The proof of truth itself refuses what is false."""
+    forged = copy.deepcopy(four_wheel)
+    forged["cells"][0]["states"][0]["twist"][2] = "1"
+    with pytest.raises(AssertionError):
+        assert_still_true(forged)
+    forged = copy.deepcopy(four_wheel)
+    forged["translation"]["verdict"] = "unstable"
+    with pytest.raises(AssertionError):
+        assert_still_true(forged)
+    forged = copy.deepcopy(four_wheel)
+    forged["translation"]["squared_radius"] = "1/3"
+    with pytest.raises(AssertionError):
+        assert_still_true(forged)
+
+
+def test_replaced_wheels_need_new_cells(four_wheel: Record, arrays: Arrays) -> None:
+    """A certificate of the same array under other friction is no certificate of this one."""
+    other = arrays.four_wheel((Fraction(1, 2), 1))
+    side = build_certificate(check_cells(replace(other, name="four-wheel-side")))
+    four_wheel["cells"], four_wheel["points"] = side["cells"], side["points"]
+    assert check_certificate(four_wheel)

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions, value_at
+from nonsmooth.proofs.clauses.ellipse import EllipsePoint, Situation, common_twist, ellipse_point
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+
+def point_of(scene: Scene) -> EllipsePoint:
+    point = ellipse_point(scene, load_regions(scene))
+    assert point.check()
+    return point
+
+
+def numerical_twist(scene: Scene, region: LoadRegion, c: tuple[float, float]) -> np.ndarray:
+    """Minimizer of the ellipse functional by smoothing and a general-purpose solver."""
+    field = scene.field
+    where = (field.rational(Fraction(c[0])), field.rational(Fraction(c[1])))
+    rows, weights = [], []
+    for wheel, form in zip(scene.wheels, region.forces, strict=True):
+        d, p = (np.array([float(x) for x in v]) for v in (wheel.unit_direction, wheel.position))
+        n, arm = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
+        roll, side = float(wheel.friction.roll), float(wheel.friction.side)
+        rows.append((roll * np.array([*d, d @ arm, -float(wheel.speed)]), side * np.array([*n, n @ arm, 0.0])))
+        weights.append(float(value_at(form, where)))
+
+    def total(xi: np.ndarray) -> float:
+        y = np.append(xi, 1.0)
+        return sum(w * np.sqrt((a @ y) ** 2 + (b @ y) ** 2 + 1e-18) for w, (a, b) in zip(weights, rows, strict=True))
+
+    result = minimize(
+        total, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-11, "fatol": 1e-15, "maxiter": 20000}
+    )
+    polished = minimize(
+        total, result.x, method="Nelder-Mead", options={"xatol": 1e-12, "fatol": 1e-16, "maxiter": 20000}
+    )
+    return np.asarray(polished.x)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-3", "rectangle", "elliptic", "spiral-30", "outward"])
+def test_the_exact_minimizer_and_its_linearization_against_a_solver(name: str) -> None:
+    scene = load_scene(name, rule="ellipse").recentred()
+    point = point_of(scene)
+    assert point.situation is Situation.SMOOTH
+    assert point.twist is not None
+    assert np.abs(numerical_twist(scene, point.region, (0.0, 0.0)) - [float(x) for x in point.twist]).max() < 1e-6
+    assert point.linearization is not None
+    small = 2e-3
+    for direction in ((small, 0.0), (0.0, small)):
+        change = numerical_twist(scene, point.region, direction) - [float(x) for x in point.twist]
+        column = point.linearization.columns[0 if direction[0] else 1]
+        predicted = small * np.array([float(x) for x in column])
+        # the second-order term is of relative size |c| / mu_S, the solver's error about 1e-6
+        assert np.abs(change - predicted).max() < 0.05 * np.abs(predicted).max() + 1e-5
+
+
+def test_spiral_rims_spin_the_body_and_pull_it_home() -> None:
+    point = point_of(load_scene("spiral-30", rule="ellipse").recentred())
+    assert point.twist is not None
+    field = point.scene.field
+    assert point.twist.omega == -4 * field.sqrt(2) / 7
+    assert point.translation is Translation.ASYMPTOTICALLY_STABLE
+
+
+def test_outward_rims_are_unstable() -> None:
+    point = point_of(load_scene("outward", rule="ellipse").recentred())
+    assert point.translation is Translation.UNSTABLE
+    assert point.linearization is not None
+    assert point.linearization.spectral_abscissa == 4 * point.scene.field.sqrt(2)
+
+
+def test_tangential_rims_carry_the_body() -> None:
+    scene = load_scene("conveyor-3", rule="ellipse").recentred()
+    point = point_of(scene)
+    assert point.situation is Situation.CARRIED
+    assert point.twist is not None
+    assert [str(x) for x in point.twist] == ["0", "0", "-1"]
+    assert (point.equilibrium, point.translation) == (Equilibrium.HOLDS, Translation.STABLE)
+
+
+def test_a_common_translation_is_no_equilibrium(arrays: Arrays) -> None:
+    """Four parallel rims of equal speed: the body moves with them everywhere."""
+    scene = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])])
+    assert [str(x) for x in common_twist(scene, load_regions(scene)[0]) or ()] == ["1", "0", "0"]
+    point = point_of(scene)
+    assert (point.situation, point.equilibrium) == (Situation.CARRIED, Equilibrium.FAILS)
+
+
+def test_an_off_centre_array_is_driven_away() -> None:
+    point = point_of(load_scene("off-center", rule="ellipse").recentred())
+    assert (point.situation, point.equilibrium) == (Situation.MOVED, Equilibrium.FAILS)
+    moved = numerical_twist(point.scene, point.region, (0.0, 0.0))
+    assert np.hypot(moved[0], moved[1]) > 0.01
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_random_arrays_agree_with_a_solver(arrays: Arrays, seed: int) -> None:
+    """A point said to be driven away moves; a point said to be an equilibrium does not."""
+    scene = arrays.cocircular(seed) if seed % 2 else arrays.random(seed, 5)
+    scene = replace(scene, check=replace(scene.check, radius=scene.field(1) / 64)).recentred()
+    try:
+        regions = load_regions(scene)
+    except ValueError:
+        return
+    point = ellipse_point(scene, regions)
+    assert point.check()
+    if point.situation is Situation.OPEN:
+        return
+    speed = np.hypot(*numerical_twist(scene, point.region, (0.0, 0.0))[:2])
+    assert (speed < 1e-5) == (point.equilibrium is Equilibrium.HOLDS)
+
+
+def test_wheels_that_stick_hold_the_body(arrays: Arrays) -> None:
+    scene = arrays.four_wheel()
+    zero = scene.field.zero
+    wheels = tuple(replace(w, given_speed=zero) if w.index % 2 == 0 else w for w in scene.wheels)
+    point = point_of(replace(scene, wheels=wheels))
+    assert (point.situation, point.translation) == (Situation.HELD, Translation.STABLE)

@@ -1,0 +1,66 @@
+"""The certified rate of the feedback law, against brute force."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.proofs.clauses.feedback import decide_feedback
+from nonsmooth.proofs.clauses.feedback_rate import ConeRate, FeedbackRate, certified_rate
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+
+def sampled_kappa(cone: ConeRate, samples: int = 40_000) -> float:
+    """Least ``(a^2 + b^2)/(|c|^2 + theta^2)`` over random points of the cone."""
+    rng = np.random.default_rng(0)
+    rays = np.array([[float(x) for x in ray] for ray in cone.rays])
+    c = rng.uniform(0, 1, (samples, 2)) ** 2 @ rays
+    theta = rng.normal(size=samples) * np.hypot(*c.T) * 10 ** rng.uniform(-2, 2, samples)
+    value = np.zeros(samples)
+    for field in cone.fields:
+        x, y, turn = (float(entry) for entry in field)
+        value += (c[:, 0] * x + c[:, 1] * y + theta * turn) ** 2
+    return float((value / ((c**2).sum(axis=1) + theta**2)).min())
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-3", "ring-5", "ring-6", "rectangle", "elliptic", "spiral-30"])
+def test_the_rate_is_certified_and_nearly_the_best(name: str) -> None:
+    rate = certified_rate(build_nearest_partition(load_scene(name).recentred()))
+    assert rate is not None
+    assert rate.check()
+    best = min(sampled_kappa(cone) for cone in rate.cones)
+    assert float(rate.kappa) <= best
+    assert float(rate.kappa) >= 0.9 * best  # the samples come within a few per cent of the minimum
+    assert not replace(rate, kappa=rate.kappa * Fraction(102, 100)).check()
+
+
+def test_four_wheel_rate_in_closed_form(arrays: Arrays) -> None:
+    """kappa = (3 - sqrt 5)/4 on every cone."""
+    rate = certified_rate(build_nearest_partition(arrays.four_wheel()))
+    assert rate is not None
+    assert 0 <= (3 - np.sqrt(5)) / 4 - float(rate.kappa) < 3e-4
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays, seed: int) -> None:
+    partition = build_nearest_partition(arrays.cocircular(seed, (1, Fraction(1, 2))))
+    feedback = decide_feedback(partition)
+    if feedback.verdict is Feedback.STABILIZABLE:
+        assert feedback.rate is not None
+        assert feedback.check()
+    elif feedback.cells and all(data.lever is not None for data in feedback.cells):
+        assert feedback.rate is None
+        assert certified_rate(partition) is None
+
+
+def test_an_empty_certificate_proves_nothing() -> None:
+    assert not FeedbackRate(Fraction(1, 10), ()).check()

@@ -1,0 +1,79 @@
+"""``V = c^T P c`` where ``|c|^2`` is no certificate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
+from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
+from nonsmooth.proofs.verdicts import Translation
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+SEEDS = [3, 4, 13, 16, 26, 50]  # arrays of the builder that attract although |c|^2 grows somewhere
+
+
+def decided(arrays: Arrays, seed: int) -> tuple[TranslationResult, QuadraticCertificate]:
+    result = decide_translation(build_nearest_partition(arrays.cocircular(seed)))
+    assert result.quadratic is not None
+    return result, result.quadratic
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_v_falls_in_its_region_at_the_stated_rate(arrays: Arrays, seed: int) -> None:
+    partition = build_nearest_partition(arrays.cocircular(seed))
+    result, found = decided(arrays, seed)
+    assert result.check()
+    assert found.check()
+    (a, b), level = (float(x) for x in found.shape), float(found.level)
+    p = np.array([[1 + a, b], [b, 1 - a]])
+    assert np.linalg.eigvalsh(p).min() > 0
+    rng, inside = np.random.default_rng(seed), 0
+    for cell in partition.cells:
+        for _ in range(60):
+            x, y = arrays.interior_point(cell.polygon, rng)
+            c = np.array([float(x), float(y)]) * rng.uniform(0, 1) ** 2
+            if not cell.polygon.contains((partition.scene.field.zero,) * 2):
+                c = np.array([float(x), float(y)])
+            if c @ p @ c < level:
+                inside += 1
+                for twist in cell.twists:
+                    turning = float(twist.omega) * np.array([-c[1], c[0]])
+                    for velocity in (np.zeros(2), turning):  # leading-order and exact kinematics
+                        rate = 2 * c @ p @ (np.array([float(twist.vx), float(twist.vy)]) + velocity)
+                        assert rate <= -float(found.decay) * np.hypot(*c) + 1e-12
+    assert inside > 20
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_forged_certificates_are_refused(arrays: Arrays, seed: int) -> None:
+    result, found = decided(arrays, seed)
+    assert not replace(found, decay=found.decay * 64).check()
+    assert not replace(found, shape=(Fraction(2), Fraction(0))).check()
+    assert not replace(found, level=found.level * 1000).check()
+    assert not replace(result, quadratic=replace(found, cones=found.cones[:1])).check()
+
+
+def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
+    for scene in (arrays.four_wheel((Fraction(1, 2), 1)), arrays.four_wheel(turn=(-1, 0))):
+        fan = decide_translation(build_nearest_partition(scene)).fan
+        assert fan is not None
+        assert fan.verdict is not Translation.ASYMPTOTICALLY_STABLE
+        assert find_quadratic(fan.cones) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_decay_bounds_the_rotation_where_nothing_drifts(arrays: Arrays, seed: int) -> None:
+    partition = build_nearest_partition(arrays.cocircular(seed))
+    result, _ = decided(arrays, seed)
+    rotation = decide_rotation(partition, result)
+    assert rotation.drift is not None
+    assert any(rotation.drift.interval) or rotation.rotation_per_distance is not None

@@ -1,0 +1,110 @@
+"""Real roots isolated exactly: against NumPy, against known roots, and signs at roots that have no name."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated, value
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=80)
+FIELD = NumberField()
+ROOT = FIELD.sqrt(2)
+
+
+def product(*factors: list[Number]) -> list[Number]:
+    """Ascending coefficients of a product."""
+    total = [FIELD.one]
+    for factor in factors:
+        longer = [FIELD.zero] * (len(total) + len(factor) - 1)
+        for i, a in enumerate(total):
+            for j, b in enumerate(factor):
+                longer[i + j] = longer[i + j] + a * b
+        total = longer
+    return total
+
+
+def minus(root: Number | Fraction | int) -> list[Number]:
+    """``t - root``."""
+    return [-FIELD(root), FIELD.one]
+
+
+NUMBERS = st.builds(
+    lambda q, k: FIELD(q) + k * ROOT, st.fractions(min_value=-3, max_value=3, max_denominator=4), st.integers(-1, 1)
+)
+
+
+@RANDOM
+@given(st.lists(NUMBERS, min_size=1, max_size=4), st.lists(st.integers(1, 3), min_size=4, max_size=4))
+def test_known_roots_are_isolated_whatever_their_multiplicities(roots: list[Number], powers: list[int]) -> None:
+    coefficients = product(
+        *[minus(r) for r, k in zip(roots, powers, strict=False) for _ in range(k)], [FIELD(1), FIELD(0), FIELD(1)]
+    )
+    positive = sorted({r for r in roots if r.sign() > 0})
+    found = positive_roots(coefficients)
+    assert len(found) == len(positive)
+    for isolated, root in zip(found, positive, strict=True):
+        assert isolated.check()
+        assert isolated.low < root < isolated.high
+        rational = all(c.as_rational() is not None for c in coefficients)
+        assert isolated.exact() == root or (not rational and isolated.exact() is None)  # no factors over Q(sqrt2)
+        assert isolated.sign_of(minus(root)) == 0
+        assert isolated.sign_of(minus(root - 1)) == 1
+        assert isolated.halved().check()
+
+
+@RANDOM
+@given(st.lists(st.integers(-20, 20), min_size=2, max_size=9))
+def test_random_polynomials_against_numpy(integers: list[int]) -> None:
+    assume(any(integers))
+    coefficients = [FIELD(c) for c in integers]
+    found = positive_roots(coefficients)
+    roots = np.roots(integers[::-1])
+    real = sorted(r.real for r in roots if abs(r.imag) < 1e-7 and r.real > 1e-7)
+    distinct = [r for k, r in enumerate(real) if not k or r - real[k - 1] > 1e-4]
+    clustered = len(distinct) < len(real) or any(abs(r.imag) < 1e-3 for r in roots if abs(r.imag) >= 1e-7)
+    if not clustered:  # NumPy cannot tell double roots from near ones
+        assert len(found) == len(distinct)
+        for isolated, root in zip(found, distinct, strict=True):
+            assert float(isolated.low) - 1e-6 <= root <= float(isolated.high) + 1e-6
+    for isolated in found:
+        assert isolated.check()
+
+
+def test_roots_of_different_polynomials_are_told_apart() -> None:
+    cubic = [FIELD(-2), FIELD(0), FIELD(0), FIELD(1)]  # 2^(1/3)
+    near = minus(Fraction(125992, 100000))
+    several = [*positive_roots(cubic), *positive_roots(product(cubic, minus(5))), *positive_roots(near)]
+    found = separated(several)
+    assert len(found) == 3
+    assert all(a.high <= b.low for a, b in pairwise(found))
+    assert found[0].exact() == Fraction(125992, 100000)
+    assert found[1].exact() is None
+    assert found[1].sign_of(near) == 1
+    assert found[1].sign_of(product(cubic, minus(7))) == 0
+    assert found[1].sign_of([]) == 0
+
+
+def test_a_bound_with_none_or_two_roots_is_refused() -> None:
+    quadratic = tuple(product(minus(1), minus(2)))
+    assert RealRoot(quadratic, Fraction(1, 2), Fraction(3, 2)).check()
+    assert not RealRoot(quadratic, Fraction(1, 2), Fraction(5, 2)).check()
+    assert not RealRoot(quadratic, Fraction(3), Fraction(4)).check()
+    assert not RealRoot(quadratic, Fraction(1), Fraction(3, 2)).check()  # a bound that is a root itself
+    with pytest.raises(ValueError, match="nonzero"):
+        positive_roots([FIELD.zero])
+
+
+def test_sturm_counts_distinct_roots() -> None:
+    coefficients = product(minus(1), minus(1), minus(ROOT), minus(3))
+    sturm = Sturm(coefficients)
+    assert sturm.count(Fraction(0), None) == 3
+    assert sturm.count(Fraction(5, 4), Fraction(2)) == 1
+    assert value(coefficients, Fraction(2)).sign() < 0

@@ -1,0 +1,231 @@
+"""What must not change when an array is rotated, reflected, scaled, sped up or renumbered, and what must follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.filippov import upper_derivative_at
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Vector, Wheel
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+Rational: TypeAlias = int | Fraction
+Matrix: TypeAlias = tuple[Rational, Rational, Rational, Rational]
+
+SEEDS = range(6)
+TURN_3_4_5: Matrix = (Fraction(3, 5), Fraction(-4, 5), Fraction(4, 5), Fraction(3, 5))
+TURN_5_12_13: Matrix = (Fraction(-5, 13), Fraction(-12, 13), Fraction(12, 13), Fraction(-5, 13))
+MIRROR: Matrix = (Fraction(-7, 25), Fraction(24, 25), Fraction(24, 25), Fraction(7, 25))  # in an oblique line
+SWAP: Matrix = (0, 1, 1, 0)
+QUARTER: Matrix = (0, -1, 1, 0)
+
+
+@pytest.fixture(params=["random", "cocircular"])
+def build(request: pytest.FixtureRequest, arrays: Arrays) -> Callable[[int], Scene]:
+    if request.param == "random":
+        return lambda seed: arrays.random(seed, 3 + seed % 4).recentred()
+    return arrays.cocircular
+
+
+def image(matrix: Matrix, vector: Vector) -> Vector:
+    a, b, c, d = matrix
+    return vector[0] * a + vector[1] * b, vector[0] * c + vector[1] * d
+
+
+def mapped(scene: Scene, change: Callable[[Wheel], Wheel]) -> Scene:
+    return replace(scene, wheels=tuple(change(wheel) for wheel in scene.wheels))
+
+
+def moved(scene: Scene, matrix: Matrix) -> Scene:
+    """The array carried along by an orthogonal map; the checked square stays."""
+
+    def carried(wheel: Wheel) -> Wheel:
+        return replace(wheel, position=image(matrix, wheel.position), direction=image(matrix, wheel.direction))
+
+    return mapped(scene, carried)
+
+
+def drift(result: CellCheck) -> tuple[Number, ...]:
+    return () if result.rotation.drift is None else result.rotation.drift.interval
+
+
+def verdicts(result: CellCheck) -> list[str]:
+    clauses = (result, result.equilibrium, result.translation, result.rotation, result.feedback)
+    return [clause.verdict.value for clause in clauses]
+
+
+# ---- orthogonal maps -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("matrix", "sense"),
+    [(TURN_3_4_5, 1), (TURN_5_12_13, 1), (MIRROR, -1), (SWAP, -1), (QUARTER, 1)],
+    ids=["3-4-5", "5-12-13", "mirror", "swap", "quarter"],
+)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_orthogonal_maps(build: Callable[[int], Scene], seed: int, matrix: Matrix, sense: int) -> None:
+    """Verdicts and the certified disc stay; rotation rates keep or change their sign; V* moves with its point."""
+    scene = build(seed)
+    before, after = check_cells(scene), check_cells(moved(scene, matrix))
+    assert verdicts(after) == verdicts(before)
+    expected = drift(before) if sense > 0 else tuple(-w for w in drift(before))[::-1]
+    assert drift(after) == expected
+    assert after.translation.region_radius == before.translation.region_radius
+    for point in points_of_the_disc(scene, seed):
+        there = image(matrix, point)
+        assert upper_derivative_at(after.partition, there) == upper_derivative_at(before.partition, point)
+
+
+def points_of_the_disc(scene: Scene, seed: int) -> list[Vector]:
+    """Points that stay in the square under every rotation."""
+    radius = scene.check.radius
+    pairs = np.random.default_rng(seed).integers(-70, 71, (4, 2)).tolist()
+    return [(radius * Fraction(x, 100), radius * Fraction(y, 100)) for x, y in [*pairs, (0, 70), (50, 50)]]
+
+
+@pytest.mark.parametrize("matrix", [SWAP, QUARTER], ids=["swap", "quarter"])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_maps_of_the_square_onto_itself_keep_the_worst_rate_and_the_cells(
+    build: Callable[[int], Scene], seed: int, matrix: Matrix
+) -> None:
+    scene = build(seed)
+    before, after = check_cells(scene), check_cells(moved(scene, matrix))
+    assert after.translation.worst_rate == before.translation.worst_rate
+    assert after.census == before.census
+    cells = {(c.wheels, frozenset(image(matrix, v) for v in c.polygon.vertices)) for c in before.partition.cells}
+    assert cells == {(c.wheels, frozenset(c.polygon.vertices)) for c in after.partition.cells}
+
+
+# ---- units ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "factor", [Fraction(7, 3), Fraction(1, 10**400), Fraction(10**350)], ids=["7/3", "tiny", "huge"]
+)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_lengths(build: Callable[[int], Scene], seed: int, factor: Fraction) -> None:
+    """Lengths times s: velocities stay, rotation rates are divided by s, the region grows with s."""
+    scene = build(seed)
+    wider = mapped(scene, lambda w: replace(w, position=(w.position[0] * factor, w.position[1] * factor)))
+    wider = replace(wider, check=replace(wider.check, radius=wider.check.radius * factor))
+    before, after = check_cells(scene), check_cells(wider)
+    assert verdicts(after) == verdicts(before)
+    assert after.census == before.census
+    assert after.translation.worst_rate == before.translation.worst_rate
+    assert drift(after) == tuple(w / factor for w in drift(before))
+    radius = before.translation.region_radius
+    assert after.translation.region_radius == (None if radius is None else radius * factor)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_speeds(build: Callable[[int], Scene], seed: int) -> None:
+    """Speeds times k: every twist is k times as fast; verdicts and region stay."""
+    scene, factor = build(seed), Fraction(11, 4)
+    faster = mapped(scene, lambda w: replace(w, given_speed=w.speed * factor))
+    before, after = check_cells(scene), check_cells(faster)
+    assert verdicts(after) == verdicts(before)
+    assert after.census == before.census
+    assert after.translation.worst_rate == before.translation.worst_rate * factor
+    assert after.translation.region_radius == before.translation.region_radius
+    assert drift(after) == tuple(w * factor for w in drift(before))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_time_reversal_swaps_the_ends_of_the_drift(build: Callable[[int], Scene], seed: int) -> None:
+    """Speeds times -1: every twist changes its sign, so does the drift; feedback does not see the given speeds."""
+    scene = build(seed)
+    before = check_cells(scene)
+    after = check_cells(mapped(scene, lambda w: replace(w, given_speed=-w.speed)))
+    assert drift(after) == tuple(-w for w in drift(before))[::-1]
+    assert after.equilibrium.verdict is before.equilibrium.verdict
+    assert after.feedback.verdict is before.feedback.verdict
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_frictions(build: Callable[[int], Scene], seed: int) -> None:
+    """Only the order of mu_R and mu_S matters under rule nearest, not their size."""
+    scene = build(seed)
+    factor = Fraction(1, 50)
+    weaker = mapped(scene, lambda w: replace(w, friction=Friction(w.friction.roll * factor, w.friction.side * factor)))
+    before, after = check_cells(scene), check_cells(weaker)
+    assert verdicts(after) == verdicts(before)
+    assert [c.twists for c in after.partition.cells] == [c.twists for c in before.partition.cells]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_reversed_rims_with_reversed_speeds_are_the_same_wheels(build: Callable[[int], Scene], seed: int) -> None:
+    scene = build(seed)
+
+    def reversed_rim(wheel: Wheel) -> Wheel:
+        x, y = wheel.direction
+        return replace(wheel, direction=(-x, -y), given_speed=-wheel.speed)
+
+    before, after = check_cells(scene), check_cells(mapped(scene, reversed_rim))
+    assert verdicts(after) == verdicts(before)
+    assert drift(after) == drift(before)
+    assert [c.twists for c in after.partition.cells] == [c.twists for c in before.partition.cells]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_length_of_a_rim_direction_does_not_matter(build: Callable[[int], Scene], seed: int) -> None:
+    """With a given speed only the direction counts."""
+    scene = mapped(build(seed), lambda w: replace(w, given_speed=w.speed))
+    longer = mapped(scene, lambda w: replace(w, direction=(w.direction[0] * w.index, w.direction[1] * w.index)))
+    before, after = check_cells(scene), check_cells(longer)
+    assert verdicts(after) == verdicts(before)
+    assert drift(after) == drift(before)
+    assert [c.twists for c in after.partition.cells] == [c.twists for c in before.partition.cells]
+
+
+# ---- numbering -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_numbering(build: Callable[[int], Scene], seed: int) -> None:
+    scene = build(seed)
+    order = np.random.default_rng(seed).permutation(len(scene.wheels)).tolist()
+    shuffled = replace(scene, wheels=tuple(replace(scene.wheels[k], index=i) for i, k in enumerate(order, 1)))
+    before, after = check_cells(scene), check_cells(shuffled)
+    assert verdicts(after) == verdicts(before)
+    assert after.census == before.census
+    assert drift(after) == drift(before)
+    assert after.translation.worst_rate == before.translation.worst_rate
+    assert after.translation.region_radius == before.translation.region_radius
+    assert after.partition.area_error == before.partition.area_error == 0
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_translation_of_the_array_with_its_equilibrium(build: Callable[[int], Scene], seed: int) -> None:
+    scene = build(seed)
+    x, y = scene.field(Fraction(41, 3)), scene.field(Fraction(-5, 7))
+    shifted = mapped(scene, lambda w: replace(w, position=(w.position[0] + x, w.position[1] + y)))
+    shifted = replace(shifted, check=replace(shifted.check, equilibrium=(x, y)))
+    before, after = check_cells(scene), check_cells(shifted)
+    assert verdicts(after) == verdicts(before)
+    assert after.census == before.census
+    assert drift(after) == drift(before)
+    assert after.translation == before.translation
+
+
+def test_a_table_of_loads_moves_with_the_array(arrays: Arrays) -> None:
+    """``N_i`` at one place of the world is the same number before and after recentring."""
+    scene = arrays.random(3, 4)
+    x, y = scene.check.equilibrium
+    rows = tuple((scene.field(k), scene.field(k + 1), scene.field(-k)) for k in range(1, 5))
+    loaded = replace(scene, contact=replace(scene.contact, loads=LoadTable(rows)))
+    moved_table = loaded.recentred().contact.loads
+    assert any((x, y))
+    assert moved_table is not None
+    point = (scene.field(Fraction(3, 7)), scene.field(-2))
+    for (a, b, c), (d, e, f) in zip(rows, moved_table.rows, strict=True):
+        assert a + b * point[0] + c * point[1] == d + e * (point[0] - x) + f * (point[1] - y)

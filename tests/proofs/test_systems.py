@@ -1,0 +1,423 @@
+"""Plain switched systems: formulas, surfaces, cells, scene files, and the verdicts on the built-in ones."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import nonsmooth.symbolic.files.scene_file
+from nonsmooth.analysis.fields.switched_cells import holds_zero, plane, square_regions, system_cells, velocities_at
+from nonsmooth.analysis.fields.switching_patterns import build_switched_system
+from nonsmooth.proofs.clauses.ray_moves import RayKind, decide_constant_fan
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.system_stability import Method, SystemResult, plane_cells, system_check
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
+from nonsmooth.symbolic.files.system_file import load_any, load_system, system_descriptions
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.surfaces import switching_factors
+from nonsmooth.symbolic.system import PLANE, SystemScene
+
+RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+Load = Callable[..., SystemScene]
+
+
+@pytest.fixture
+def load(tmp_path: Path) -> Load:
+    """A system from its right-hand sides; further keys of [check] as TOML values."""
+
+    def load_system_text(first: str, second: str, **check: str) -> SystemScene:
+        keys = "".join(f"{key} = {value}\n" for key, value in check.items())
+        text = f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n[check]\n{keys}'
+        (tmp_path / "my.toml").write_text(text, encoding="utf-8")
+        return load_system(tmp_path / "my.toml")
+
+    return load_system_text
+
+
+def float_field(scene: SystemScene, x: float, y: float) -> tuple[float, float]:
+    """The right-hand side in floats, by Python's own evaluation of the trusted test text."""
+    names: dict[str, Any] = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt, scene.states[0]: x, scene.states[1]: y}
+    first, second = (eval(f.text, {"__builtins__": {}}, names) for f in scene.rhs)  # noqa: S307 - texts of this test
+    return float(first), float(second)
+
+
+# ---- formulas ----------------------------------------------------------------------------------
+
+
+def smooth(text: str, sign: int) -> str:
+    field = NumberField()
+    values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
+    return str(parse_piecewise(text, PLANE).polynomial(values, lambda _: sign))
+
+
+@pytest.mark.parametrize(
+    ("text", "positive", "negative"),
+    [
+        ("sign(x)", "1", "-1"),
+        ("Abs(x - y)", "x - y", "-x + y"),
+        ("x*Abs(x)/2 - 0.1", "1/2*x**2 - 1/10", "-1/2*x**2 - 1/10"),
+        ("-sqrt(2)/2*sign(x)*(sign(y**2 - x**2) + 1)", "-sqrt(2)", "0"),
+        ("Abs(Abs(x) - y)", "x - y", "x + y"),
+        ("sign(-2)*x + Abs(-1/2)", "-x + 1/2", "-x + 1/2"),
+        ("sign(x - x)", "0", "0"),
+        ("cos(pi/3)*x**3 + +y", "1/2*x**3 + y", "1/2*x**3 + y"),
+        ("0.10000000000000000001*x", "10000000000000000001/100000000000000000000*x", None),
+    ],
+)
+def test_smooth_pieces_of_formulas(text: str, positive: str, negative: str | None) -> None:
+    assert smooth(text, 1) == positive
+    assert negative is None or smooth(text, -1) == negative
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "x +", "z", "x.real", "x[0]", "abs(x)", "sign", "sign()", "sign(x, y)", "sign(x=1)", "max(x, y)", "sqrt(x)",
+     "sin(x)", "x**y", "x**-1", "x**1.5", "x**17", "2**x", "x if y else 1", "x < y", "x and y", "lambda: x", "'x'",
+     "__import__('os')", "(x := 1)", "x; y", "f'{x}'", "[x]", "-" * 70 + "x", "(" * 300, "x" * 2001, True, None, []],
+)  # fmt: skip
+def test_refused_formulas(text: object) -> None:
+    with warnings.catch_warnings(record=True) as advice:
+        warnings.simplefilter("always")
+        with pytest.raises(ExpressionError, match=r"(?s)^required .+, received"):
+            parse_piecewise(text, PLANE)
+    assert advice == []
+
+
+@pytest.mark.parametrize("text", ["x/y", "x/(y - y)", "1/0*x", "(x**9)**9", "x**16*y", "x/sign(0*x)"])
+def test_formulas_that_are_no_polynomials(text: str) -> None:
+    with pytest.raises(ExpressionError, match=r"^required .+, received"):
+        smooth(text, 1)
+
+
+@RANDOM
+@given(st.text(alphabet="xy0129+-*/(). signAbsqrt", max_size=30))
+def test_random_text_is_a_formula_or_refused(text: str) -> None:
+    try:
+        smooth(text, 1)
+    except ExpressionError:
+        return
+
+
+# ---- surfaces ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "sign", "factors"),
+    [
+        ("x", 1, {"x"}),
+        ("-3*x", -1, {"x"}),
+        ("y**2 - x**2", -1, {"x + y", "x - y"}),
+        ("x*y**3 - x**3*y", -1, {"x", "y", "x + y", "x - y"}),
+        ("x**2 - 2*y**2", 1, {"x - sqrt(2)*y", "x + sqrt(2)*y"}),
+        ("x**2 + x*y + y**2", 1, set()),
+        ("-(x - y)**2*x", -1, {"x"}),
+        ("sqrt(2)*(x**2 - y**2)", 1, {"x + y", "x - y"}),
+        ("2*y + x*x", 1, {"x**2 + 2*y"}),
+        ("(x - 1)*(x**2 + 1)*y", 1, {"x - 1", "x**2 + 1", "y"}),
+    ],
+)
+def test_surfaces_are_split_into_curves(text: str, sign: int, factors: set[str]) -> None:
+    field = NumberField()
+    values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
+    found = switching_factors(parse_piecewise(text, PLANE).polynomial(values, lambda _: 1))
+    assert found[0] == sign
+    assert {str(factor) for factor in found[1]} == factors
+
+
+@pytest.mark.parametrize("name", builtin_systems())
+def test_cells_hold_the_field_and_cover_the_plane(name: str) -> None:
+    scene = load_system(name)
+    cells = plane_cells(scene)
+    rng = np.random.default_rng(3)
+    for x, y in rng.normal(size=(60, 2)):
+        point = (scene.field(Fraction(x)), scene.field(Fraction(y)))
+        velocities = velocities_at(cells, point)
+        assert len(velocities) == 1  # off the surfaces
+        assert [float(v) for v in velocities[0]] == pytest.approx(float_field(scene, x, y), abs=1e-12)
+
+
+def test_cells_beside_a_curve_are_guarded(load: Load) -> None:
+    scene = load("-x + sign(x**2 + y**2 - 1)*y", "-y", radius="2")
+    cells = system_cells(scene, square_regions(scene.check.radius))
+    rng = np.random.default_rng(5)
+    for x, y in rng.uniform(-2, 2, size=(60, 2)):
+        point = (scene.field(Fraction(x)), scene.field(Fraction(y)))
+        assert [float(v) for v in velocities_at(cells, point)[0]] == pytest.approx(float_field(scene, x, y), abs=1e-12)
+
+
+def test_values_on_surfaces_are_ignored(load: Load) -> None:
+    """The formula says (0, 5) on y = 0; the Filippov set holds the two sides only."""
+    scene = load("0", "-sign(y) + 5*(1 - sign(y)**2)")
+    zero, one = scene.field.zero, scene.field.one
+    assert set(velocities_at(plane_cells(scene), (one, zero))) == {(zero, one), (zero, -one)}
+
+
+@pytest.mark.parametrize(
+    ("vectors", "expected"),
+    [
+        ([(0, 0)], True),
+        ([(1, 2), (-2, -4)], True),
+        ([(1, 2), (-2, -3)], False),
+        ([(1, 0), (-1, 1), (-1, -1)], True),
+        ([(1, 0), (-1, 1), (1, -1), (3, 1)], True),
+        ([(1, 0), (0, 1), (1, 1)], False),
+        ([], False),
+    ],
+)
+def test_hulls_that_hold_zero(vectors: list[tuple[int, int]], expected: bool) -> None:
+    field = NumberField()
+    assert holds_zero([(field(a), field(b)) for a, b in vectors]) is expected
+
+
+# ---- scene files -------------------------------------------------------------------------------
+
+
+def test_defaults_and_displacement(load: Load) -> None:
+    scene = load("-x + 1", "-y")
+    assert scene.name == "my"
+    assert scene.check.lyapunov.text == "x**2 + y**2"
+    assert [str(p) for p in scene.velocity(lambda _: 1)] == ["-x + 1", "-y"]
+    moved = load("-x + 1", "-y", equilibrium="[1, 0]")
+    assert [str(p) for p in moved.velocity(lambda _: 1)] == ["-x", "-y"]
+
+
+def test_arrays_and_systems_are_told_apart(tmp_path: Path) -> None:
+    assert isinstance(load_any("four-wheel", radius="1/3"), Scene)
+    system = load_any("flower", radius="1/3", at="1,2")
+    assert isinstance(system, SystemScene)
+    assert system.check.radius == Fraction(1, 3)
+    assert system.check.equilibrium[1] == 2
+    with pytest.raises(SceneError, match="an array of wheels"):
+        load_scene("flower")
+    with pytest.raises(SceneError, match="plain switched system"):
+        load_system("four-wheel")
+    with pytest.raises(SceneError, match=r"contact\.rule"):
+        load_any("flower", rule="box")
+    (tmp_path / "deep.toml").write_text("x = " + "[" * 5000, encoding="utf-8")
+    with pytest.raises(SceneError, match="brackets"):
+        load_any(tmp_path / "deep.toml")
+
+
+def test_names_and_descriptions_of_built_in_systems() -> None:
+    folder = Path(str(nonsmooth.symbolic.files.scene_file.__file__)).parents[1] / "scenes" / "systems"
+    assert sorted(builtin_systems()) == sorted(path.stem for path in folder.glob("*.toml"))
+    assert not set(builtin_systems()) & set(builtin_scenes())
+    descriptions = system_descriptions()
+    assert tuple(descriptions) == builtin_systems()
+    assert all(10 < len(text) < 110 and "\n" not in text for text in descriptions.values())
+
+
+MALFORMED = [
+    ('[system]\nstates = ["x"]\nrhs = ["x"]', "system.states", "two different names"),
+    ('[system]\nstates = ["x", "x"]\nrhs = ["x", "x"]', "system.states", "two different names"),
+    ('[system]\nstates = ["x", "y", "theta"]\nrhs = ["x", "y", "0"]', "system.states", "planar"),
+    ('[system]\nstates = ["sign", "y"]\nrhs = ["1", "y"]', "system.states", "two different names"),
+    ('[system]\nstates = ["x", "1y"]\nrhs = ["1", "1"]', "system.states", "two different names"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x"]', "system.rhs", "two formulas"),
+    ('[system]\nstates = ["x", "y"]\nrhs = "x"', "system.rhs", "two formulas"),
+    ('[system]\nstates = ["x", "y"]', "system.rhs", "a value"),
+    ('[system]\nrhs = ["x", "y"]', "system.states", "a value"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\nmodes = 2', "system.modes", "states, rhs"),
+    ('system = 3', "system", "a table"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "z"]', "system.rhs[2]", "required"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", true]', "system.rhs[2]", "formula"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x/y", "y"]', "system.rhs[1]", "no division by a state"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["1/(1 + sign(x))", "y"]', "system.rhs[1]", "finite"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x**9*y**9", "y"]', "system.rhs[1]", "degree"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nlyapunov = "x**2 + z"', "check.lyapunov", "required"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nlyapunov = "x/y"', "check.lyapunov", "polynomials"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nradius = 0', "check.radius", "positive"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nequilibrium = 1', "check.equilibrium", "two numbers"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[friction]\nmu_roll = 1', "friction", "one of the keys"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "key", "words"), MALFORMED, ids=range(len(MALFORMED)))
+def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> None:
+    (tmp_path / "my.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        load_any(tmp_path / "my.toml")
+    line = str(caught.value)
+    assert line.isprintable()
+    assert f"my.toml: {key}: required" in line
+    assert words in line
+
+
+def test_a_division_by_zero_on_some_cell_only(load: Load) -> None:
+    scene = load("x/(1 + sign(x)*sign(y))", "y")
+    with pytest.raises(SceneError, match=r"system\.rhs\[1\]: required a finite number"):
+        system_check(scene)
+
+
+def test_too_many_surfaces(load: Load) -> None:
+    lines = "*".join(f"(x - {k}*y - {k * k})" for k in range(1, 9))
+    scene = load(f"sign({lines})*sign({lines.replace('-', '+')})", "-y", radius="100")
+    with pytest.raises(SceneError, match="cells"):
+        list(system_cells(scene, plane(scene) * 3))
+
+
+# ---- verdicts ----------------------------------------------------------------------------------
+
+
+def verdict(scene: SystemScene) -> SystemResult:
+    result = system_check(scene)
+    assert result.check()
+    return result
+
+
+@pytest.mark.parametrize(
+    ("name", "expected", "method"),
+    [
+        ("relay-oscillator", Translation.STABLE, Method.FAN),
+        ("relay-oscillator-damped", Translation.ASYMPTOTICALLY_STABLE, Method.LYAPUNOV),
+        ("flower", Translation.ASYMPTOTICALLY_STABLE, Method.LYAPUNOV),
+        ("escaping-slide", Translation.UNSTABLE, Method.EQUILIBRIUM),
+        ("line-of-equilibria", Translation.STABLE, Method.FAN),
+        ("eq-3", Translation.STABLE, Method.FAN),
+        ("eq-4", Translation.ASYMPTOTICALLY_STABLE, Method.LYAPUNOV),
+    ],
+)
+def test_built_in_systems(name: str, expected: Translation, method: Method) -> None:
+    result = verdict(load_system(name))
+    assert (result.verdict, result.method) == (expected, method)
+    assert result.everywhere == (expected is Translation.ASYMPTOTICALLY_STABLE)
+    fails = name == "escaping-slide"
+    assert result.equilibrium is (Equilibrium.FAILS if fails else Equilibrium.HOLDS)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "check", "expected", "words"),
+    [
+        ("-x", "-y", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
+        ("y", "-x - y", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # V = |c|^2 does not: another is found
+        ("y", "-x", {}, Translation.STABLE, "not decided"),
+        ("x", "-y", {}, Translation.UNSTABLE, "leaves along the ray through (1, 0)"),
+        ("x - y", "x + y", {}, Translation.UNSTABLE, "grows along every solution"),
+        ("x/10 - y*(2 + sign(x*y))", "x*(2 - sign(x*y)) + y/10", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
+        ("-x/10 - y*(2 - sign(x*y))", "x*(2 + sign(x*y)) - y/10", {}, Translation.UNSTABLE, "grows along every"),
+        ("y + x**3", "-x + y**3", {}, Translation.UNDECIDED, "no Lyapunov function"),
+        ("-x**3", "-y**3", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
+        ("-x + x**2", "-y", {"radius": "2"}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # on a smaller square
+        ("-x + sign(x**2 + y)*y", "-y - sign(x**2 + y)*x", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
+        ("-sign(x - 1)", "-sign(y - 2)", {"equilibrium": "[1, 2]"}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
+        ("-sign(x - 1)", "-sign(y)", {}, Translation.UNSTABLE, "0 is not in F"),
+        ("1", "-y", {}, Translation.UNSTABLE, "0 is not in F"),
+        ("y - x*Abs(x)", "-x - y*Abs(y)", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
+    ],
+)
+def test_verdicts(
+    load: Load, first: str, second: str, check: dict[str, str], expected: Translation, words: str
+) -> None:
+    result = verdict(load(first, second, **check))
+    assert result.verdict is expected
+    assert words in result.reason
+
+
+TRAPS = [
+    ("0", "-sign(y)"),
+    ("0", "-y"),
+    ("0", "-y**3"),  # cubic
+    ("0", "-sign(y)*y**2"),
+    ("-x*y**2", "-sign(y)"),  # cubic in each cell
+    ("-x**3*Abs(y)", "-y"),
+    ("-sign(x)*y**2", "-sign(y)"),
+    ("-x*Abs(x - y)", "-y*Abs(x - y)"),  # the diagonal rests
+    ("-x*Abs(x - y)*Abs(x + 2*y)", "-y*Abs(x - y)*Abs(x + 2*y)"),
+    ("-x**3*(sign(y) + 1)", "-y**3*(sign(y) + 1)"),  # the lower half-plane rests
+    ("-Abs(y)*sign(x)", "0"),
+    ("-x*(y - x**2)**2", "-y*(y - x**2)**2"),  # a curve rests
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("first", "second"), TRAPS)
+def test_negative_in_open_cells_only_is_not_asymptotic(load: Load, first: str, second: str) -> None:
+    """V' < 0 inside (nearly) every cell, but not on closed ones: there are equilibria arbitrarily near."""
+    for lyapunov in ("x**2 + y**2", "x**2 + 2*y**2", "Abs(x) + Abs(y)"):
+        result = verdict(load(first, second, lyapunov=f'"{lyapunov}"'))
+        assert result.verdict in (Translation.STABLE, Translation.UNDECIDED)
+
+
+def test_the_flower_needs_a_piecewise_quadratic() -> None:
+    result = verdict(load_system("flower"))
+    assert result.witness is not None
+    assert result.witness.value is not None
+    assert result.witness.value.sign() > 0  # |x|^2 grows there
+    x, y = (float(v) for v in result.witness.point)
+    modes = [((-0.1, 1), (-5, -0.1)), ((-0.1, 5), (-1, -0.1))]  # |x| >= |y|, and the rest
+    near = modes if abs(x) == abs(y) else [modes[abs(x) < abs(y)]]
+    rates = [2 * (x * (a * x + b * y) + y * (c * x + d * y)) for (a, b), (c, d) in near]
+    assert any(float(result.witness.value) == pytest.approx(rate) for rate in rates)
+    assert result.certificate is not None
+    assert len({str(cell.potential) for cell in result.certificate.cells}) > 1
+
+
+def simulated_distance(scene: SystemScene, start: tuple[float, float], time: float, steps: int) -> float:
+    """Distance from the origin at the end, by Euler's method (it chatters along sliding surfaces)."""
+    x, y = start
+    for _ in range(steps):
+        f, g = float_field(scene, x, y)
+        x, y = x + f * time / steps, y + g * time / steps
+    return float(np.hypot(x, y))
+
+
+@pytest.mark.parametrize("name", ["relay-oscillator-damped", "flower", "eq-4"])
+def test_asymptotically_stable_systems_contract(name: str) -> None:
+    scene = load_system(name)
+    for angle in np.linspace(0.1, 6.2, 4):
+        start = (0.5 * float(np.cos(angle)), 0.5 * float(np.sin(angle)))
+        assert simulated_distance(scene, start, 30 if name == "flower" else 3, 6000) < 0.2
+
+
+@pytest.mark.parametrize(("seed"), range(25))
+def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: int) -> None:
+    """Two independent ways for constant fields: inequalities for V, and the moves of the fan."""
+    rng = np.random.default_rng(seed)
+    a, b, c, d = rng.integers(-3, 4, 4)
+    p, q = rng.integers(0, 4, 2)
+    first = f"-{p}*sign(x) + ({a})*sign(y) + ({c})*sign(x)*sign(x**2 - y**2)"
+    second = f"-{q}*sign(y) + ({b})*sign(x) + ({d})*sign(y)*sign(x**2 - y**2)"
+    texts = ["Abs(x) + Abs(y)", "x**2 + y**2", "2*Abs(x) + Abs(y - x/2)", "Abs(x) + Abs(y) + Abs(Abs(x) - Abs(y))"]
+    for text in texts:
+        result = verdict(load(first, second, lyapunov=f'"{text}"'))
+        fan = decide_constant_fan(plane_cells(result.scene))
+        assert fan is not None
+        if result.lyapunov.verdict is Decrease.STRICT:
+            assert fan.verdict is Translation.ASYMPTOTICALLY_STABLE
+        if result.lyapunov.verdict is Decrease.WEAK:
+            assert fan.verdict is not Translation.UNSTABLE
+        if any(move.kind is RayKind.ESCAPE for move in result.rays):
+            assert fan.verdict is Translation.UNSTABLE
+
+
+@pytest.mark.parametrize("name", builtin_systems())
+def test_modes_by_sign_pattern(name: str) -> None:
+    """Only patterns that occur are kept, and at random points each gives the field of the formulas."""
+    scene = load_system(name)
+    system = build_switched_system(scene)
+    expected = {"eq-3": 8, "eq-4": 8, "flower": 4, "escaping-slide": 2, "line-of-equilibria": 2}
+    assert len(system.modes) == expected.get(name, 4)
+    rng = np.random.default_rng(9)
+    for x, y in rng.normal(size=(40, 2)):
+        point = (scene.field(Fraction(x)), scene.field(Fraction(y)))
+        f, g = system.modes[tuple(surface(point).sign() for surface in system.surfaces)]
+        assert (float(f(point)), float(g(point))) == pytest.approx(float_field(scene, x, y), abs=1e-12)
+
+
+def test_patterns_that_no_point_has_are_left_out(load: Load) -> None:
+    system = build_switched_system(load("-sign(x - 1)*sign(x + 1)", "-sign(y)*sign(x**2 + y**2 + 1)"))
+    assert {str(surface) for surface in system.surfaces} >= {"x - 1", "x + 1", "y"}
+    assert len(system.modes) == 6  # not x < -1 and x > 1

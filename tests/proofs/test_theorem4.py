@@ -1,0 +1,273 @@
+"""Theorem 4 as a whole: verdicts of known arrays, pruning, and results that do not belong together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
+
+import pytest
+
+from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback import decide_feedback
+from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells
+from nonsmooth.proofs.theorem4_result import CellCheck, conclude
+from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
+from nonsmooth.symbolic.contact_states import possible_triples
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+Build: TypeAlias = "Callable[[Arrays], Scene]"
+
+ROLL = (1, Fraction(1, 2))
+SIDE = (Fraction(1, 2), 1)
+CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+SEEDS = range(12)
+
+
+def pushed(arrays: Arrays, x: int, y: int) -> Scene:
+    """Wheels at the corners with rims along (x p_x, y p_y)."""
+    wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in arrays.inward(CORNERS)]
+    return arrays.scene(wheels, ROLL)
+
+
+def off_center(arrays: Arrays) -> Scene:
+    scene = arrays.four_wheel(ROLL)
+    there = (scene.field(Fraction(1, 5)), scene.field(Fraction(1, 10)))
+    return replace(scene, check=replace(scene.check, equilibrium=there))
+
+
+KNOWN: dict[str, tuple[Build, Theorem4]] = {
+    "four-wheel, roll": (lambda arrays: arrays.four_wheel(ROLL), Theorem4.HOLDS),
+    "four-wheel, side": (lambda arrays: arrays.four_wheel(SIDE), Theorem4.HOLDS),
+    "four-wheel, tie": (lambda arrays: arrays.four_wheel((1, 1)), Theorem4.HOLDS),
+    "off center": (off_center, Theorem4.HYPOTHESES_NOT_MET),
+    "outward": (lambda arrays: pushed(arrays, 1, 1), Theorem4.FAILS),
+    "saddle": (lambda arrays: pushed(arrays, 1, -1), Theorem4.FAILS),
+    "facing pair": (lambda arrays: arrays.scene(arrays.inward([(1, 0), (-1, 0)])), Theorem4.FAILS),
+    "3 x 3 grid": (lambda arrays: arrays.grid(3, 3), Theorem4.HYPOTHESES_NOT_MET),
+}
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_verdicts_of_known_arrays(arrays: Arrays, name: str) -> None:
+    build, expected = KNOWN[name]
+    result = check_cells(build(arrays))
+    assert result.verdict is expected
+    assert result.check()
+
+
+@pytest.mark.parametrize("n", range(3, 13))
+def test_the_theorem_holds_for_inward_rings(arrays: Arrays, n: int) -> None:
+    for friction in (ROLL, SIDE):
+        result = check_cells(arrays.ring(n, friction))
+        assert result.verdict is Theorem4.HOLDS
+        assert result.check()
+        expected = Feedback.STABILIZABLE if friction == ROLL else Feedback.NOT_APPLICABLE
+        assert result.feedback.verdict is expected
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_every_random_result_verifies_itself(arrays: Arrays, seed: int) -> None:
+    for scene in (arrays.random(seed, 2 + seed % 5), arrays.cocircular(seed)):
+        assert check_cells(scene).check()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_verdict_is_the_stated_conjunction(arrays: Arrays, seed: int) -> None:
+    """``holds`` iff equilibrium, (asymptotic) stability, spin, and feedback where it applies."""
+    for scene in (arrays.random(seed, 4), arrays.cocircular(seed)):
+        r = check_cells(scene)
+        holds = (
+            r.equilibrium.verdict is Equilibrium.HOLDS
+            and r.translation.verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
+            and r.rotation.verdict is Rotation.UNSTABLE
+            and r.feedback.verdict in (Feedback.STABILIZABLE, Feedback.NOT_APPLICABLE)
+        )
+        assert (r.verdict is Theorem4.HOLDS) == holds
+        assert (r.verdict is Theorem4.HYPOTHESES_NOT_MET) == (r.equilibrium.verdict is Equilibrium.FAILS)
+
+
+def test_a_refuted_clause_fails_and_an_open_one_leaves_it_undecided(arrays: Arrays) -> None:
+    r = check_cells(arrays.four_wheel(ROLL))
+    clauses = (r.equilibrium, r.translation, r.rotation, r.feedback)
+    assert conclude(*clauses)[0] is Theorem4.HOLDS
+    one = r.partition.scene.field.one
+    fails = replace(r.equilibrium, verdict=Equilibrium.FAILS, separator=(one, one))
+    assert conclude(fails, *clauses[1:])[0] is Theorem4.HYPOTHESES_NOT_MET
+    for verdict, expected in (
+        (Translation.UNSTABLE, Theorem4.FAILS),
+        (Translation.UNDECIDED, Theorem4.UNDECIDED),
+        (Translation.STABLE, Theorem4.HOLDS),
+    ):
+        assert conclude(clauses[0], replace(r.translation, verdict=verdict), *clauses[2:])[0] is expected
+    for spin, expected in ((Rotation.NEUTRAL, Theorem4.FAILS), (Rotation.UNDECIDED, Theorem4.UNDECIDED)):
+        assert conclude(*clauses[:2], replace(r.rotation, verdict=spin), clauses[3])[0] is expected
+    for law, expected in (
+        (Feedback.NO_CERTIFICATE, Theorem4.UNDECIDED),
+        (Feedback.UNDECIDED, Theorem4.UNDECIDED),
+        (Feedback.NOT_APPLICABLE, Theorem4.HOLDS),
+    ):
+        assert conclude(*clauses[:3], replace(r.feedback, verdict=law))[0] is expected
+
+
+def test_a_failure_outweighs_an_open_clause(arrays: Arrays) -> None:
+    r = check_cells(arrays.four_wheel(ROLL))
+    neutral = replace(r.rotation, verdict=Rotation.NEUTRAL)
+    undecided = replace(r.translation, verdict=Translation.UNDECIDED)
+    assert conclude(r.equilibrium, undecided, neutral, r.feedback)[0] is Theorem4.FAILS
+
+
+def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None:
+    """Stable and spinning, but no certificate for feedback; a slippery wheel at the square's edge changes nothing."""
+    x, y = Fraction(12, 13), Fraction(5, 13)
+    wheels = [
+        w._replace(speed=speed)
+        for w, speed in zip(arrays.inward([(-x, -y), (-x, y), (x, -y), (x, y)]), (None, 1, 1, None), strict=True)
+    ]
+    rims = ((-y, x), (y, x), (-y, -x), (y, -x))
+    near = [w._replace(direction=rim) for w, rim in zip(wheels, rims, strict=True)]
+    far = arrays.inward([(0, Fraction(3, 2))])[0]._replace(friction=SIDE)
+    alone, together = (check_cells(arrays.scene(ws, ROLL, radius=1)) for ws in (near, [*near, far]))
+    assert any(5 in cell.wheels for cell in together.partition.cells)
+    for result in (alone, together):
+        assert result.translation.verdict is Translation.STABLE
+        assert result.rotation.verdict is Rotation.UNSTABLE
+        assert result.feedback.verdict is Feedback.NO_CERTIFICATE
+        assert result.verdict is Theorem4.UNDECIDED
+
+
+# ---- leaving out what a scene does not need ------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pruning_gives_the_same_verdicts(arrays: Arrays, seed: int) -> None:
+    for scene in (arrays.random(seed, 6), arrays.cocircular(seed)):
+        assert verdicts(check_cells(scene)) == verdicts(check_cells(scene, prune=False))
+
+
+def verdicts(r: CellCheck) -> tuple[object, ...]:
+    drift = r.rotation.drift
+    return (
+        r.verdict,
+        r.equilibrium.verdict,
+        r.translation.verdict,
+        r.rotation.verdict,
+        r.feedback.verdict,
+        r.translation.worst_rate,
+        r.translation.region_radius,
+        None if drift is None else drift.interval,
+    )
+
+
+def test_what_is_left_out_is_named(arrays: Arrays) -> None:
+    result = check_cells(arrays.grid(12, 12))
+    skipped = {entry.what: entry.count for entry in result.skipped}
+    considered = result.partition.wheels_considered
+    possible = possible_triples(144)
+    assert considered < 40
+    assert skipped["wheels"] == 144 - considered
+    assert skipped["contact states"] == possible - len(result.partition.states)
+    assert result.census.possible == possible > CENSUS_LIMIT
+    assert result.census.singular is None
+    assert result.census.regular is None
+
+
+def test_without_pruning_everything_is_counted(arrays: Arrays) -> None:
+    scene = arrays.four_wheel(SIDE)
+    result = check_cells(scene, prune=False)
+    assert result.census == check_cells(scene).census
+    assert (result.census.possible, result.census.singular, result.census.distinct_twists) == (56, 16, 13)
+    assert [entry.what for entry in result.skipped] == ["feedback search"]
+    assert set(result.seconds) == {
+        "partition",
+        "contact states",
+        "equilibrium",
+        "translation",
+        "rotation",
+        "feedback",
+    }
+
+
+# ---- results that do not belong together ---------------------------------------------------------
+
+
+def test_clauses_of_another_array_are_refused(arrays: Arrays) -> None:
+    scene = arrays.four_wheel(ROLL)
+    turned = replace(scene, wheels=tuple(replace(w, given_speed=w.speed * 2) for w in scene.wheels))
+    mine, other = check_cells(scene), check_cells(turned)
+    assert mine.check()
+    assert other.check()
+    for wrong in (
+        replace(mine, equilibrium=other.equilibrium),
+        replace(mine, translation=other.translation),
+        replace(mine, rotation=other.rotation),
+        replace(mine, feedback=other.feedback),
+        replace(mine, verdict=Theorem4.FAILS),
+    ):
+        assert not wrong.check()
+
+
+def test_a_partition_with_a_hole_is_refused(arrays: Arrays) -> None:
+    """All clauses are decided anew on the cells that are left: only the area tells."""
+    r = check_cells(arrays.cocircular(58))
+    zero = r.partition.scene.field.zero
+    far = next(cell for cell in r.partition.cells if not cell.polygon.contains((zero, zero)))
+    holed = replace(r.partition, cells=tuple(cell for cell in r.partition.cells if cell is not far))
+    translation = decide_translation(holed)
+    wrong = replace(
+        r,
+        partition=holed,
+        equilibrium=decide_equilibrium(holed),
+        translation=translation,
+        rotation=decide_rotation(holed, translation),
+        feedback=decide_feedback(holed),
+    )
+    assert all(clause.check() for clause in (wrong.equilibrium, translation, wrong.rotation, wrong.feedback))
+    assert r.check()
+    assert not wrong.check()
+
+
+def test_a_feedback_clause_that_was_waved_away_is_refused(arrays: Arrays) -> None:
+    r = check_cells(arrays.four_wheel(ROLL))
+    assert not replace(r, feedback=replace(r.feedback, verdict=Feedback.NOT_APPLICABLE)).check()
+
+
+def test_a_bound_on_rotation_that_is_too_small_is_refused(arrays: Arrays) -> None:
+    """The bound of rule box is what the decay gives, nothing smaller."""
+    scene = arrays.four_wheel((1, Fraction(1, 5)))
+    r = check_cells(replace(scene, contact=replace(scene.contact, rule=Rule.BOX)), prune=False)
+    bound = r.rotation.rotation_per_distance
+    assert bound is not None
+    assert r.check()
+    assert not replace(r, rotation=replace(r.rotation, rotation_per_distance=bound / 2)).check()
+
+
+@pytest.mark.parametrize(
+    ("verdict", "status"),
+    [(Theorem4.HOLDS, 0), (Theorem4.FAILS, 1), (Theorem4.HYPOTHESES_NOT_MET, 1), (Theorem4.UNDECIDED, 3)],
+)
+def test_exit_statuses(verdict: Theorem4, status: int) -> None:
+    assert verdict.exit_status == status
+
+
+@pytest.mark.parametrize(("friction", "weakly"), [((1, Fraction(1, 2)), True), ((Fraction(1, 2), 1), False)])
+def test_strong_and_weak_stability_of_theta_are_told_apart(
+    arrays: Arrays, friction: tuple[Fraction, Fraction], weakly: bool
+) -> None:
+    """Some solution of eq. (4) rests at the origin without turning; for eq. (3) no decay bounds the way there."""
+    result = check_cells(arrays.four_wheel(friction))
+    assert result.rotation.verdict is Rotation.UNSTABLE
+    assert result.theta_is_weakly_stable is weakly
+
+
+def test_a_spinning_body_is_not_weakly_stable(arrays: Arrays) -> None:
+    result = check_cells(arrays.scene(arrays.inward([(1, 0), (-1, 0), (0, 1), (0, -1)], turn=(0, 1))))
+    assert result.rotation.verdict is Rotation.UNSTABLE
+    assert not result.theta_is_weakly_stable

@@ -1,0 +1,309 @@
+"""Clause 2: stability of (x, y) by V = |c|^2, its rate, its region, its witnesses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.filippov import filippov_twists, upper_derivative_at
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.translation import TranslationResult, Witness, decide_translation
+from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.scene import Scene, dot
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+ROLL = (1, Fraction(1, 2))
+SIDE = (Fraction(1, 2), 1)
+RINGS = range(3, 13)
+SEEDS = range(30)
+# Arrays whose disc of certified decay ends inside the square, each of its own shape.
+BOUNDED_SEEDS = [8, 58, 66, 79, 83, 92, 95, 98]
+
+BESIDE = Fraction(1, 10**9)  # shorter than any cell
+# Rates are sums of a few products of numbers below 100.
+ROUNDING = 1e-9
+
+
+def decide(scene: Scene) -> TranslationResult:
+    return decide_translation(build_nearest_partition(scene.recentred()))
+
+
+def literal_rate(scene: Scene, point: NDArray[np.float64]) -> float:
+    """V* by the rule at one point (both motions where frictions tie), without cells."""
+    place = scene.field(Fraction(point[0])), scene.field(Fraction(point[1]))
+    velocities = [[float(x) for x in s.twist.velocity] for s in nearest_states(scene, place)]
+    return float(max(2 * np.array(velocities) @ point))
+
+
+def disc_points(seed: int, inner: float, outer: float, count: int) -> NDArray[np.float64]:
+    """Random points of an annulus."""
+    rng = np.random.default_rng(seed)
+    radii, angles = rng.uniform(inner, outer, count), rng.uniform(0, 2 * math.pi, count)
+    return np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+
+
+# ---- verdicts and rates with closed forms --------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", RINGS)
+def test_rings_with_roll_rows_attract_in_finite_time(arrays: Arrays, n: int) -> None:
+    result = decide(arrays.ring(n, ROLL))
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.worst_rate == -2
+    assert result.decay_rate == 2
+    assert result.region_radius == 1
+    assert result.check()
+
+
+@pytest.mark.parametrize("n", RINGS)
+def test_rings_with_side_rows_have_rays_of_equilibria(arrays: Arrays, n: int) -> None:
+    result = decide(arrays.ring(n, SIDE))
+    assert result.verdict is Translation.STABLE
+    assert result.worst_rate == 0
+    assert result.decay_rate is None
+    assert result.region_radius == 1
+    assert result.witness is not None
+    assert result.check()
+
+
+def test_the_four_wheel_array_as_in_the_paper(arrays: Arrays) -> None:
+    """Eq. (4) is asymptotically stable; eq. (3) is stable, and rests on the axes."""
+    roll, side = decide(arrays.four_wheel(ROLL)), decide(arrays.four_wheel(SIDE))
+    assert (roll.verdict, side.verdict) == (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
+    assert roll.worst_rate == -2
+    assert side.worst_rate == 0
+    assert side.witness is not None
+    x, y = side.witness.point
+    assert not x or not y
+
+
+def test_mixed_hulls_of_equal_frictions_are_only_stable(arrays: Arrays) -> None:
+    assert decide(arrays.four_wheel((1, 1))).verdict is Translation.STABLE
+
+
+@pytest.mark.parametrize("pull_in_y", [False, True], ids=["outward", "saddle"])
+def test_pushing_arrays_have_a_witness_that_the_literal_rule_confirms(arrays: Arrays, pull_in_y: bool) -> None:
+    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    wheels = [
+        w._replace(direction=(w.position[0], w.position[1] * (-1 if pull_in_y else 1))) for w in arrays.inward(corners)
+    ]
+    scene = arrays.scene(wheels, ROLL)
+    result = decide(scene)
+    assert result.verdict is Translation.UNSTABLE
+    assert result.region_radius is None
+    assert result.witness is not None
+    assert result.witness.value > 0
+    assert result.check()
+    x, y = result.witness.point
+    beside = [(x + a, y + b) for a in (-BESIDE, BESIDE) for b in (-BESIDE, BESIDE)]
+    rates = [2 * dot((x, y), state.twist.velocity) for p in beside for state in nearest_states(scene, p)]
+    assert result.witness.value in rates
+
+
+# ---- the verdict is about V* near the equilibrium ------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_verdicts_agree_with_the_literal_rule_near_the_equilibrium(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    result = decide(scene)
+    rates = np.array([literal_rate(scene, p) / np.hypot(*p) for p in disc_points(seed, 1e-4, 1e-3, 120)])
+    if refutes(result):
+        assert result.witness is not None
+        assert literal_confirms(scene, result.witness)
+    elif result.fan is None:
+        assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+        assert rates.max() < 0
+    else:
+        assert rates.max() <= ROUNDING
+
+
+def refutes(result: TranslationResult) -> bool:
+    """Whether V = |c|^2 grows somewhere near the equilibrium, so that the fan decides alone."""
+    return result.witness is not None and result.witness.value > 0
+
+
+def literal_confirms(scene: Scene, witness: Witness) -> bool:
+    """Near the witness's ray, close to the equilibrium, some point of the literal rule has V* > 0."""
+    ray = np.array([float(x) for x in witness.point]) * 1e-3
+    turns = np.linspace(-1e-4, 1e-4, 5)
+    return any(literal_rate(scene, ray + t * np.array([-ray[1], ray[0]])) > 0 for t in turns)
+
+
+def test_all_verdicts_of_this_file_occur(arrays: Arrays) -> None:
+    found = {decide(arrays.cocircular(seed)).verdict for seed in SEEDS}
+    assert {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE} <= found
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_worst_rate_bounds_v_everywhere_and_is_attained(arrays: Arrays, seed: int) -> None:
+    """``V* <= worst |c|`` on the square, with equality on some closed cell along the worst direction."""
+    scene = arrays.cocircular(seed)
+    partition = build_nearest_partition(scene)
+    result = decide_translation(partition)
+    worst = float(result.worst_rate)
+    corner = float(scene.check.radius)
+    rng = np.random.default_rng(seed)
+    for point in rng.uniform(-corner, corner, (100, 2)):
+        assert literal_rate(scene, point) <= worst * np.hypot(*point) + ROUNDING
+    slopes = [2 * dot(d.twist.velocity, result.worst.direction) for d in result.derivatives]
+    assert max(slopes) >= 2 * dot(result.worst.velocity, result.worst.direction)
+    assert any(d.twist.velocity == result.worst.velocity for d in result.derivatives)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_exact_upper_derivative_agrees_with_the_verdict_in_the_region(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    partition = build_nearest_partition(scene)
+    result = decide_translation(partition)
+    if result.region_radius is None:
+        return
+    squared = result.region_radius * result.region_radius
+    points = [v for cell in partition.cells for v in cell.polygon.vertices]
+    points += [arrays.interior_point(cell.polygon, np.random.default_rng(seed)) for cell in partition.cells]
+    for point in points:
+        if any(point) and dot(point, point) < squared:
+            rate = upper_derivative_at(partition, point)
+            assert rate < 0 if result.verdict is Translation.ASYMPTOTICALLY_STABLE else rate <= 0
+
+
+# ---- the region ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", BOUNDED_SEEDS)
+def test_the_region_ends_where_the_literal_rule_first_fails(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    result = decide(scene)
+    assert result.region_radius is not None
+    assert result.region_radius < scene.check.radius
+    radius = float(result.region_radius)
+    inside = [literal_rate(scene, p) for p in disc_points(seed, 0, radius, 300)]
+    outside = [literal_rate(scene, p) for p in disc_points(seed, radius, 1.2 * radius, 1500)]
+    assert max(inside) <= ROUNDING
+    assert max(outside) > (-ROUNDING if result.verdict is Translation.ASYMPTOTICALLY_STABLE else 0)
+
+
+@pytest.mark.parametrize("seed", BOUNDED_SEEDS)
+def test_the_region_is_the_same_in_every_square_that_holds_it(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    found = decide(scene).region_radius
+    assert found is not None
+    grown = replace(scene, check=replace(scene.check, radius=scene.check.radius * 2))
+    assert decide(grown).region_radius == found
+    shrunk = replace(scene, check=replace(scene.check, radius=scene.field(Fraction(1, 5))))
+    assert decide(shrunk).region_radius == min(found, scene.field(Fraction(1, 5)))
+
+
+def test_the_region_ends_where_v_stops_falling(arrays: Arrays) -> None:
+    """Inner wheels hold roll rows, outer ones side rows: V* < 0 up to (0, 4), where cells of the outer wheels
+    meet on the axis and V* = 0 as in eq. (3).  V* is nowhere positive.
+    """
+    inner = arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    outer = [w._replace(position=(3 * w.position[0], 3 * w.position[1]), friction=SIDE) for w in inner]
+    result = decide(arrays.scene([*inner, *outer], ROLL, radius=5))
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.worst_rate == 0
+    assert result.region_radius == 4
+    assert result.check()
+    assert not replace(result, region_radius=result.region_radius + 1).check()
+
+
+# ---- equilibria beside the equilibrium -----------------------------------------------------------
+
+
+def holds_rest(partition: Partition, point: Point) -> bool:
+    """0 in F at the point under exact kinematics, by the exact linear program."""
+    one, zero = partition.scene.field.one, partition.scene.field.zero
+    rates = [(*t.pose_rate(point), one) for t in filippov_twists(partition, point)]
+    return best_mixture(rates, (zero, zero, one), [zero] * len(rates)) is not None
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_ray_of_equilibria_rests_under_exact_kinematics(arrays: Arrays, seed: int) -> None:
+    partition = build_nearest_partition(arrays.cocircular(seed, SIDE))
+    result = decide_translation(partition)
+    if result.verdict is Translation.STABLE and result.witness is not None and not refutes(result):
+        x, y = result.witness.point
+        for scale in (Fraction(1, 100), Fraction(1, 10**6)):
+            assert holds_rest(partition, (x * scale, y * scale))
+
+
+@pytest.mark.parametrize("n", RINGS)
+def test_rings_with_roll_rows_rest_nowhere_else(arrays: Arrays, n: int) -> None:
+    partition = build_nearest_partition(arrays.ring(n, ROLL))
+    for cell in partition.cells:
+        for x, y in cell.polygon.vertices:
+            if x or y:
+                assert not holds_rest(partition, (x * Fraction(1, 10**6), y * Fraction(1, 10**6)))
+
+
+# ---- evidence ------------------------------------------------------------------------------------
+
+
+def wrong_versions(result: TranslationResult) -> list[TranslationResult]:
+    """Claims beyond the evidence, and evidence that does not belong to the cells."""
+    first = result.derivatives[0]
+    shifted = replace(first, rates=tuple(rate - 1 for rate in first.rates))
+    half = replace(result.worst, velocity=tuple(x / 2 for x in result.worst.velocity))
+    wrong = [
+        replace(result, derivatives=()),
+        replace(result, derivatives=(shifted, *result.derivatives[1:])),
+    ]
+    if result.worst_rate:
+        wrong.append(replace(result, worst=half))
+    if result.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        wrong.append(replace(result, verdict=Translation.ASYMPTOTICALLY_STABLE))
+    if refutes(result):
+        assert result.witness is not None
+        others = {Translation.STABLE, Translation.UNSTABLE, Translation.UNDECIDED} - {result.verdict}
+        wrong += [replace(result, verdict=other) for other in others]
+        wrong.append(replace(result, fan=None))
+        wrong.append(replace(result, witness=None))
+        wrong.append(replace(result, witness=replace(result.witness, value=result.witness.value + 1)))
+        wrong.append(replace(result, witness=replace(result.witness, point=result.witness.point[::-1])))
+    else:
+        assert result.region_radius is not None
+        wrong.append(replace(result, region_radius=None))
+        wrong.append(replace(result, region_radius=-result.region_radius))
+    return wrong
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_tampered_results_are_refused(arrays: Arrays, seed: int) -> None:
+    result = decide(arrays.cocircular(seed))
+    assert result.check()
+    assert [k for k, wrong in enumerate(wrong_versions(result)) if wrong.check()] == []
+
+
+@pytest.mark.parametrize("seed", BOUNDED_SEEDS)
+def test_a_region_that_is_too_large_is_refused_and_a_smaller_one_is_true(arrays: Arrays, seed: int) -> None:
+    result = decide(arrays.cocircular(seed))
+    assert result.region_radius is not None
+    assert not replace(result, region_radius=result.region_radius * Fraction(1001, 1000)).check()
+    assert replace(result, region_radius=result.region_radius * Fraction(999, 1000)).check()
+
+
+def test_a_ray_that_does_not_rest_is_refused(arrays: Arrays) -> None:
+    result = decide(arrays.four_wheel(SIDE))
+    assert result.witness is not None
+    field = result.worst.velocity[0].field
+    diagonal = replace(result.witness, point=(field.one, field.one))
+    assert not replace(result, witness=diagonal).check()
+
+
+def test_a_removed_cell_is_noticed_by_the_area(arrays: Arrays) -> None:
+    """The clause cannot know that a cell is missing; the partition does."""
+    partition = build_nearest_partition(arrays.four_wheel())
+    assert not partition.area_error
+    assert replace(partition, cells=partition.cells[1:]).area_error == partition.cells[0].polygon.area

@@ -1,0 +1,470 @@
+"""The command line: JSON contract, exit statuses, bad input in one line, and manners in a pipeline."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from fractions import Fraction
+from io import StringIO
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.symbolic.expression import parse
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+Record: TypeAlias = dict[str, Any]
+
+HALF_ROOT = 0.7071067811865476
+COLUMNS = 80  # width of the output where there is no terminal
+CHECK_KEYS = [
+    "schema", "scene", "wheels", "rule", "radius", "exact", "contact_states", "equilibrium", "translation", "rotation",
+    "feedback", "theorem4", "skipped", "seconds",
+]  # fmt: skip
+
+
+class Outcome(NamedTuple):
+    """What a run leaves behind."""
+
+    status: int
+    out: str
+    err: str
+
+    @property
+    def record(self) -> Record:
+        record: Record = json.loads(self.out)
+        return record
+
+
+Invoke: TypeAlias = Callable[..., Outcome]
+
+
+@pytest.fixture
+def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
+    """Run the command line in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> Outcome:
+        capsys.readouterr()
+        status = run(app, arguments)
+        return Outcome(status, *capsys.readouterr())
+
+    return call
+
+
+def command(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Run the real program in a process of its own."""
+    line = [sys.executable, "-m", "nonsmooth.reports.cli", *arguments]
+    return subprocess.run(line, capture_output=True, text=True, timeout=120, check=False, **options)
+
+
+# ---- check: the contract -------------------------------------------------------------------------
+
+
+def test_four_wheel_record(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--json")
+    record = outcome.record
+    assert (outcome.status, outcome.err) == (0, "")
+    assert list(record) == CHECK_KEYS
+    assert (record["schema"], record["scene"], record["wheels"]) == ("nonsmooth-check/1", "four-wheel", 4)
+    assert (record["rule"], record["radius"], record["exact"]) == ("nearest", 0.5, {"radius": "1/2"})
+    assert record["contact_states"] == {"possible": 56, "singular": 16, "distinct_twists": 13, "minimizing": 8}
+    assert record["theorem4"]["verdict"] == "holds"
+    assert {"partition", "equilibrium", "translation", "rotation", "feedback"} <= set(record["seconds"])
+
+
+def test_four_wheel_clauses(invoke: Invoke) -> None:
+    record = invoke("check", "four-wheel", "--json").record
+    equilibrium, translation, rotation = (record[key] for key in ("equilibrium", "translation", "rotation"))
+    assert (equilibrium["verdict"], equilibrium["at"], equilibrium["exact"]) == ("holds", [0, 0], {"at": ["0", "0"]})
+    assert translation["verdict"] == "asymptotically stable"
+    assert (translation["worst_rate"], translation["exact"]["worst_rate"]) == (-2, "-2")
+    assert translation["lyapunov"] == "x**2 + y**2"
+    assert translation["region"] == {"shape": "disc", "radius": 0.5, "exact": {"radius": "1/2"}}
+    assert translation["witness"] is None
+    assert rotation["verdict"] == "unstable"
+    assert rotation["drift"] == pytest.approx([-HALF_ROOT, HALF_ROOT], rel=1e-15)
+    assert rotation["exact"]["drift"] == ["-sqrt(2)/2", "sqrt(2)/2"]
+
+
+def test_four_wheel_feedback(invoke: Invoke) -> None:
+    feedback = invoke("check", "four-wheel", "--json").record["feedback"]
+    assert set(feedback) >= {"verdict", "law", "rate", "witness", "reason", "printed_sign_fails", "cells"}
+    assert feedback["verdict"] == "stabilizable"
+    assert "u_i = -k a" in feedback["law"]
+    assert len(feedback["cells"]) == 8
+    wrong = [cell["cell"] for cell in feedback["cells"] if cell["sign_needed"] == 1]
+    assert wrong == feedback["printed_sign_fails"]
+    assert len(wrong) == 4
+
+
+def test_drift_weights_add_up(invoke: Invoke) -> None:
+    """Independent check of the rotation clause from its own record: weights one, velocity zero, rate attained."""
+    rotation = invoke("check", "four-wheel", "--json").record["rotation"]
+    for end, rate in zip(("lowest", "highest"), rotation["exact"]["drift"], strict=True):
+        terms = [entry["exact"] for entry in rotation["weights"][end]]
+        field = NumberField()
+        weights = [number(term["weight"], field) for term in terms]
+        twists = [[number(text, field) for text in term["twist"]] for term in terms]
+        assert all(weight.sign() >= 0 for weight in weights)
+        assert sum(weights) == 1
+        sums = [sum(w * twist[k] for w, twist in zip(weights, twists, strict=True)) for k in range(3)]
+        assert sums == [0, 0, number(rate, field)]
+
+
+def number(text: str, field: NumberField) -> Number:
+    return parse(text).value(field)
+
+
+def test_four_wheel_side_record(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel-side", "--json")
+    record = outcome.record
+    assert outcome.status == 0
+    assert (record["translation"]["verdict"], record["translation"]["worst_rate"]) == ("stable", 0)
+    assert (record["feedback"]["verdict"], record["feedback"]["law"]) == ("not applicable", None)
+    assert record["theorem4"]["verdict"] == "holds"
+    assert "feedback search" in [skipped["what"] for skipped in record["skipped"]]
+
+
+def test_off_center_is_no_equilibrium(invoke: Invoke) -> None:
+    outcome = invoke("check", "off-center", "--json")
+    record = outcome.record
+    assert outcome.status == 1
+    assert record["theorem4"]["verdict"] == "hypotheses not met"
+    assert record["equilibrium"]["verdict"] == "fails"
+    assert "(5*sqrt(13)/16 + 3*sqrt(29)/16, sqrt(13)/8 - sqrt(29)/8, " in record["theorem4"]["reason"]
+    (other,) = record["equilibrium"]["others"]
+    assert (other["place"], other["exact"]["points"]) == ("vertex", [["1/2", "1/4"]])  # the rims' common point
+
+
+@pytest.mark.parametrize("name", ["outward", "saddle"])
+def test_witness_against_translation(invoke: Invoke, name: str) -> None:
+    """At the witness some cell's velocity has the claimed positive product: 2 c . v from the cell list alone."""
+    outcome = invoke("check", name, "--json")
+    translation = outcome.record["translation"]
+    witness = translation["witness"]
+    assert outcome.status in (1, 3)
+    assert translation["verdict"] in ("unstable", "undecided")
+    assert witness["value"] > 0
+    cells = invoke("partition", name, "--json").record["cells"]
+    field = NumberField()
+    x, y = (number(text, field) for text in witness["exact"]["point"])
+    rates = []
+    for cell in cells:
+        exact = cell["exact"]
+        if witness["exact"]["point"] in exact["polygon"]:
+            vx, vy, _ = (number(text, field) for text in exact["twist"])
+            rates.append(2 * (x * vx + y * vy))
+    assert number(witness["exact"]["value"], field) in rates
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_every_scene_has_a_verdict(invoke: Invoke, name: str) -> None:
+    outcome = invoke("check", name, "--json")
+    assert list(outcome.record) == CHECK_KEYS
+    expected = {"holds": 0, "fails": 1, "hypotheses not met": 1, "undecided": 3}
+    assert outcome.status == expected[outcome.record["theorem4"]["verdict"]]
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "grid-4x4", "off-center"])
+def test_pruning_changes_no_verdict(invoke: Invoke, name: str) -> None:
+    pruned, full = (invoke("check", name, "--json", *option).record for option in ((), ("--no-prune",)))
+    for clause in ("equilibrium", "translation", "rotation", "theorem4"):
+        assert pruned[clause] == full[clause]
+
+
+def test_options_replace_the_scene(invoke: Invoke) -> None:
+    record = invoke("check", "four-wheel", "--radius", "1/4", "--at", "-1/10,0.1", "--json").record
+    assert record["exact"]["radius"] == "1/4"
+    assert record["equilibrium"]["exact"]["at"] == ["-1/10", "1/10"]
+    assert record["theorem4"]["verdict"] == "hypotheses not met"
+
+
+# ---- the rules box and ellipse -------------------------------------------------------------------
+
+
+def test_box_rests_at_the_origin(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--rule", "box", "--json")
+    record = outcome.record
+    assert (outcome.status, list(record)) == (1, CHECK_KEYS)
+    assert record["contact_states"]["minimizing"] is None  # only the cells at the point were built
+    assert record["translation"]["verdict"] == "stable"
+    assert record["rotation"]["verdict"] == "stable, not attractive"
+    assert (record["feedback"]["verdict"], record["feedback"]["law"]) == ("no certificate", None)
+    assert {sample["refuted"] for sample in record["feedback"]["sampled"]} == {True}
+    assert record["theorem4"]["verdict"] == "fails"
+
+
+def test_box_cells_tile(invoke: Invoke) -> None:
+    """Golden: mu_S/mu_R = 1/2 has a rest cell and four diagonal ones."""
+    record = invoke("partition", "four-wheel", "--rule", "box", "--json").record
+    assert (len(record["cells"]), record["area_error"]) == (5, "0")
+    rest = [cell for cell in record["cells"] if cell["exact"]["twist"] == ["0", "0", "0"]]
+    assert [cell["exact"]["area"] for cell in rest] == ["1/2"]
+
+
+def test_ellipse_is_smooth_at_the_origin(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--rule", "ellipse", "--json")
+    record = outcome.record
+    assert (outcome.status, list(record)) == (1, CHECK_KEYS)
+    assert record["translation"]["verdict"] == "asymptotically stable"
+    assert "-4*sqrt(2)" in record["translation"]["reason"]
+    assert record["rotation"]["exact"]["drift"] == ["0", "0"]
+    assert record["feedback"]["authority"] == {
+        "rank": 2,
+        "missing": [[0, 0, 1]],
+        "exact": {"missing": [["0", "0", "1"]]},
+    }
+
+
+def test_sampled_rates_are_called_sampled(invoke: Invoke) -> None:
+    translation = invoke("check", "elliptic", "--rule", "ellipse", "--json").record["translation"]
+    assert translation["samples"] > 0
+    assert translation["exact"] == {}
+
+
+def test_all_rules_at_once(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = invoke("check", "four-wheel-side", "--rule", "all", "--json")
+    record = outcome.record
+    assert (outcome.status, record["schema"]) == (1, "nonsmooth-checks/1")
+    assert [check["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse"]
+    monkeypatch.setenv("COLUMNS", str(COLUMNS))
+    text = invoke("check", "four-wheel-side", "--rule", "all").out
+    assert [f"rule {rule}" in text for rule in ("nearest", "box", "ellipse")] == [True] * 3
+    assert text.count("Filippov set: hull") == 1  # the legend once
+
+
+# ---- partition and scenes ------------------------------------------------------------------------
+
+
+def test_partition_record(invoke: Invoke) -> None:
+    outcome = invoke("partition", "four-wheel", "--json")
+    record = outcome.record
+    assert outcome.status == 0
+    assert record["area_error"] == "0"
+    assert record["domain"] == [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]
+    assert len(record["cells"]) == 8
+    assert sum(cell["area"] for cell in record["cells"]) == 1
+    cell = record["cells"][0]
+    assert cell["rows"] == ["R1", "S1", "R2"]
+    assert cell["exact"]["twist"] == ["0", "-sqrt(2)", "sqrt(2)/2"]
+    assert sum(Fraction(c["exact"]["area"]) for c in record["cells"]) == 1
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
+def test_partition_picture_is_whole_and_reproducible(invoke: Invoke, tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"cells{suffix}"
+    assert invoke("partition", "ring-5", "-o", path.name).status == 0
+    first = path.read_bytes()
+    assert invoke("partition", "ring-5", "-o", path.name).status == 0
+    assert path.read_bytes() == first
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+    starts = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
+    assert first.startswith(starts[suffix])
+    if suffix == ".svg":
+        assert ET.fromstring(first).tag.endswith("svg")
+
+
+def test_scenes_lists_the_built_in_names(invoke: Invoke) -> None:
+    record = invoke("scenes", "--json").record
+    assert tuple(scene["name"] for scene in record["scenes"]) == (*builtin_scenes(), *builtin_systems())
+    text = invoke("scenes").out
+    assert all(name in text for name in builtin_scenes())
+
+
+# ---- what people see -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("arguments", [("check", "off-center"), ("partition", "ring-8"), ("scenes",)])
+def test_views_fit_80_columns_without_colors(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(COLUMNS))
+    out = invoke(*arguments).out
+    assert max(len(line) for line in out.splitlines()) <= COLUMNS
+    assert "\x1b" not in out
+
+
+def test_check_view_names_every_clause_and_keeps_brackets(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    out = invoke("check", "four-wheel").out
+    assert "56 possible, 16 singular, 13 distinct twists, 8 minimizing" in out
+    assert "[-sqrt(2)/2, sqrt(2)/2]" in out
+    for words in ("equilibrium", "asymptotically", "unstable", "stabilizable", "Theorem 4", "holds"):
+        assert words in out
+
+
+def test_version_and_help(invoke: Invoke) -> None:
+    assert re.fullmatch(r"nonsmooth \S.*\n", invoke("--version").out)
+    for name in ("check", "partition", "derive", "scenes"):
+        outcome = invoke(name, "--help")
+        assert outcome.status == 0
+        assert f"nonsmooth {name}" in outcome.out
+        assert "Example: nonsmooth" in outcome.out
+
+
+# ---- bad input: one line, status 2, nothing written ----------------------------------------------
+
+BAD = {
+    "unknown scene": (["check", "four-whel"], "four-whel: required a scene file or a built-in scene"),
+    "folder as scene": (["check", "."], "required a scene file"),
+    "radius zero": (["check", "four-wheel", "--radius", "0"], "check.radius: required a positive number, received 0"),
+    "radius negative": (["partition", "four-wheel", "--radius", "-1"], "required a positive number"),
+    "radius text": (["derive", "four-wheel", "--radius", "big"], "required a formula of numbers"),
+    "radius infinite": (["check", "four-wheel", "--radius", "inf"], "check.radius"),
+    "one coordinate": (["check", "four-wheel", "--at", "1"], "check.equilibrium: required two numbers"),
+    "unknown rule": (["check", "four-wheel", "--rule", "closest"], "'closest' is not one of"),
+    "one rule to derive": (["derive", "four-wheel", "--rule", "all"], "'all' is not one of"),
+    "unknown command": (["chekc", "four-wheel"], "No such command 'chekc'. Did you mean 'check'?"),
+    "unknown option": (["check", "four-wheel", "--colour"], "No such option: --colour"),
+    "no command": ([], "Missing command"),
+    "no scene": (["check"], "Missing argument 'SCENE'"),
+    "two scenes": (["check", "ring-3", "ring-5"], "unexpected extra argument"),
+    "option without value": (["check", "four-wheel", "--radius"], "requires an argument"),
+    "unknown suffix": (["derive", "ring-3", "-o", "r.docx"], "required a file name that ends in .md, .tex or .json"),
+    "no suffix": (["derive", "four-wheel", "-o", "report"], "required a file name that ends in"),
+    "empty output": (["partition", "four-wheel", "-o", ""], "required a file name that ends in"),
+    "picture suffix": (["partition", "four-wheel", "-o", "c.md"], "ends in .svg, .png or .pdf, received '.md'"),
+    "missing folder": (["derive", "four-wheel", "-o", "no/r.md"], "no/r.md: required an existing folder"),
+    "unwritable": (["derive", "four-wheel", "-o", "/proc/r.md"], "/proc/r.md: required a file that can be written"),
+    "name too long": (["derive", "four-wheel", "-o", "a" * 300 + ".md"], "required a file that can be written"),
+    "null character": (["derive", "four-wheel", "-o", "a\0b.md"], "required a file that can be written"),
+    "no cells": (["partition", "ring-3", "--rule", "ellipse"], "ring-3: contact.rule: required"),
+    "tipping": (["check", "four-wheel", "--rule", "box", "--radius", "2"], "four-wheel: "),
+    "picture of a huge square": (["partition", "four-wheel", "--radius", "1e300", "-o", "c.svg"], "for a picture"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input(invoke: Invoke, tmp_path: Path, case: str) -> None:
+    arguments, message = BAD[case]
+    outcome = invoke(*arguments)
+    assert (outcome.status, outcome.out) == (BAD_INPUT, "")
+    assert outcome.err.startswith("nonsmooth: ")
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("case", ["unknown scene", "radius zero", "unknown option", "missing folder"])
+def test_bad_input_through_the_real_program(tmp_path: Path, case: str) -> None:
+    arguments, message = BAD[case]
+    done = command(*arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (BAD_INPUT, "")
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_failed_write_leaves_the_old_file(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "r.md"
+    path.write_text("old", encoding="utf-8")
+
+    def refuse(self: Path, target: Path) -> Path:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    outcome = invoke("derive", "ring-3", "-o", "r.md")
+    assert outcome.status == BAD_INPUT
+    assert "no space left" in outcome.err
+    assert path.read_text(encoding="utf-8") == "old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["r.md"]
+
+
+def test_output_keeps_the_mode_and_follows_links(invoke: Invoke, tmp_path: Path) -> None:
+    real, link = tmp_path / "real.md", tmp_path / "link.md"
+    real.write_text("old", encoding="utf-8")
+    real.chmod(0o600)
+    link.symlink_to(real)
+    assert invoke("derive", "ring-3", "-o", "link.md").status == 0
+    assert link.is_symlink()
+    assert real.read_text(encoding="utf-8").startswith("# Derivation report")
+    assert real.stat().st_mode & 0o777 == 0o600
+
+
+# ---- random arguments ----------------------------------------------------------------------------
+
+WORDS = st.sampled_from(
+    ["0", "1", "-1/2", "1/3", "sqrt(2)/9", "1e-30", "1e30", "nan", "x", "1/0", "0,0", "1/8,-1/9", ""]
+)
+OPTIONS = st.lists(st.tuples(st.sampled_from(["--radius", "--at", "--rule"]), WORDS), max_size=2)
+COMMANDS = st.sampled_from(["check", "partition", "scenes", "chec"])
+
+
+@settings(derandomize=True, database=None, deadline=None, max_examples=60)
+@given(COMMANDS, st.sampled_from(["four-wheel", "ring-3", "off-center", "nope"]), OPTIONS)
+def test_any_arguments_end_in_json_or_one_line(name: str, scene: str, options: list[tuple[str, str]]) -> None:
+    out, err = StringIO(), StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        status = run(app, [name, scene, *(part for pair in options for part in pair), "--json"])
+    assert status in (0, 1, 2, 3)
+    if status == BAD_INPUT:
+        assert out.getvalue() == ""
+        assert err.getvalue().count("\n") == 1
+    else:
+        assert err.getvalue() == ""
+        json.loads(out.getvalue())
+
+
+# ---- manners -------------------------------------------------------------------------------------
+
+
+def test_check_imports_no_heavy_library() -> None:
+    code = (
+        "import sys; from nonsmooth.reports.cli import app; from nonsmooth.reports.console import run; "
+        "run(app, ['check', 'four-wheel']); "
+        "print(sorted({'sympy', 'scipy', 'cvxpy', 'matplotlib', 'jinja2'} & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stderr == "[]\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell and signals")
+def test_a_closed_pipe_ends_quietly() -> None:
+    line = f"'{sys.executable}' -m nonsmooth.reports.cli derive ring-5 | head -1"
+    done = subprocess.run(["sh", "-c", line], capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout == "# Derivation report: ring-5\n"
+    assert done.stderr == ""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_a_full_disk_is_bad_input_not_a_verdict() -> None:
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        line = [sys.executable, "-m", "nonsmooth.reports.cli", "check", "ring-3"]
+        done = subprocess.run(line, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert done.returncode == BAD_INPUT
+    assert done.stderr.count("\n") == 1
+
+
+def test_an_ascii_terminal_is_served() -> None:
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    done = command("check", "ring-3", env=environment)
+    assert done.returncode == 0
+    assert done.stdout.isascii()
+
+
+def test_an_interrupt_ends_quietly(monkeypatch: pytest.MonkeyPatch, invoke: Invoke) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("nonsmooth.symbolic.files.system_file.load_any", interrupt)
+    assert invoke("check", "four-wheel") == Outcome(130, "", "")
+
+
+def test_a_fault_of_the_program_is_no_verdict(monkeypatch: pytest.MonkeyPatch, invoke: Invoke) -> None:
+    monkeypatch.setattr("nonsmooth.proofs.theorem4.CellCheck.check", lambda self: False)
+    outcome = invoke("check", "four-wheel")
+    assert (outcome.status, outcome.out) == (70, "")
+    assert "please report this" in outcome.err

@@ -1,0 +1,272 @@
+"""The derivation report: one document, three formats, and nothing of the scene's text taken for markup."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.reports.derivation import REPORT_FORMATS, Report, derive_report, render_report
+from nonsmooth.reports.document import Bullets, Code, Display, Document, Math, Paragraph, Section, Text, number, table
+from nonsmooth.reports.formats.latex import render_latex
+from nonsmooth.reports.formats.markdown import render_markdown
+from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+SCENES = ("four-wheel", "four-wheel-side", "ring-5", "off-center", "conveyor-3", "saddle")
+COMMAND = "nonsmooth derive test"
+HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
+RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=80)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def report(request: pytest.FixtureRequest) -> Report:
+    return derive_report(load_scene(request.param), COMMAND)
+
+
+@pytest.fixture(scope="module")
+def four_wheel() -> Report:
+    return derive_report(load_scene("four-wheel"), COMMAND)
+
+
+def sections(document: Document) -> Iterator[Section]:
+    pending = list(document.sections)
+    while pending:
+        section = pending.pop(0)
+        yield section
+        pending = [*section.subsections, *pending]
+
+
+def section(document: Document, title: str) -> Section:
+    return next(s for s in sections(document) if s.title.startswith(title))
+
+
+def plain(text: Text) -> str:
+    return "".join(
+        part if isinstance(part, str) else part.plain if isinstance(part, Math) else part.text for part in text
+    )
+
+
+# ---- what the report holds -----------------------------------------------------------------------
+
+
+def test_every_step_has_a_section(report: Report) -> None:
+    titles = [s.title for s in report.document.sections]
+    expected = [
+        "Verdict", "The array", "Conventions", "Constraints", "Contact states and governing equations", "Cells",
+        "Filippov set", "Equilibria of the square", "Upper derivative", "Theorem 4, clause by clause",
+        "What was left out, and why",
+    ]  # fmt: skip
+    assert titles[:11] == expected
+    assert titles[-1] == "Versions and reproduction"
+    assert ("The paper, audited" in titles) == report.result.scene.name.startswith("four-wheel")
+
+
+def test_every_minimizing_state_has_its_equations(report: Report) -> None:
+    assert isinstance(report.result, CellCheck)
+    states = section(report.document, "Contact states").subsections
+    names = [state.name for state in report.result.partition.states]
+    assert [s.title.partition(" (")[0] for s in states] == names
+    for part in states:
+        formulas = "\n".join(block.formula.plain for block in part.blocks if isinstance(block, Display))
+        for left in ("v_x =", "v_y =", "omega =", "x' =", "y' =", "theta' ="):
+            assert formulas.count(left) == 2
+        assert "u_" in formulas
+
+
+def test_the_clauses_state_their_verdicts(report: Report) -> None:
+    result = report.result
+    titles = [part.title for part in section(report.document, "Theorem 4, clause").subsections]
+    assert titles == [
+        f"Clause 1, equilibrium: {result.equilibrium.verdict}",
+        f"Clause 2, translation: {result.translation.verdict}",
+        f"Clause 3, rotation: {result.rotation.verdict}",
+        f"Clause 4, feedback: {result.feedback.verdict}",
+        f"Conclusion: {result.verdict}",
+    ]
+
+
+def test_four_wheel_census(four_wheel: Report) -> None:
+    census = section(four_wheel.document, "Contact states").blocks[0]
+    assert isinstance(census, Bullets)
+    assert [plain(item) for item in census.items] == [
+        "possible: 56 triples of the 8 rows",
+        "singular: 16 triples of dependent rows",
+        "regular: 40, with 13 distinct twists",
+        "minimizing: 8 own a cell of the checked square",
+    ]
+
+
+def test_the_command_that_reproduces_the_report_is_named(four_wheel: Report) -> None:
+    (versions,) = four_wheel.document.sections[-1].blocks
+    assert isinstance(versions, Paragraph)
+    assert Code(COMMAND) in versions.text
+
+
+def test_coordinates_are_stated_away_from_the_origin() -> None:
+    report = derive_report(load_scene("off-center", at="1/2,1/4"), COMMAND)
+    (conventions,) = section(report.document, "Conventions").blocks
+    assert isinstance(conventions, Bullets)
+    assert "measured from the checked point" in plain(conventions.items[-1])
+
+
+@pytest.mark.parametrize("suffix", REPORT_FORMATS)
+def test_equal_input_gives_equal_reports(suffix: str) -> None:
+    first, second = (render_report(derive_report(load_scene("ring-5"), COMMAND), suffix) for _ in range(2))
+    assert first == second
+    assert first.endswith("\n")
+
+
+def test_unverified_evidence_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("nonsmooth.proofs.theorem4.CellCheck.check", lambda self: False)
+    with pytest.raises(RuntimeError, match="evidence"):
+        derive_report(load_scene("ring-3"), COMMAND)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "off-center"])
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:
+    report = derive_report(load_scene(name, rule=rule), COMMAND)
+    titles = [s.title for s in report.document.sections]
+    assert ("Motion at the checked point" in titles) == (rule == "ellipse")
+    assert ("Cells" in titles) == (rule == "box")
+    assert "Torque authority" in render_report(report, ".md")
+    assert render_report(report, ".tex").isascii()
+    record = json.loads(render_report(report, ".json"))
+    assert (record["partition"] is None) == (rule == "ellipse")
+
+
+# ---- formats -------------------------------------------------------------------------------------
+
+
+def test_markdown_is_well_formed(report: Report) -> None:
+    text = render_report(report, ".md")
+    lines = text.splitlines()
+    assert lines.count("$$") % 2 == 0
+    for before, line in pairwise(lines):
+        if line.startswith("|") and before.startswith("|"):
+            assert columns(line) == columns(before)
+    outside = re.sub(r"\$\$.*?\$\$", "", text, flags=re.DOTALL)
+    assert "$$" not in outside
+    assert re.sub(r"\\\$", "", outside).count("$") % 2 == 0
+
+
+def columns(line: str) -> int:
+    return len(re.findall(r"(?<!\\)\|", line))
+
+
+def test_latex_is_well_formed(report: Report) -> None:
+    text = render_report(report, ".tex")
+    assert text.isascii()
+    assert unescaped(text, "{") == unescaped(text, "}")
+    opened = re.findall(r"\\(begin|end)\{(\w+\*?)\}", text)
+    stack: list[str] = []
+    for kind, name in opened:
+        if kind == "begin":
+            stack.append(name)
+        else:
+            assert stack.pop() == name
+    assert stack == []
+
+
+def unescaped(text: str, character: str) -> int:
+    return len(re.findall(rf"(?<!\\)\{character}", text))
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "hostile"])
+def test_plain_pdflatex_compiles_the_report(tmp_path: Path, name: str) -> None:
+    scene = load_scene("ring-3") if name == "hostile" else load_scene(name)
+    scene = replace(scene, name=HOSTILE) if name == "hostile" else scene
+    (tmp_path / "r.tex").write_text(render_report(derive_report(scene, HOSTILE), ".tex"), encoding="utf-8")
+    line = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "r.tex"]
+    done = subprocess.run(line, cwd=tmp_path, capture_output=True, timeout=120, check=False)
+    assert done.returncode == 0
+    assert b"Overfull" not in done.stdout or name == "hostile"
+
+
+def test_json_holds_document_and_exact_records(four_wheel: Report) -> None:
+    record: dict[str, Any] = json.loads(render_report(four_wheel, ".json"))
+    assert record["schema"] == "nonsmooth-derivation/1"
+    assert record["check"]["contact_states"]["minimizing"] == 8
+    assert "seconds" not in record["check"]
+    assert record["partition"]["area_error"] == "0"
+    assert [part["title"] for part in record["sections"]] == [s.title for s in four_wheel.document.sections]
+    formulas = [block for block in record["sections"][3]["blocks"] if block["kind"] == "formula"]
+    assert all(set(block) == {"kind", "latex", "plain"} for block in formulas)
+
+
+# ---- literal text stays literal ------------------------------------------------------------------
+
+
+def one_paragraph(text: str) -> Document:
+    return Document("t", (Section("s", (Paragraph((text,)),)),))
+
+
+def test_hostile_text_is_escaped() -> None:
+    markdown = render_markdown(one_paragraph(HOSTILE)).splitlines()[-1]
+    assert re.sub(r"\\([\\`*_{}\[\]<>#|~$^&])", r"\1", markdown) == HOSTILE
+    latex = render_latex(one_paragraph(HOSTILE))
+    assert r"a\_b*c\textbar{}d \$x\$ 50\% \#1 \{e\} \textbackslash{}f" in latex
+    assert "[U+4E2D]" in latex
+
+
+@RANDOM
+@given(st.text(max_size=40))
+def test_any_text_can_stand_in_a_report(text: str) -> None:
+    latex = render_latex(one_paragraph(text))
+    assert unescaped(latex.replace(r"\\", ""), "{") == unescaped(latex.replace(r"\\", ""), "}")
+    body = latex.partition(r"\section{s}")[2]
+    assert not re.search(r"(?<!\\)[$&%#_^~]", body.replace(r"\\", ""))
+    render_markdown(one_paragraph(text))
+
+
+@pytest.mark.parametrize("start", ["- a", "+ a", "1. a", "# a", "> a"])
+def test_text_does_not_start_a_list_or_heading(start: str) -> None:
+    assert render_markdown(one_paragraph(start)).splitlines()[-1] != start
+
+
+def test_tables_refuse_rows_of_the_wrong_length() -> None:
+    with pytest.raises(ValueError, match="one width and one entry per column"):
+        table(("a", "b"), [("1",)], (1, 1))
+
+
+def test_prose_looks_formulas_up() -> None:
+    assert prose("`V*` at {}", "here") == (Math(r"\dot V^*", "V*"), " at ", "here")
+    with pytest.raises(ValueError, match="formula of the notation"):
+        paragraph("`no such formula`")
+    with pytest.raises(ValueError, match="value for every"):
+        paragraph("{} and {}", "one")
+    with pytest.raises(ValueError, match=r"a \{\} for every value"):
+        paragraph("none", "one")
+
+
+def test_values_of_prose_are_literal() -> None:
+    assert prose("{}", "`V*` {}") == ("`V*` {}",)
+
+
+def test_long_numbers_are_shown_in_decimals() -> None:
+    field, primes = NumberField(), (2, 3, 5, 7, 11, 13, 17)
+    long = sum((field.sqrt(p) for p in primes), field.zero)
+    assert number(field.sqrt(2)).plain == "sqrt(2)"
+    assert number(long).plain == f"~ {sum(math.sqrt(p) for p in primes):.10g}"
+    assert number(long * 10**400).latex == r"\approx 1.907336535 \cdot 10^{401}"
+    assert number(long / 10**400).plain == "~ 1.907336535e-399"
+
+
+def test_check_and_report_agree(four_wheel: Report) -> None:
+    assert four_wheel.result.verdict is check_theorem4(load_scene("four-wheel")).verdict

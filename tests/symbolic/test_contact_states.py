@@ -1,0 +1,264 @@
+"""Contact states: annihilators, control vector fields, and the closed forms of regular arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.symbolic.constraints import (
+    Row,
+    RowKind,
+    Twist,
+    constraint_matrix,
+    determinant,
+    scene_rows,
+    wheel_rows,
+)
+from nonsmooth.symbolic.contact_states import (
+    ContactCensus,
+    input_rank,
+    possible_triples,
+    regular_states,
+    solve_rows,
+    take_census,
+)
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+ROLL = (1, Fraction(1, 2))  # mu_S < mu_R: the third row is a roll row
+SIDE = (Fraction(1, 2), 1)  # mu_S > mu_R: the third row is a side row
+RINGS = range(3, 13)
+SEEDS = range(8)
+
+# Twists are of order 1 to 10 and come from 3 x 3 systems that are far from singular.
+ROUNDING = 1e-12
+# numpy.linalg.matrix_rank on rows of length about 1: true ranks are separated from rounding by orders of magnitude.
+RANK_TOLERANCE = 1e-10
+
+
+def float_row(row: Row) -> list[float]:
+    """The row as the paper writes it, with unit rim directions: normal and right-hand side."""
+    (dx, dy), (px, py) = ([float(x) for x in v] for v in (row.wheel.unit_direction, row.wheel.position))
+    if row.kind is RowKind.ROLL:
+        return [dx, dy, -dx * py + dy * px, float(row.wheel.speed)]
+    return [-dy, dx, dy * py + dx * px, 0.0]
+
+
+# ---- the annihilator, by its defining identity ---------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_twist_satisfies_its_three_rows_exactly(arrays: Arrays, seed: int) -> None:
+    for state in regular_states(arrays.random(seed, 4)):
+        assert all(not row.residual(state.twist) for row in state.rows)
+        assert determinant(state.rows)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_omega_annihilates_the_twist_of_its_wheel(arrays: Arrays, seed: int) -> None:
+    """``Omega_i (xi, 1) = 0`` for the wheel whose two rows are held, eq. (2)."""
+    scene = arrays.random(seed, 3)
+    for state in nearest_states(scene, scene.check.equilibrium):
+        for row in constraint_matrix(state.rows[0].wheel):
+            assert not sum(entry * x for entry, x in zip(row, (*state.twist, 1), strict=True))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_twists_agree_with_a_float_solve(arrays: Arrays, seed: int) -> None:
+    for state in regular_states(arrays.random(seed, 4)):
+        rows = np.array([float_row(row) for row in state.rows])
+        twist = [float(x) for x in state.twist]
+        residual = rows[:, :3] @ twist - rows[:, 3]
+        assert np.abs(residual).max() < ROUNDING * (1 + np.abs(twist).max())
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_singular_triples_are_those_of_deficient_rank(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 4)
+    rows = scene_rows(scene)
+    for triple in combinations(rows, 3):
+        rank = np.linalg.matrix_rank([float_row(row)[:3] for row in triple], tol=RANK_TOLERANCE)
+        state = solve_rows(triple)
+        assert (state is None) == (rank < 3) == (not determinant(triple))
+    regular = [state for triple in combinations(rows, 3) if (state := solve_rows(triple)) is not None]
+    assert regular_states(scene) == regular
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_control_fields_superpose_to_the_twist(arrays: Arrays, seed: int) -> None:
+    """``xi = sum_w g_w u_w`` with the scene's speeds, and side rows carry no input (Definition 2, eq. 6)."""
+    for state in regular_states(arrays.random(seed, 4)):
+        speeds = {row.wheel.index: row.wheel.speed for row in state.rows if row.kind is RowKind.ROLL}
+        assert state.control_fields.keys() == speeds.keys()
+        zero = state.twist.omega.field.zero
+        for axis in range(3):
+            total = sum((g[axis] * speeds[w] for w, g in state.control_fields.items()), zero)
+            assert total == state.twist[axis]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_control_field_answers_one_unit_input(arrays: Arrays, seed: int) -> None:
+    """g_w moves wheel w's contact by 1 along its rim and meets every other row at rest."""
+    for state in regular_states(arrays.random(seed, 3)):
+        for index, g in state.control_fields.items():
+            for row in state.rows:
+                product = sum(a * x for a, x in zip(row.normal, g, strict=True))
+                driven = row.kind is RowKind.ROLL and row.wheel.index == index
+                assert product == (row.wheel.length if driven else 0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_input_rank_is_the_rank_of_the_control_fields(arrays: Arrays, seed: int) -> None:
+    ranks = set()
+    for state in regular_states(arrays.random(seed, 4)):
+        fields = np.array([[float(x) for x in g] for g in state.control_fields.values()])
+        expected = np.linalg.matrix_rank(fields, tol=RANK_TOLERANCE) if len(fields) else 0
+        assert input_rank(state) == expected == sum(row.kind is RowKind.ROLL for row in state.rows)
+        ranks.add(input_rank(state))
+    assert len(ranks) > 1
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pose_rate_moves_the_body_point_at_the_centre_of_mass(arrays: Arrays, seed: int) -> None:
+    """``c' = v + omega J c``, so at a wheel's position the pose rate is the velocity of its contact."""
+    scene = arrays.random(seed, 4)
+    for state in regular_states(scene)[:10]:
+        for wheel in scene.wheels:
+            x, y = state.twist.pose_rate(wheel.position)
+            a, b = wheel.direction
+            roll, side = wheel_rows(wheel)
+            assert roll.residual(state.twist) == a * x + b * y - wheel.length * wheel.speed
+            assert side.residual(state.twist) == a * y - b * x
+
+
+# ---- census --------------------------------------------------------------------------------------
+
+
+def test_census_of_the_four_wheel_array(arrays: Arrays) -> None:
+    scene = arrays.four_wheel()
+    census = take_census(scene)
+    assert census == ContactCensus(possible=56, singular=16, distinct_twists=13)
+    assert census.regular == 40
+    partition = build_nearest_partition(scene)
+    assert len(partition.cells) == len(partition.states) == 8
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_census_agrees_with_a_float_count(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    rows = [float_row(row) for row in scene_rows(scene)]
+    systems = np.array(list(combinations(rows, 3)))
+    regular = systems[np.linalg.matrix_rank(systems[:, :, :3], tol=RANK_TOLERANCE) == 3]
+    twists = np.linalg.solve(regular[:, :, :3], regular[:, :, 3:])[:, :, 0]
+    distinct, left = 0, twists
+    while len(left):
+        distinct += 1
+        left = left[np.abs(left - left[0]).max(axis=1) > RANK_TOLERANCE]
+    possible = math.comb(len(rows), 3)
+    assert possible == possible_triples(len(scene.wheels))
+    assert take_census(scene) == ContactCensus(possible, possible - len(twists), distinct)
+
+
+# ---- eqs. (3) and (4) as printed -----------------------------------------------------------------
+
+
+def printed_equation_3(x: Number, y: Number, root: Number) -> Twist:
+    """Eq. (3), mu_S > mu_R, off its switching lines."""
+    s = (y * y - x * x).sign()
+    turn = (x * y * y * y - x * x * x * y).sign()
+    return Twist(-root / 2 * x.sign() * (s + 1), root / 2 * y.sign() * (s - 1), -root / 2 * turn)
+
+
+def printed_equation_4(x: Number, y: Number, root: Number) -> Twist:
+    """Eq. (4), mu_S < mu_R, off its switching lines."""
+    s = (y * y - x * x).sign()
+    turn = (x * y * y * y - x * x * x * y).sign()
+    return Twist(root / 2 * x.sign() * (s - 1), -root / 2 * y.sign() * (s + 1), root / 2 * turn)
+
+
+@pytest.mark.parametrize(
+    ("friction", "printed"), [(SIDE, printed_equation_3), (ROLL, printed_equation_4)], ids=["eq. 3", "eq. 4"]
+)
+def test_cells_reproduce_the_printed_equations(
+    arrays: Arrays,
+    friction: tuple[Fraction | int, Fraction | int],
+    printed: Callable[[Number, Number, Number], Twist],
+) -> None:
+    scene = arrays.four_wheel(friction, radius=2)
+    partition = build_nearest_partition(scene)
+    root = scene.field.sqrt(2)
+    rng = np.random.default_rng(0)
+    assert len(partition.cells) == 8
+    for cell in partition.cells:
+        for _ in range(5):
+            point = arrays.interior_point(cell.polygon, rng)
+            assert cell.twists == (printed(*point, root),)
+
+
+# ---- regular rings -------------------------------------------------------------------------------
+
+
+def ring_state(field: NumberField, n: int, a: int, sense: int) -> dict[str, Twist]:
+    """Closed forms for nearest wheel a (angle ``2 pi a/n``) and second wheel a + sense, ``delta = 2 pi/n``."""
+    half = Fraction(1, n)  # delta/2 as a multiple of pi
+    cos, sin = field.cos_pi(half), field.sin_pi(half)
+    roll = (2 * a + sense) * half
+    side = 2 * a * half - sense * (Fraction(1, 2) - half)
+    return {
+        "roll": Twist(-field.cos_pi(roll) / cos, -field.sin_pi(roll) / cos, sense * sin / cos),
+        "side": Twist(-field.cos_pi(side) / sin, -field.sin_pi(side) / sin, -sense * cos / sin),
+    }
+
+
+def neighbours(partition: Partition, n: int) -> list[tuple[int, int, Twist]]:
+    """(nearest wheel, +1 or -1 for its second wheel, twist) for every cell."""
+    found = []
+    for cell in partition.cells:
+        nearest, second = cell.wheels
+        step = (second - nearest) % n
+        assert step in (1, n - 1)
+        (twist,) = cell.twists
+        found.append((nearest - 1, 1 if step == 1 else -1, twist))
+    return found
+
+
+@pytest.mark.parametrize("third", ["roll", "side"])
+@pytest.mark.parametrize("n", RINGS)
+def test_rings_have_the_closed_form_twists(arrays: Arrays, n: int, third: str) -> None:
+    scene = arrays.ring(n, ROLL if third == "roll" else SIDE)
+    cells = neighbours(build_nearest_partition(scene), n)
+    assert len(cells) == 2 * n
+    assert len({(a, sense) for a, sense, _ in cells}) == 2 * n
+    for a, sense, twist in cells:
+        assert twist == ring_state(scene.field, n, a, sense)[third]
+
+
+@pytest.mark.parametrize("n", RINGS)
+def test_the_exact_closed_forms_are_the_floating_ones(n: int, arrays: Arrays) -> None:
+    """Guards the test above against a slip in the field's own cosines."""
+    field = arrays.ring(n).field
+    delta = 2 * math.pi / n
+    for a in range(n):
+        for sense in (1, -1):
+            exact = ring_state(field, n, a, sense)
+            angle = a * delta + sense * delta / 2
+            roll = [-math.cos(angle), -math.sin(angle), sense * math.sin(delta / 2)]
+            assert [float(x) for x in exact["roll"]] == pytest.approx(
+                [x / math.cos(delta / 2) for x in roll], abs=ROUNDING
+            )
+            angle = a * delta - sense * (math.pi / 2 - delta / 2)
+            side = [-math.cos(angle), -math.sin(angle), -sense * math.cos(delta / 2)]
+            assert [float(x) for x in exact["side"]] == pytest.approx(
+                [x / math.sin(delta / 2) for x in side], abs=ROUNDING
+            )

@@ -1,0 +1,294 @@
+"""Governing equations: annihilators, control vector fields, both coordinates, and what the paper prints."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.symbolic.constraints import RowKind, constraint_matrix, roll_row, side_row
+from nonsmooth.symbolic.contact_states import ContactState, regular_states, solve_rows
+from nonsmooth.symbolic.equations import (
+    Coordinates,
+    annihilator,
+    control_matrix,
+    derive_control_fields,
+    governing_equations,
+    stacked_constraints,
+    wheel_constraints,
+)
+from nonsmooth.symbolic.expression import parse
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.formulas import LINE_BREAK, Formula, constant, number_latex
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.pair_equations import PairEquations, closed_form, pair_equations
+from nonsmooth.symbolic.printed_equations import theorem_4_kinematics, theorem_4_rate, theorem_4_symbols
+from nonsmooth.symbolic.scene import Scene, Wheel
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+EXACT = ("four-wheel", "rectangle", "ring-3", "ring-5", "elliptic", "off-center", "spiral-30")
+RADICAL = ("four-wheel", "rectangle", "off-center")  # SymPy decides sums of square roots by expanding
+SEEDS = range(6)
+ROUNDING = 1e-12  # relative, for floats of SymPy against floats of the field
+RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+
+
+def zero(expression: sympy.Expr) -> bool:
+    return bool(sympy.expand(expression) == 0)
+
+
+def row_of(state: ContactState, k: int) -> tuple[Number, ...]:
+    row = state.rows[k]
+    return constraint_matrix(row.wheel)[0 if row.kind is RowKind.ROLL else 1]
+
+
+# ---- the annihilator and the control vector fields -----------------------------------------------
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_stacked_constraints_annihilate_every_twist(name: str) -> None:
+    states = regular_states(load_scene(name))
+    assert states
+    for state in states:
+        for k in range(3):
+            products = (entry * x for entry, x in zip(row_of(state, k), (*state.twist, 1), strict=True))
+            assert not sum(products)
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_control_fields_recombine_to_the_twist(name: str) -> None:
+    scene = load_scene(name)
+    for state in regular_states(scene):
+        for k in range(3):
+            parts = (g[k] * scene.wheels[wheel - 1].speed for wheel, g in state.control_fields.items())
+            assert sum(parts, scene.field.zero) == state.twist[k]
+
+
+@pytest.mark.parametrize("name", RADICAL)
+def test_sympy_matrices_annihilate(name: str) -> None:
+    for state in regular_states(load_scene(name)):
+        assert all(zero(entry) for entry in stacked_constraints(state) * annihilator(state))
+
+
+@pytest.mark.parametrize("name", RADICAL)
+def test_symbolic_inputs_satisfy_the_symbolic_constraints(name: str) -> None:
+    for state in regular_states(load_scene(name))[::5]:
+        matrix, inputs = control_matrix(state)
+        twist = matrix * inputs if len(inputs) else sympy.zeros(3, 1)
+        residual = stacked_constraints(state, symbolic_input=True) * sympy.Matrix([*twist, 1])
+        assert all(zero(entry) for entry in residual)
+
+
+@pytest.mark.parametrize("symbolic", [False, True])
+def test_the_pose_rate_satisfies_the_constraints_at_the_centre_of_mass(symbolic: bool) -> None:
+    """With arms ``p_i - c`` the rows annihilate ``(x', y', theta', 1)`` for every x and y."""
+    for state in regular_states(load_scene("rectangle"))[::5]:
+        rate = governing_equations(state, Coordinates.BODY, symbolic_inputs=symbolic).to_sympy()
+        rows = stacked_constraints(state, symbolic_input=symbolic, body=True)
+        assert all(zero(entry) for entry in rows * sympy.Matrix([*rate, 1]))
+
+
+def test_body_constraints_depend_on_x_and_y_only() -> None:
+    wheel = load_scene("off-center").wheels[0]
+    assert wheel_constraints(wheel, body=True).free_symbols == set(sympy.symbols("x y", real=True))
+    assert not wheel_constraints(wheel).free_symbols
+
+
+def test_the_generic_derivation_returns_every_regular_triple() -> None:
+    scene = load_scene("four-wheel")
+    fields = derive_control_fields(scene)
+    assert len(fields) == 40
+    assert fields["R1 S1 R2"] == {state.name: state for state in regular_states(scene)}["R1 S1 R2"].control_fields
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_control_fields_agree_with_an_lu_solve(arrays: Arrays, seed: int) -> None:
+    for state in regular_states(arrays.random(seed, 3))[::4]:
+        rows = stacked_constraints(state, symbolic_input=True)
+        solution = rows[:, :3].LUsolve(-rows[:, 3])
+        matrix, inputs = control_matrix(state)
+        derived = matrix * inputs if len(inputs) else sympy.zeros(3, 1)
+        assert all(sympy.simplify(a - b) == 0 for a, b in zip(solution, derived, strict=True))
+
+
+# ---- governing equations in both coordinates -----------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_body_equations_are_the_pose_rate(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 3)
+    x, y = scene.check.equilibrium
+    for state in regular_states(scene):
+        equations = governing_equations(state, Coordinates.BODY)
+        values = {"x": x, "y": y}
+        expected = (*state.twist.pose_rate((x, y)), state.twist.omega)
+        assert tuple(value_of(formula, values) for formula in equations.right) == expected
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_symbolic_inputs_at_the_speeds_give_the_twist(arrays: Arrays, seed: int) -> None:
+    scene = arrays.random(seed, 3)
+    speeds = {f"u_{wheel.index}": wheel.speed for wheel in scene.wheels}
+    for state in regular_states(scene):
+        equations = governing_equations(state, symbolic_inputs=True)
+        assert tuple(value_of(formula, speeds) for formula in equations.right) == tuple(state.twist)
+
+
+def value_of(formula: Formula, values: dict[str, Number]) -> Number:
+    """The formula's plain text, read back by the parser of scene files."""
+    some = next(iter(values.values()))
+    return parse(formula.plain(), set(values)).value(some.field, values)
+
+
+def test_four_wheel_equations_as_text() -> None:
+    state = build_partition(load_scene("four-wheel")).cells[0].states[0]
+    equations = governing_equations(state, Coordinates.BODY, symbolic_inputs=True)
+    assert state.name == "R1 S1 R2"
+    assert equations.plain() == (
+        "x' = -sqrt(2)/2*u_1 + sqrt(2)/2*u_2 - sqrt(2)/2*u_2*y\n"
+        "y' = -sqrt(2)/2*u_1 - sqrt(2)/2*u_2 + sqrt(2)/2*u_2*x\n"
+        "theta' = sqrt(2)/2*u_2"
+    )
+    assert r"\dot{\theta} &= \frac{\sqrt{2}}{2} u_{2}" in equations.latex()
+
+
+# ---- equations (3) and (4), coded here once more -------------------------------------------------
+
+
+def sgn(value: Fraction) -> int:
+    return (value > 0) - (value < 0)
+
+
+def printed(x: Fraction, y: Fraction, *, side: bool) -> tuple[int, int, int]:
+    """Eqs. (3) (side) and (4), in units of sqrt(2)/2."""
+    s, turn = sgn(y**2 - x**2), sgn(x * y**3 - x**3 * y)
+    if side:
+        return -sgn(x) * (s + 1), sgn(y) * (s - 1), -turn
+    return sgn(x) * (s - 1), -sgn(y) * (s + 1), turn
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "four-wheel-side"])
+def test_equations_3_and_4_hold_on_every_cell(name: str) -> None:
+    partition = build_partition(load_scene(name))
+    unit = partition.scene.field.sqrt(2) / 2
+    assert len(partition.cells) == 8
+    for x, y in product((Fraction(k, 16) for k in (-7, -3, 2, 5)), (Fraction(k, 16) for k in (-6, -1, 4, 8))):
+        (cell,) = partition.cells_at((partition.scene.field(x), partition.scene.field(y)))
+        expected = printed(x, y, side=name == "four-wheel-side")
+        assert tuple(cell.twists[0]) == tuple(unit * k for k in expected)
+
+
+# ---- Theorem 4's pair, for symbolic geometry -----------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", RowKind)
+def test_cofactors_reach_the_closed_form(kind: RowKind) -> None:
+    assert pair_equations(kind).equals(closed_form(kind))
+
+
+@pytest.mark.parametrize("kind", RowKind)
+def test_the_closed_form_of_the_other_row_is_not_reached(kind: RowKind) -> None:
+    other = RowKind.SIDE if kind is RowKind.ROLL else RowKind.ROLL
+    assert not pair_equations(kind).equals(closed_form(other))
+
+
+@pytest.mark.parametrize("kind", RowKind)
+@pytest.mark.parametrize("name", ["off-center", "rectangle"])
+def test_pair_equations_give_the_twists_of_contact_states(name: str, kind: RowKind) -> None:
+    scene = load_scene(name)
+    equations = pair_equations(kind)
+    for i, j in ((0, 1), (1, 2), (3, 0)):
+        first, second = scene.wheels[i], scene.wheels[j]
+        third = roll_row(second) if kind is RowKind.ROLL else side_row(second)
+        state = solve_rows((roll_row(first), side_row(first), third))
+        assert state is not None
+        values = {**wheel_values(first, "i"), **wheel_values(second, "j")}
+        twist = equations.twist.subs(values)
+        assert all(sympy.simplify(a - b.to_sympy()) == 0 for a, b in zip(twist, state.twist, strict=True))
+
+
+def wheel_values(wheel: Wheel, name: str) -> dict[sympy.Symbol, sympy.Expr]:
+    numbers = (*wheel.position, *wheel.unit_direction, wheel.speed)
+    return {
+        sympy.Symbol(f"{letter}_{name}", real=True): n.to_sympy() for letter, n in zip("xycsu", numbers, strict=True)
+    }
+
+
+@pytest.fixture(scope="module")
+def pair() -> PairEquations:
+    return pair_equations()
+
+
+def test_theorem_4_displays_the_kinematics_of_the_pair(pair: PairEquations) -> None:
+    assert all(sympy.simplify(a - b) == 0 for a, b in zip(pair.paper_form(), theorem_4_kinematics(), strict=True))
+
+
+def test_theorem_4_displays_half_of_the_rate(pair: PairEquations) -> None:
+    assert sympy.simplify(pair.paper_rate() - 2 * theorem_4_rate()) == 0
+
+
+def test_theorem_4_is_wrong_for_plain_speeds_of_wheel_j(pair: PairEquations) -> None:
+    """Without the factor |p_2| in u_j the display differs: the identity is not vacuous."""
+    x2, y2, uj = (theorem_4_symbols()[k] for k in (2, 3, 6))
+    plain = pair.paper_form().subs(uj, uj * sympy.sqrt(x2**2 + y2**2))
+    assert any(sympy.simplify(a - b) != 0 for a, b in zip(plain, theorem_4_kinematics(), strict=True))
+
+
+# ---- numbers and formulas as text ----------------------------------------------------------------
+
+FIELD = NumberField(5)
+ROOTS = [FIELD.one, FIELD.sqrt(2), FIELD.sqrt(6), FIELD.two_cos(1), FIELD.two_cos(1) * FIELD.sqrt(3)]
+RATIONALS = st.fractions(min_value=-20, max_value=20, max_denominator=12)
+NUMBERS = st.lists(RATIONALS, min_size=len(ROOTS), max_size=len(ROOTS)).map(
+    lambda weights: sum((w * root for w, root in zip(weights, ROOTS, strict=True)), FIELD.zero)
+)
+MONOMIALS = st.sampled_from([(), ("x",), ("y",), ("u_1",), ("u_1", "x"), ("u_12", "y")])
+
+
+@RANDOM
+@given(st.lists(st.tuples(NUMBERS, MONOMIALS), max_size=4), NUMBERS, RATIONALS)
+def test_plain_text_reads_back_to_the_same_number(terms: list[tuple[Number, Any]], a: Number, b: Fraction) -> None:
+    values = {"x": a, "y": FIELD(b), "u_1": a + 1, "u_12": FIELD(2)}
+    formula = Formula(tuple(terms))
+    expected = FIELD.zero
+    for coefficient, monomial in terms:
+        expected = expected + math.prod((values[name] for name in monomial), start=coefficient)
+    text = formula.plain()
+    if len(text) <= 400:  # the parser's limit
+        assert parse(text, set(values)).value(FIELD, values) == expected
+
+
+@RANDOM
+@given(NUMBERS)
+def test_all_three_notations_agree_in_value(number: Number) -> None:
+    value = float(constant(number).to_sympy())
+    assert value == pytest.approx(float(number), rel=ROUNDING, abs=ROUNDING)
+    latex = number_latex(number)
+    assert latex.count("{") == latex.count("}")
+    assert latex.count(r"\sqrt") == str(number).count("sqrt")
+    assert latex.count(r"\cos") == str(number).count("cos")
+
+
+def test_long_formulas_break_between_summands() -> None:
+    number = sum((FIELD.sqrt(p) for p in (2, 3, 5, 7, 11, 13)), FIELD.zero)
+    formula = Formula(((number * Fraction(123456789, 1000003), ()),))
+    assert LINE_BREAK in formula.latex(LINE_BREAK)
+    assert formula.latex(LINE_BREAK).replace(LINE_BREAK, "").replace(" ", "") == formula.latex().replace(" ", "")
+
+
+def test_states_of_side_rows_have_no_inputs() -> None:
+    scene: Scene = load_scene("off-center")
+    state = solve_rows(tuple(side_row(wheel) for wheel in scene.wheels[:3]))  # type: ignore[arg-type]
+    assert state is not None
+    assert control_matrix(state)[0].shape == (3, 0)
+    assert governing_equations(state, symbolic_inputs=True).plain() == "v_x = 0\nv_y = 0\nomega = 0"
