@@ -7,7 +7,8 @@ import os
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -18,8 +19,11 @@ from nonsmooth.symbolic.scene_error import SceneError, one_line
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.system import SystemScene
+
 PROGRAM = "nonsmooth"
-BAD_INPUT, FAULT, INTERRUPTED = 2, 70, 130
+BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
 
 
 class RefusedError(Exception):
@@ -74,6 +78,17 @@ def _drop_output() -> None:
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, sys.stdout.fileno())
     os.close(null)
+
+
+@contextmanager
+def refusals_named(scene: Scene | SystemScene) -> Iterator[None]:
+    """Name the scene in the refusal of a check."""
+    from nonsmooth.analysis.partitions.partition import RefusalError
+
+    try:
+        yield
+    except RefusalError as error:
+        raise RefusedError(f"{scene.source or scene.name}: {error}") from None
 
 
 def write(text: str) -> None:

@@ -6,6 +6,8 @@ import os
 from collections.abc import Collection
 from pathlib import Path
 
+PICTURES = (".svg", ".png", ".pdf")  # what Matplotlib writes for us
+
 
 class OutputError(OSError):
     """An output path that cannot be used; ``str(error)`` is one line."""

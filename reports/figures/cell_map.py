@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FORMATS = (".svg", ".png", ".pdf")
 
 # Okabe and Ito's palette (safe for color-blind readers), drawn lightly; white gaps part equal neighbours.
 PALETTE = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#CC79A7", "#0072B2", "#D55E00", "#999999")
@@ -42,7 +41,7 @@ Segment: TypeAlias = tuple[XY, XY]
 
 
 def cell_map(partition: Partition, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` is one of FORMATS.  Equal input gives equal bytes.
+    """The picture as the bytes of a file; ``suffix`` is one of PICTURES.  Equal input gives equal bytes.
 
     Raises:
         SceneError: where the square is too large, too small or too far away to be drawn with floats.
@@ -52,7 +51,7 @@ def cell_map(partition: Partition, suffix: str) -> bytes:
 
 
 def figure_bytes(build: Callable[[], Figure], suffix: str) -> bytes:
-    """A figure as the bytes of a file; ``suffix`` is one of FORMATS.  Equal input gives equal bytes."""
+    """A figure as the bytes of a file; ``suffix`` is one of PICTURES.  Equal input gives equal bytes."""
     import matplotlib as mpl
 
     stamps = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}

@@ -1,0 +1,89 @@
+"""``nonsmooth check``: Theorem 4 clause by clause, or the stability of a plain switched system."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from nonsmooth.reports.choices import RuleOrAll
+from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
+from nonsmooth.reports.options import At, CertificateFile, Json, NoPrune, Radius, RulesOption, SceneText
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+    from nonsmooth.symbolic.system import SystemScene
+
+
+def check(
+    scene: SceneText,
+    rule: RulesOption = None,
+    radius: Radius = None,
+    at: At = None,
+    no_prune: NoPrune = False,
+    certificate: CertificateFile = None,
+    json: Json = False,
+) -> int:
+    """Check Theorem 4 clause by clause, or the stability of a plain switched system."""
+    from nonsmooth.proofs.theorem4 import check_theorem4
+    from nonsmooth.reports.records import verified
+    from nonsmooth.symbolic.files.system_file import load_any
+    from nonsmooth.symbolic.scene import Scene
+
+    several = rule is RuleOrAll.ALL
+    scenes = []
+    for name in [None] if rule is None else rule.rules:
+        loaded = load_any(scene, rule=name, radius=radius, at=at)
+        if not isinstance(loaded, Scene):
+            return _check_system(loaded, certificate, json=json)
+        scenes.append(loaded)
+    results = []
+    for loaded in scenes:
+        with refusals_named(loaded):
+            results.append(verified(check_theorem4(loaded, prune=not no_prune)))
+    if certificate is not None:
+        _write_certificate(results, certificate)
+    if json:
+        from nonsmooth.reports.records import check_record, checks_record
+
+        write_json(checks_record(results) if several else check_record(results[0]))
+    else:
+        from nonsmooth.reports.terminal import check_view, legend
+
+        write_views([*(check_view(result) for result in results), legend()])
+    statuses = [result.verdict.exit_status for result in results]
+    return next((status for status in (1, UNDECIDED) if status in statuses), 0)
+
+
+def _check_system(scene: SystemScene, certificate: str | None, *, json: bool) -> int:
+    """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
+    from nonsmooth.proofs.systems.system_stability import system_check
+    from nonsmooth.proofs.verdicts import Translation
+
+    if certificate is not None:
+        raise RefusedError(f"{scene.source or scene.name}: required an array of wheels for a certificate")
+    result = system_check(scene)
+    if not result.check():
+        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
+    if json:
+        from nonsmooth.reports.system_views import system_record
+
+        write_json(system_record(result))
+    else:
+        from nonsmooth.reports.system_views import system_view
+
+        write_views([system_view(result)])
+    return {Translation.UNSTABLE: 1, Translation.UNDECIDED: UNDECIDED}.get(result.verdict, 0)
+
+
+def _write_certificate(results: list[CellCheck | EllipseCheck], target: str) -> None:
+    """One certificate for one check."""
+    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+    from nonsmooth.reports.files import output_path, write_whole
+
+    if len(results) > 1:
+        raise RefusedError("--certificate: required one contact rule, received all")
+    path = output_path(target, (".json",))
+    try:
+        text = certificate_text(build_certificate(results[0]))
+    except CertificateError as error:
+        raise RefusedError(f"{results[0].scene.source or results[0].scene.name}: {error}") from None
+    write_whole(path, text.encode())

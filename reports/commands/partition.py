@@ -1,0 +1,73 @@
+"""``nonsmooth partition``: the cells of the plane, listed, drawn or compared between the contact rules."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nonsmooth.reports.console import refusals_named, write, write_json, write_views
+from nonsmooth.reports.options import At, Json, Picture, Radius, RuleOption, SceneText
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from nonsmooth.symbolic.scene import Scene
+
+
+def partition(
+    scene: SceneText,
+    output: Picture = None,
+    rule: RuleOption = None,
+    radius: Radius = None,
+    at: At = None,
+    compare: Annotated[bool, typer.Option("--compare", help="Compare the three contact rules instead.")] = False,
+    json: Json = False,
+) -> int:
+    """List or draw the cells of the plane, each with its contact state and twist."""
+    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.symbolic.files.scene_file import load_scene
+
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    path = None
+    if output is not None:
+        from nonsmooth.reports.figures.cell_map import cell_map
+        from nonsmooth.reports.files import PICTURES, output_path, write_whole
+
+        path = output_path(output, PICTURES)
+    if compare:
+        return _compare(loaded, path, json=json)
+    with refusals_named(loaded):
+        cells = build_partition(loaded)
+    if path is not None:
+        write_whole(path, cell_map(cells, path.suffix.lower()))
+    if json:
+        from nonsmooth.reports.records import partition_record
+
+        write_json(partition_record(cells))
+    elif path is not None:
+        write(f"{path}: {len(cells.cells)} cells\n")
+    else:
+        from nonsmooth.reports.terminal import partition_view
+
+        write_views([partition_view(cells)])
+    return 0
+
+
+def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
+    """The three contact rules side by side."""
+    from nonsmooth.analysis.partitions.agreement import compare_rules
+    from nonsmooth.reports.agreement_views import agreement_map, agreement_record, agreement_view
+    from nonsmooth.reports.files import write_whole
+
+    with refusals_named(scene):
+        agreement = compare_rules(scene)
+    if path is not None:
+        write_whole(path, agreement_map(agreement, path.suffix.lower()))
+    if json:
+        write_json(agreement_record(agreement))
+    elif path is not None:
+        write(f"{path}: rules nearest and box agree on a share of {agreement.shared.share}\n")
+    else:
+        write_views([agreement_view(agreement)])
+    return 0

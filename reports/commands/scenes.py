@@ -1,0 +1,23 @@
+"""``nonsmooth scenes``: what is built in."""
+
+from __future__ import annotations
+
+from nonsmooth.reports.console import write_json, write_views
+from nonsmooth.reports.options import Json
+
+
+def scenes(json: Json = False) -> int:
+    """List the built-in scenes."""
+    from nonsmooth.symbolic.files.scene_file import builtin_descriptions
+    from nonsmooth.symbolic.files.system_file import system_descriptions
+
+    descriptions = {**builtin_descriptions(), **system_descriptions()}
+    if json:
+        from nonsmooth.reports.records import scenes_record
+
+        write_json(scenes_record(descriptions))
+    else:
+        from nonsmooth.reports.terminal import scenes_view
+
+        write_views([scenes_view(descriptions)])
+    return 0

@@ -1,0 +1,20 @@
+"""``nonsmooth verify``: a certificate, re-checked by the stand-alone checker."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from nonsmooth.reports.console import BAD_INPUT, RefusedError, write
+
+
+def verify(file: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file written by check.")]) -> int:
+    """Re-check a certificate with the stand-alone checker, which trusts nothing else of this program."""
+    from nonsmooth.proofs.checker import check_file
+
+    status, message = check_file(file)
+    if status == BAD_INPUT:
+        raise RefusedError(message)
+    write(f"{message}\n")
+    return status

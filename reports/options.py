@@ -1,0 +1,28 @@
+"""Arguments and options that commands share."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from nonsmooth.reports.choices import RuleOrAll
+from nonsmooth.symbolic.rule import Rule
+
+_RULE = typer.Option("--rule", help="Contact rule; replaces the scene's.")
+SceneText = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.")]
+RuleOption = Annotated[Rule | None, _RULE]
+RulesOption = Annotated[RuleOrAll | None, _RULE]
+Radius = Annotated[
+    str | None, typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2.")
+]
+At = Annotated[str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4.")]
+NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; the verdicts are the same.")]
+CertificateFile = Annotated[
+    str | None, typer.Option("--certificate", metavar="FILE", help="Write a certificate that anyone can verify: .json.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Picture = Annotated[
+    str | None, typer.Option("-o", "--output", metavar="FILE", help="Draw the cells: .svg, .png or .pdf.")
+]
+Report = Annotated[str | None, typer.Option("-o", "--output", metavar="FILE", help="Report: .md, .tex or .json.")]
