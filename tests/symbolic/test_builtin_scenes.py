@@ -35,7 +35,7 @@ def turn_of(scene: Scene) -> set[tuple[int, int]]:
 
 
 def test_names_are_those_on_disk() -> None:
-    folder = Path(str(nonsmooth.symbolic.files.scene_file.__file__)).with_name("scenes")
+    folder = Path(str(nonsmooth.symbolic.files.scene_file.__file__)).parents[1] / "scenes"
     assert sorted(builtin_scenes()) == sorted(path.stem for path in folder.glob("*.toml"))
 
 
@@ -146,6 +146,6 @@ def test_overrides_apply_to_built_in_scenes() -> None:
 
 
 def test_numbers_in_built_in_scenes_are_no_floats() -> None:
-    folder = Path(str(nonsmooth.symbolic.files.scene_file.__file__)).with_name("scenes")
+    folder = Path(str(nonsmooth.symbolic.files.scene_file.__file__)).parents[1] / "scenes"
     for path in folder.glob("*.toml"):
         assert not re.search(r"= *-?\d*\.\d", path.read_text(encoding="utf-8")), path.name
