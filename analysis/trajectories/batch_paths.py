@@ -253,8 +253,7 @@ class BatchPaths:
                 self.theta[k] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
             elif path.end.reason in (EndReason.CIRCLES, EndReason.EVENTS):
                 self.time[k], self.theta[k] = np.inf, np.nan
-            branches = (e for e in path.events if e.kind is EventKind.NONUNIQUE)
-            self.unique[k] &= all(e.rates is not None and "; spiral" not in e.note for e in branches)
+            self.unique[k] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
             self._finish(np.array([k]), path.end.reason, name)
 
     def _place_of(self, point: Floats) -> str:

@@ -36,9 +36,11 @@ class EventLog:
         weights: tuple[tuple[str, Any], ...] = (),
         rates: tuple[Any, Any] | None = None,
         note: str = "",
+        *,
+        drift_only: bool = False,
     ) -> None:
         """Note an event at ``when = (time, state)``."""
-        self.events.append(Event(*when, kind, surface, weights, rates, note))
+        self.events.append(Event(*when, kind, surface, weights, rates, note, drift_only))
 
     def switch(
         self, when: tuple[Any, State], place: OnEdge | AtCorner, choices: Sequence[Choice], before: Sequence[int] | None
@@ -54,14 +56,15 @@ class EventLog:
         if kind is not EventKind.CROSS or not stays:
             self.add(when, kind, surface, weights, chosen.rates)
         notes = [self._described(other) for other in choices[1:]]
-        if chosen.free:
-            notes.append("theta may drift at any rate of an interval" if chosen.rates else "the weights are free")
         if isinstance(place, AtCorner) and kind is EventKind.REST and self.turns_outward(place.corner):
             notes.append("spiral outward")
+        drift_only = not notes and chosen.free and chosen.rates is not None
+        if chosen.free:
+            notes.append("theta may drift at any rate of an interval" if chosen.rates else "the weights are free")
         if notes:
             self.unique = False
             note = f"also possible: {'; '.join(notes)}; {RULE}"
-            self.add(when, EventKind.NONUNIQUE, surface, weights, chosen.rates, note)
+            self.add(when, EventKind.NONUNIQUE, surface, weights, chosen.rates, note, drift_only=drift_only)
         self.ties(when, chosen.cells)
 
     def ties(self, when: tuple[Any, State], cells: Sequence[int]) -> None:

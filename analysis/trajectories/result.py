@@ -53,6 +53,7 @@ class Event:
         weights: convex weights by cell, where the motion mixes several (equivalent control).
         rates: interval of possible rotation rates at rest, where it is known.
         note: what else there is to say: the choices and the rule that was followed, accumulating switches.
+        drift_only: whether all that is open at a branching is the rate at which theta drifts at rest.
     """
 
     t: Any
@@ -62,6 +63,7 @@ class Event:
     weights: tuple[tuple[str, Any], ...] = ()
     rates: tuple[Any, Any] | None = None
     note: str = ""
+    drift_only: bool = False
 
     def record(self) -> dict[str, Any]:
         """JSON-ready."""

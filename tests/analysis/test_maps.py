@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
+from nonsmooth.analysis.fields.switched_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.analysis.trajectories.constant import follow_constant
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
@@ -55,6 +57,24 @@ def test_four_wheel_with_side_friction_stops_on_the_axes() -> None:
     assert np.abs(ends.theta + g * np.minimum(np.abs(x), np.abs(y)) / 2)[beside].max() <= FORMULA
     assert np.abs(ends.points[beside]).min(axis=1).max() <= FORMULA
     assert (ends.unique == beside).all()
+
+
+@pytest.mark.parametrize(
+    "starts",
+    [
+        [(0, 0)],  # rest, slide up or down, or be carried away on either side
+        [(0, 0.5)],
+        [(0, 0), (0, 0), (0, -0.25), (0.5, 0)],
+    ],
+)
+def test_starts_on_a_repelling_line_are_not_unique(starts: list[tuple[float, float]]) -> None:
+    """x' = sign(x): where fields push apart, resting on the line is one solution of many."""
+    right, left = HalfPlane((-1, 0), 0), HalfPlane((1, 0), 0)
+    pieces = [((right,), (1, 0, 0)), ((left,), (-1, 0, 0))]
+    field = piecewise_constant(square((Fraction(0), Fraction(0)), Fraction(1)), pieces)
+    ends = settle_map(field, np.array(starts))
+    assert ends.unique.tolist() == [x != 0 for x, _ in starts]
+    assert ends.unique.tolist() == [simulate(field, (*start, 0), 9).unique for start in starts]
 
 
 def assert_same_as_one_by_one(field: ConstantField, ends: SettleMap) -> None:
