@@ -8,10 +8,11 @@ inherits exact combinatorics.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -46,6 +47,7 @@ class AtCorner(NamedTuple):
 
 
 Place: TypeAlias = InCell | OnEdge | AtCorner
+Step: TypeAlias = tuple[int, int]  # from corner to corner
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class CellComplex:
         corners: every vertex of every cell, once.
         edges: the sides, cut at the corners.
         borders: ``borders[i][k]`` are the edges on side k of cell i, in the direction of the side.
-        size: half-width of the domain plus the distance of its centre from the origin (length).
+        size: size of the domain (length), as it was given to :func:`build_complex`.
         slack: distance within which a point counts as on an edge or corner (length; zero for exact numbers).
     """
 
@@ -173,27 +175,43 @@ def build_complex(polygons: Sequence[Polygon], size: float) -> CellComplex:
         polygons: cells over exact numbers (field elements, lazy numbers or fractions).
         size: size of the domain (length), for the float filter and the slack of the float form.
     """
-    points, numbers = _corners(polygons, size)
-    places = np.array([[float(x), float(y)] for x, y in points])
-    beside: dict[tuple[int, int], list[int | None]] = {}
-    order: list[tuple[int, int]] = []
-    chains: list[list[list[tuple[int, int]]]] = []
-    for cell, (polygon, own) in enumerate(zip(polygons, numbers, strict=True)):
-        chains.append([])
-        for k in range(len(own)):
-            chain = list(pairwise(_stops(points, places, own[k], own[(k + 1) % len(own)], polygon.sides[k], size)))
-            for a, b in chain:
-                key = (min(a, b), max(a, b))
-                if key not in beside:
-                    beside[key] = [None, None]
-                    order.append(key)
-                beside[key][0 if a < b else 1] = cell
-            chains[cell].append(chain)
-    numbering = {key: k for k, key in enumerate(order)}
-    borders = tuple(tuple(tuple(numbering[min(s), max(s)] for s in chain) for chain in sides) for sides in chains)
-    edges = tuple(Edge(a, b, *beside[a, b]) for a, b in order)
+    points, chains = _boundaries(polygons, size)
+    beside: dict[Step, list[int | None]] = {}
+    for cell, sides in enumerate(chains):
+        for a, b in chain.from_iterable(sides):
+            beside.setdefault((min(a, b), max(a, b)), [None, None])[0 if a < b else 1] = cell
+    numbering = {key: k for k, key in enumerate(beside)}
+    borders = tuple(tuple(tuple(numbering[min(s), max(s)] for s in side) for side in sides) for sides in chains)
+    edges = tuple(Edge(a, b, *cells) for (a, b), cells in beside.items())
     corners = tuple(_corner(k, point, edges) for k, point in enumerate(points))
     return CellComplex(tuple(polygons), corners, edges, borders, size)
+
+
+def tile(polygons: Sequence[Polygon], domain: Polygon, size: float) -> bool:
+    """Whether counterclockwise polygons cover a domain once: their boundaries add up to its boundary.
+
+    Sides of neighbours cancel piece by piece, and what is left is the domain's border.  Exact: no area, no quotient.
+    """
+    _, chains = _boundaries([*polygons, domain], size)
+    total: Counter[Step] = Counter()
+    for k, sides in enumerate(chains):
+        weight = 1 if k < len(polygons) else -1
+        for a, b in chain.from_iterable(sides):
+            total[min(a, b), max(a, b)] += weight if a < b else -weight
+    return not any(total.values())
+
+
+def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[list[Step]]]]:
+    """Distinct corners, and for each side of each polygon its steps from corner to corner."""
+    points, numbers = _corners(polygons, size)
+    places = np.array([[float(x), float(y)] for x, y in points])
+    return points, [
+        [
+            list(pairwise(_stops(points, places, own[k], own[(k + 1) % len(own)], polygon.sides[k], size)))
+            for k in range(len(own))
+        ]
+        for polygon, own in zip(polygons, numbers, strict=True)
+    ]
 
 
 def _corner(number: int, point: Point, edges: Sequence[Edge]) -> Corner:

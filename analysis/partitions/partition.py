@@ -7,6 +7,7 @@ from functools import cached_property
 
 from flint import arb
 
+from nonsmooth.analysis.partitions.cell_complex import tile
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
@@ -77,11 +78,10 @@ class Partition:
             total = total - (cell.polygon.area if len(self.scene.field.radicands) > AREA_ROOTS else _exact_area(cell))
         return total.ball if isinstance(total, Lazy) else total
 
-    @property
+    @cached_property
     def tiles(self) -> bool:
-        """Whether the cells' areas add up to the square's (as far as the ball tells, over many square roots)."""
-        error = self.area_error
-        return error.contains(0) if isinstance(error, arb) else not error
+        """Whether the cells cover the square exactly once, by their boundaries."""
+        return tile([cell.polygon for cell in self.cells], self.domain, float(self.scene.check.radius))
 
     @cached_property
     def tied_area(self) -> Number | Lazy:

@@ -11,7 +11,6 @@ from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
 from nonsmooth.symbolic.formulas import number_latex, real_text
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Wheel
 
@@ -134,8 +133,6 @@ def _tiling(result: CellCheck) -> str:
     partition = result.partition
     if not partition.complete:
         return "Only the cells at the checked point were built; the verdicts need no others."
-    error = partition.area_error
-    if isinstance(error, Number) and not error:
-        return "The cells' areas add up to the area of the square exactly, so they tile it."
-    holds = "holds 0" if partition.tiles else "does not hold 0"
-    return f"Area of the square minus area of the cells: {real_text(error)}, which {holds}."
+    said = "cancel exactly and leave its border, so they tile it" if partition.tiles else "do not leave its border"
+    error = real_text(partition.area_error)
+    return f"In sum, the boundaries of the cells {said}. Area of the square minus area of the cells: {error}."
