@@ -29,7 +29,7 @@ from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
 from nonsmooth.proofs.clauses.rotation import drift_at_rest
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
-from nonsmooth.proofs.verdicts import Feedback, Rotation
+from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -98,7 +98,7 @@ def _document(result: CellCheck) -> Record:
         "equilibrium": {"verdict": str(result.equilibrium.verdict), "separator": _separator(partition)},
         "translation": {"verdict": str(result.translation.verdict), "squared_radius": disc.squared_radius},
         "rotation": {"verdict": str(result.rotation.verdict), **_drift(here), "shape": _shape(result)},
-        "feedback": {"verdict": _feedback(result)},
+        "feedback": {"verdict": str(result.feedback.verdict)},
         "theorem4": str(result.verdict),
         "notes": _notes(result),
     }
@@ -182,13 +182,6 @@ def _shape(result: CellCheck) -> Sequence[Fraction] | None:
     return quadratic.shape if quadratic is not None and result.rotation.verdict is Rotation.NEUTRAL else None
 
 
-def _feedback(result: CellCheck) -> str:
-    """What is certified: under rule ``box`` the clause is sampled, which certifies nothing."""
-    verdict = result.feedback.verdict
-    sampled = result.scene.contact.rule is Rule.BOX and verdict is not Feedback.NOT_APPLICABLE
-    return str(Feedback.UNDECIDED if sampled else verdict)
-
-
 def _notes(result: CellCheck) -> Record:
     clauses = ("equilibrium", "translation", "rotation", "feedback")
     witness = result.feedback.witness
@@ -196,7 +189,6 @@ def _notes(result: CellCheck) -> Record:
         "scene": result.scene.name,
         "reasons": {name: getattr(result, name).reason for name in clauses} | {"theorem4": result.reason},
         "drift": None if result.rotation.drift is None else [brief_text(end) for end in result.rotation.drift.interval],
-        "feedback": str(result.feedback.verdict),
         "feedback_witness": None if witness is None else [brief_text(x) for x in (*witness.point, witness.value)],
         "check_with": "python -I -S proofs/checker.py FILE",
     }

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.authority import Authority
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation, spin_of
 from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
 from nonsmooth.proofs.clauses.fan import build_fan
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
@@ -23,6 +24,7 @@ from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import ContactCensus
+from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 Clauses: TypeAlias = tuple[
@@ -100,7 +102,8 @@ class CellCheck(Theorem4Result):
         """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
         clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)
         verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
-        return verified and self._speaks_of_every_cell() and self.verdict is conclude(*clauses)[0]
+        about_it = self.partition.scene == self.scene.recentred() and self._speaks_of_every_cell()
+        return verified and about_it and self.verdict is conclude(*clauses)[0]
 
     def _speaks_of_every_cell(self) -> bool:
         """Whether the clauses' evidence is about all cells of this partition, and no others."""
@@ -115,8 +118,13 @@ class CellCheck(Theorem4Result):
             and (bound is None or bound == rotation_bound(partition, translation))
             and [(d.cell, d.twist) for d in translation.derivatives] == every
             and (translation.fan is None or translation.fan.cones == build_fan(partition))
-            and (isinstance(self.feedback, SampledFeedback) or self.feedback == decide_feedback(partition))
+            and self._feedback_is_ours()
         )
+
+    def _feedback_is_ours(self) -> bool:
+        if self.scene.contact.rule is Rule.NEAREST:
+            return self.feedback == decide_feedback(self.partition)
+        return isinstance(self.feedback, SampledFeedback) and self.feedback.speaks_of(self.scene)
 
 
 @dataclass(frozen=True)
@@ -137,7 +145,13 @@ class EllipseCheck(Theorem4Result):
         """Re-verify the evidence of every clause and the conclusion."""
         clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)
         verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
-        return verified and self.verdict is conclude(*clauses)[0]
+        point = self.equilibrium.point
+        about_it = point.scene == self.scene.recentred() and point.region in load_regions(point.scene)
+        together = self.translation.point == point and self.rotation == spin_of(point)
+        lemma = self.translation.lemma
+        about_it = about_it and (lemma is None or lemma.scene == point.scene)
+        ours = together and self.feedback.speaks_of(self.scene)
+        return verified and about_it and ours and self.verdict is conclude(*clauses)[0]
 
 
 def conclude(

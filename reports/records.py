@@ -270,7 +270,7 @@ def _samples_record(feedback: SampledFeedback) -> list[Record]:
             "states": sample.states,
             "worst_rate": _floats(sample.worst_rate),
             "worst_state": _floats(sample.worst_state),
-            "refuted": bool(sample.refuted),
+            "fails": bool(sample.fails),
         }
         for sample in feedback.laws
     ]

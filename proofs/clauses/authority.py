@@ -31,10 +31,11 @@ class Authority:
     missing: tuple[Triple, ...]
 
     def check(self, scene: Scene) -> bool:
-        """Re-verify that no roll row sees a missing twist and that the numbers add up to three."""
+        """Re-verify that the rows are the wheels', that no roll row sees a missing twist, and the rank."""
         every = [_roll_normal(wheel) for wheel in scene.recentred().wheels]
         unseen = all(not inner(row, twist) for row in every for twist in self.missing)
-        return unseen and self.rank + len(self.missing) == 3 and self.rank == len(self.basis)
+        full = self.rank + len(self.missing) == 3 and len(independent(self.missing)) == len(self.missing)
+        return unseen and full and self == roll_authority(scene)
 
 
 def roll_authority(scene: Scene) -> Authority:

@@ -20,7 +20,7 @@ from enum import StrEnum
 from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.partitions.arrangement import friction_of
-from nonsmooth.analysis.partitions.loads import LoadRegion
+from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
 from nonsmooth.proofs.clauses.balance import (
     Linearization,
     RestBalance,
@@ -98,9 +98,8 @@ class EllipsePoint:
 
     def check(self) -> bool:
         """Re-verify the evidence from the definitions."""
-        again = ellipse_point(self.scene, (self.region,))
         verified = self.linearization is None or self.linearization.check()
-        return verified and (again.situation, again.twist) == (self.situation, self.twist)
+        return verified and self == ellipse_point(self.scene, load_regions(self.scene))
 
 
 def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint:

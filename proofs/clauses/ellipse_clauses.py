@@ -104,10 +104,10 @@ def decide_ellipse(
         from nonsmooth.analysis.fields.sampling import sample_ellipse_derivative
 
         sampled = sample_ellipse_derivative(scene, samples)
-    return EllipseEquilibrium(point), EllipseTranslation(point, lemma, sampled), _rotation(point)
+    return EllipseEquilibrium(point), EllipseTranslation(point, lemma, sampled), spin_of(point)
 
 
-def _rotation(point: EllipsePoint) -> RotationResult:
+def spin_of(point: EllipsePoint) -> RotationResult:
     """Clause 3: a spin is drift; without one theta follows the translation and stays where it is left."""
     if point.equilibrium is not Equilibrium.HOLDS or point.twist is None or point.situation is Situation.OPEN:
         return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium is proved, so nothing rests there")

@@ -131,8 +131,7 @@ class FanResult:
 
     def check(self) -> bool:
         """Re-decide from the cones."""
-        again = decide_cones(self.cones)
-        return again.verdict is self.verdict and again.gains == self.gains
+        return self == decide_cones(self.cones)
 
 
 def decide_fan(partition: Partition) -> FanResult:

@@ -167,7 +167,7 @@ class ConstantFan:
 
     def check(self) -> bool:
         """Decide again from the cones."""
-        return self.fan.check() and _with_closed_orbits(self.fan)[0] is self.verdict
+        return self.fan.check() and _with_closed_orbits(self.fan) == (self.verdict, self.reason)
 
 
 def decide_constant_fan(cells: Sequence[FieldCell]) -> ConstantFan | None:

@@ -3,7 +3,8 @@
 No certificate is available where the motion depends on all inputs at once.  What is exact: without full torque
 authority, twist tracking asks nothing of any wheel when the wanted motion is a missing twist; at the equilibrium
 turned by theta that is rest, so ``V' = 0``.  What is sampled: the worst rate of V under the two laws of
-:mod:`nonsmooth.analysis.fields.closed_loop`.  A witness refutes a law; without one the clause stays undecided.
+:mod:`nonsmooth.analysis.fields.closed_loop`.  Two laws that fail, in floats, say nothing of a third: where the
+clause applies it stays undecided, and the reason says what was seen.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.authority import Authority, roll_authority
+from nonsmooth.proofs.clauses.feedback import side_friction_rules
 from nonsmooth.proofs.clauses.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.rule import Rule
@@ -30,7 +32,7 @@ class SampledFeedback:
     """Verdict with the sampled laws.
 
     Attributes:
-        verdict: not applicable, no certificate (every law is refuted) or undecided (one is not).
+        verdict: not applicable or undecided.
         laws: the sampled laws, best first.
         authority: rank of the roll rows at the equilibrium.
         witness: a point at which twist tracking is refuted exactly, where authority is missing.
@@ -45,18 +47,18 @@ class SampledFeedback:
 
     @property
     def law(self) -> str | None:
-        """The most promising law, where one is not refuted."""
-        return str(self.laws[0].law) if self.verdict is Feedback.UNDECIDED else None
+        """The most promising law, where one lets V fall at every sample."""
+        return str(self.laws[0].law) if self.laws and not self.laws[0].fails else None
 
     def check(self) -> bool:
-        """Whether the verdict follows from the samples; sampling itself proves nothing."""
-        match self.verdict:
-            case Feedback.NO_CERTIFICATE:
-                return bool(self.laws) and all(sample.refuted for sample in self.laws)
-            case Feedback.UNDECIDED:
-                return bool(self.laws) and not self.laws[0].refuted
-            case verdict:
-                return verdict is Feedback.NOT_APPLICABLE
+        """Whether no more is claimed than sampling can say."""
+        return self.verdict in (Feedback.UNDECIDED, Feedback.NOT_APPLICABLE)
+
+    def speaks_of(self, scene: Scene) -> bool:
+        """Whether the clause applies to the array exactly if this says so, and the exact witness is the array's own."""
+        applies = side_friction_rules(scene.wheels) is None
+        witness = _spin_witness(scene, roll_authority(scene)) if applies and all(s.fails for s in self.laws) else None
+        return applies is (self.verdict is Feedback.UNDECIDED) and self.witness == witness
 
 
 def sample_feedback(scene: Scene, blocked: str | None) -> SampledFeedback:
@@ -80,10 +82,11 @@ def sample_feedback(scene: Scene, blocked: str | None) -> SampledFeedback:
     laws = tuple(sorted(samples, key=lambda sample: sample.worst_rate))
     best = laws[0]
     shown = f"{best.law}: largest V'/V found {best.worst_rate:.3g} k over {best.states} states"
-    if best.refuted:
+    if best.fails:
         x, y, theta = best.worst_state
-        reason = f"sampled: both laws fail; {best.law} at (x, y, theta) = ({x:.4g}, {y:.4g}, {theta:.4g})"
-        return SampledFeedback(Feedback.NO_CERTIFICATE, laws, authority, _spin_witness(scene, authority), reason)
+        where = f"under {best.law} at (x, y, theta) = ({x:.4g}, {y:.4g}, {theta:.4g})"
+        reason = f"sampled, not proved: V does not fall under either law, {where}"
+        return SampledFeedback(Feedback.UNDECIDED, laws, authority, _spin_witness(scene, authority), reason)
     return SampledFeedback(Feedback.UNDECIDED, laws, authority, None, f"sampled, not proved: {shown}")
 
 

@@ -24,9 +24,9 @@ from typing import Any
 from nonsmooth.analysis.fields.switched_cells import LyapunovCell
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.inequalities.cells import Claim, build_parts
-from nonsmooth.proofs.inequalities.kinks import Kink, Trend, worst
+from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, ZeroBetween, prove
-from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, trend_of
+from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, stratum_of
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
 from nonsmooth.proofs.systems.ladder import Interval
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -109,16 +109,10 @@ class LyapunovResult:
             for o, (region, rate) in zip(evidence, rates, strict=True)
         ):
             return False
-        bends = [s for s in self.strata if s.part is not Part.CELL]
-        again = list(bend_strata(self.cells))
-        cells = [s for s in self.strata if s.part is Part.CELL]
-        same = [(s.part, s.trends, s.refutation) for s in bends] == [(s.part, s.trends, s.refutation) for s in again]
-        read = all(s.trends.bacciotti_ceragioli is _worst_outcome(s.evidence) for s in cells)
-        return same and read and conclude(self.cells, self.definite, self.strata)[0] is self.verdict
-
-
-def _worst_outcome(evidence: tuple[Outcome, ...] | Kink | None) -> Trend:
-    return worst([trend_of(outcome) for outcome in evidence]) if isinstance(evidence, tuple) else Trend.UNDECIDED
+        claimed = [s.evidence for s in self.strata if s.part is Part.CELL and isinstance(s.evidence, tuple)]
+        again = (*map(stratum_of, self.cells, claimed), *bend_strata(self.cells))
+        concluded = conclude(self.cells, self.definite, self.strata)
+        return self.strata == again and concluded == (self.verdict, self.witness, self.reason)
 
 
 def _still_true(outcome: Outcome) -> bool:

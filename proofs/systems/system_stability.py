@@ -2,8 +2,7 @@
 
 1. ``0`` must be in F at the point: otherwise every solution leaves it.
 2. The scene's V (:mod:`nonsmooth.proofs.systems.derivatives`): on the whole plane for a system of cones and a
-homogeneous V,
-   otherwise on the checked square, or on a smaller one.
+   homogeneous V, otherwise on the checked square, or on a smaller one.
 3. Fields that are constant near the equilibrium: the fan of cones, which is complete.
 4. Systems of cones: a ray of escape is unstable; for linear fields a piecewise quadratic V is searched and proved, one
    that falls along every solution or, with time reversed, one that grows.
@@ -22,7 +21,6 @@ from fractions import Fraction
 from nonsmooth.analysis.fields.switched_cells import (
     FieldCell,
     LyapunovCell,
-    gradients_at,
     holds_zero,
     lyapunov_cells,
     plane,
@@ -42,7 +40,6 @@ from nonsmooth.proofs.clauses.ray_moves import (
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.ladder import Ladder, ladder_at
 from nonsmooth.proofs.systems.piecewise_quadratic import HALVINGS, find_piecewise_quadratic, linear_cones
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -93,13 +90,6 @@ class SystemResult:
     rays: tuple[RayMove, ...]
 
     @property
-    def origin_ladder(self) -> Ladder:
-        """The three derivatives of the scene's V at the equilibrium."""
-        origin = (self.scene.field.zero, self.scene.field.zero)
-        cells = self.lyapunov.cells
-        return ladder_at(velocities_at(cells, origin), gradients_at(cells, origin))
-
-    @property
     def witness(self) -> Refutation | None:
         """Where the scene's V fails."""
         return self.lyapunov.witness
@@ -115,10 +105,11 @@ class SystemResult:
         if self.growth is not None:
             genuine = genuine and _are_the_cones(self.growth.cells, reversed_cells(cells)) and self.growth.check()
         if self.fan is not None:
-            genuine = genuine and self.fan.check() and self.fan == decide_constant_fan(cells)
-        rays = _rays(cells)
-        again = conclude(_equilibrium(cells), self.certificate, self.growth, self.fan, rays)
-        return genuine and self.rays == rays and again == (self.verdict, self.reason, self.method)
+            genuine = genuine and self.fan == decide_constant_fan(cells)
+        rays, holds = _rays(cells), _equilibrium(cells)
+        again = conclude(holds, self.certificate, self.growth, self.fan, rays)
+        same = (self.rays, self.equilibrium, self.everywhere) == (rays, holds, _everywhere(self.verdict, cells))
+        return genuine and same and again == (self.verdict, self.reason, self.method)
 
 
 def system_check(scene: SystemScene) -> SystemResult:
@@ -141,7 +132,7 @@ def system_check(scene: SystemScene) -> SystemResult:
             certificate = find_piecewise_quadratic(cells) or certificate
             growth = find_piecewise_quadratic(reversed_cells(cells)) if certificate is None else None
     verdict, reason, method = conclude(holds, certificate, growth, fan, rays)
-    everywhere = verdict is Translation.ASYMPTOTICALLY_STABLE and conical and _one_degree(cells)
+    everywhere = _everywhere(verdict, cells)
     return SystemResult(scene, verdict, reason, method, holds, everywhere, reported, certificate, growth, fan, rays)
 
 
@@ -227,6 +218,11 @@ def _equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
 
 def _of_kind(rays: Sequence[RayMove], kind: RayKind) -> list[RayMove]:
     return [ray for ray in rays if ray.kind is kind]
+
+
+def _everywhere(verdict: Translation, cells: Sequence[FieldCell]) -> bool:
+    """Whether asymptotic stability extends to the whole plane by scaling."""
+    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and _one_degree(cells)
 
 
 def _one_degree(cells: Sequence[FieldCell]) -> bool:

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from nonsmooth.analysis.fields.switched_cells import LyapunovCell, lyapunov_cells
+from nonsmooth.analysis.fields.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
 from nonsmooth.proofs.inequalities.strata import Part, derivatives_at
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
@@ -107,8 +107,11 @@ def test_suprema_over_the_plane(
 
 def test_the_ladder_at_the_equilibrium_itself() -> None:
     result = system_check(load_system("relay-oscillator"))
-    assert str(result.origin_ladder.naive) == "[-2, 2]"
-    assert str(result.origin_ladder.bacciotti_ceragioli) == "{0}"
+    zero = result.scene.field.zero
+    cells = result.lyapunov.cells
+    ladder = ladder_at(velocities_at(cells, (zero, zero)), gradients_at(cells, (zero, zero)))
+    assert str(ladder.naive) == "[-2, 2]"
+    assert str(ladder.bacciotti_ceragioli) == "{0}"
 
 
 def test_smooth_v_needs_no_surfaces() -> None:

@@ -74,6 +74,19 @@ def test_spiral_rims_spin_the_body_and_pull_it_home() -> None:
     assert point.translation is Translation.ASYMPTOTICALLY_STABLE
 
 
+def test_a_linearization_of_another_array_is_refused() -> None:
+    """It verifies by itself, and would turn the verdict."""
+    outward = point_of(load_scene("outward", rule="ellipse").recentred())
+    inward = point_of(
+        replace(outward.scene, wheels=tuple(replace(w, given_speed=-w.speed) for w in outward.scene.wheels))
+    )
+    assert inward.linearization is not None
+    assert inward.linearization.check()
+    forged = replace(outward, linearization=inward.linearization)
+    assert forged.translation is not outward.translation
+    assert not forged.check()
+
+
 def test_outward_rims_are_unstable() -> None:
     point = point_of(load_scene("outward", rule="ellipse").recentred())
     assert point.translation is Translation.UNSTABLE

@@ -43,6 +43,15 @@ def decide(rays: list[Vector], motions: list[tuple[int | Fraction, ...]]) -> Fan
     return result
 
 
+def test_forged_evidence_is_refused() -> None:
+    result = decide([(1, 0), (-1, 0)], [(0, -1), (0, 1)])
+    for forged in (
+        replace(result, evidence=()),
+        replace(result, verdict=Translation.ASYMPTOTICALLY_STABLE),
+    ):
+        assert not forged.check()
+
+
 AXES: list[Vector] = [(1, 0), (0, 1), (-1, 0), (0, -1)]
 
 

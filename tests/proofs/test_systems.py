@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from nonsmooth.analysis.fields.switched_cells import holds_zero, plane, square_r
 from nonsmooth.analysis.fields.switching_patterns import build_switched_system
 from nonsmooth.proofs.clauses.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.ladder import Interval
 from nonsmooth.proofs.systems.system_stability import Method, SystemResult, plane_cells, system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.expression import ExpressionError
@@ -421,3 +423,24 @@ def test_patterns_that_no_point_has_are_left_out(load: Load) -> None:
     system = build_switched_system(load("-sign(x - 1)*sign(x + 1)", "-sign(y)*sign(x**2 + y**2 + 1)"))
     assert {str(surface) for surface in system.surfaces} >= {"x - 1", "x + 1", "y"}
     assert len(system.modes) == 6  # not x < -1 and x > 1
+
+
+# ---- results that claim more than they show -------------------------------------------------------
+
+
+def test_forged_results_are_refused() -> None:
+    """Each change leaves the verdict and its evidence as they are."""
+    result = system_check(load_system("relay-oscillator-damped"))
+    assert result.check()
+    *strata, last = result.lyapunov.strata
+    kinder = replace(last.ladder, naive=Interval(last.ladder.naive.low, last.ladder.naive.low))
+    assert kinder != last.ladder
+    wrong_ladder = replace(result.lyapunov, strata=(*strata, replace(last, ladder=kinder)))
+    for forged in (
+        replace(result, everywhere=not result.everywhere),
+        replace(result, equilibrium=Equilibrium.FAILS),
+        replace(result, reason="because"),
+        replace(result, lyapunov=replace(result.lyapunov, reason="because")),
+        replace(result, lyapunov=wrong_ladder),
+    ):
+        assert not forged.check()

@@ -12,8 +12,9 @@ import pytest
 from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback import decide_feedback
 from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import decide_translation
-from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells
+from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, conclude
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import possible_triples
@@ -237,6 +238,51 @@ def test_a_partition_with_a_hole_is_refused(arrays: Arrays) -> None:
 def test_a_feedback_clause_that_was_waved_away_is_refused(arrays: Arrays) -> None:
     r = check_cells(arrays.four_wheel(ROLL))
     assert not replace(r, feedback=replace(r.feedback, verdict=Feedback.NOT_APPLICABLE)).check()
+
+
+@pytest.mark.parametrize("rule", list(Rule))
+def test_evidence_about_another_square_or_friction_is_refused(arrays: Arrays, rule: Rule) -> None:
+    """Every clause verifies by itself; only that they speak of this array is wrong."""
+    scene = replace(arrays.four_wheel(ROLL), contact=replace(arrays.four_wheel(ROLL).contact, rule=rule))
+    smaller = replace(scene, check=replace(scene.check, radius=scene.check.radius / 2))
+    rougher = replace(
+        scene,
+        wheels=tuple(replace(w, friction=replace(w.friction, side=w.friction.side * 3)) for w in scene.wheels),
+    )
+    for other in (smaller, rougher):
+        result = check_theorem4(other)
+        assert result.check()
+        assert not replace(result, scene=scene).check()
+
+
+@pytest.mark.parametrize("rule", [Rule.BOX, Rule.ELLIPSE])
+@pytest.mark.parametrize("friction", [ROLL, SIDE])
+def test_the_feedback_clause_applies_exactly_where_the_friction_says_so(
+    arrays: Arrays, rule: Rule, friction: tuple[Fraction, Fraction]
+) -> None:
+    scene = arrays.four_wheel(friction)
+    result = check_theorem4(replace(scene, contact=replace(scene.contact, rule=rule)))
+    other = {Feedback.UNDECIDED: Feedback.NOT_APPLICABLE, Feedback.NOT_APPLICABLE: Feedback.UNDECIDED}
+    assert result.check()
+    assert isinstance(result.feedback, SampledFeedback)
+    for verdict in (other[result.feedback.verdict], Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE):
+        wrong = replace(result.feedback, verdict=verdict)
+        forged = replace(result, feedback=wrong)
+        clauses = (forged.equilibrium, forged.translation, forged.rotation, wrong)
+        assert not replace(forged, verdict=conclude(*clauses)[0]).check()
+
+
+def test_authority_of_another_array_is_refused(arrays: Arrays) -> None:
+    result = check_cells(arrays.four_wheel(ROLL))
+    authority = result.authority
+    zero, one = result.scene.field.zero, result.scene.field.one
+    for wrong in (
+        replace(authority, rank=3, basis=(1, 2, 3), missing=()),
+        replace(authority, missing=((zero, zero, zero),)),
+        replace(authority, missing=((one, zero, zero),)),
+        replace(authority, basis=(1, 3)),
+    ):
+        assert not replace(result, authority=wrong).check()
 
 
 def test_a_bound_on_rotation_that_is_too_small_is_refused(arrays: Arrays) -> None:
