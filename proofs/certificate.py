@@ -19,7 +19,6 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.cell_complex import build_complex
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
@@ -200,7 +199,7 @@ def _notes(result: CellCheck) -> Record:
 def _corners(partition: Partition) -> tuple[list[Point], list[list[int]]]:
     """The corners of all cells, and for each cell its corners counterclockwise, the checked point among them."""
     polygons = [cell.polygon for cell in partition.cells]
-    plane = build_complex(polygons, float(partition.scene.check.radius))
+    plane = partition.complex
     chains = [
         [
             edge.start if edge.left == k else edge.end

@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.equilibria import Equilibrium
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.rotation import decide_rotation
 from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Check, Scene
 
 MOST = 16  # points that are judged: each costs a partition of its own
@@ -52,7 +50,7 @@ def judge_equilibria(scene: Scene, found: tuple[Equilibrium, ...]) -> tuple[Judg
 def _judged(scene: Scene, equilibrium: Equilibrium) -> JudgedEquilibrium:
     own = replace(scene, check=Check(equilibrium.points[0], scene.check.radius / SHARE)).recentred()
     try:
-        partition = build_nearest_partition(own) if own.contact.rule is Rule.NEAREST else build_box_partition(own)
+        partition = build_partition(own)
     except RefusalError:  # the small square leaves the support polygon
         return JudgedEquilibrium(equilibrium)
     translation = decide_translation(partition)

@@ -61,6 +61,11 @@ class Row:
         """``R3`` is the roll row of wheel 3, ``S3`` its side row."""
         return f"{self.kind}{self.wheel.index}"
 
+    @property
+    def friction(self) -> Number:
+        """Coulomb coefficient: mu_R along the rim, mu_S across it."""
+        return self.wheel.friction.roll if self.kind is RowKind.ROLL else self.wheel.friction.side
+
     def residual(self, twist: Twist) -> Number:
         """``|D_i|`` times the slip ``d_i . v(p_i) - u_i`` or ``n_i . v(p_i)``."""
         a, b, m = self.normal
@@ -107,16 +112,29 @@ def inner(a: Triple, b: Triple) -> Number:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def determinant(rows: Sequence[Row]) -> Number:
-    """Determinant of three rows' left sides; zero iff they are dependent."""
-    first, second, third = (row.normal for row in rows)
-    return inner(first, outer(second, third))
-
-
-def cofactors(rows: Sequence[Row]) -> tuple[Triple, Triple, Triple]:
-    """Columns of ``det * M^-1``: ``a2 x a3, a3 x a1, a1 x a2``."""
-    a, b, c = (row.normal for row in rows)
+def cofactors(a: Triple, b: Triple, c: Triple) -> tuple[Triple, Triple, Triple]:
+    """Columns of ``det(M) M^-1`` for the matrix M with rows a, b, c: ``b x c, c x a, a x b``."""
     return outer(b, c), outer(c, a), outer(a, b)
+
+
+def gram(columns: Sequence[Triple]) -> tuple[Triple, Triple, Triple]:
+    """``sum_k c_k c_k^T``, a symmetric matrix by its rows."""
+
+    def entry(r: int, s: int) -> Number:
+        return sum((c[r] * c[s] for c in columns), columns[0][0] * 0)
+
+    xx, xy, xz, yy, yz, zz = (entry(r, s) for r, s in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
+    return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+
+
+def added(a: Triple, b: Triple) -> Triple:
+    """``a + b``."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def scaled(vector: Triple, factor: Number | int) -> Triple:
+    """``factor * vector``."""
+    return vector[0] * factor, vector[1] * factor, vector[2] * factor
 
 
 def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:

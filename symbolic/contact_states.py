@@ -58,7 +58,7 @@ class ContactState:
         """
         if len(self.rows) != 3:
             raise ValueError(f"required three rows, received {self.name}")
-        columns = cofactors(self.rows)
+        columns = cofactors(*(row.normal for row in self.rows))
         inverse = inner(self.rows[0].normal, columns[0]).inverse()
         fields: dict[int, Triple] = {}
         for row, column in zip(self.rows, columns, strict=True):
@@ -70,7 +70,7 @@ class ContactState:
 
 def solve_rows(rows: tuple[Row, Row, Row]) -> ContactState | None:
     """The contact state of three rows, or None where they are dependent."""
-    columns = cofactors(rows)
+    columns = cofactors(*(row.normal for row in rows))
     determinant = inner(rows[0].normal, columns[0])
     if not determinant:
         return None

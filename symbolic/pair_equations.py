@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.symbolic.constraints import RowKind, inner, outer
+from nonsmooth.symbolic.constraints import RowKind, cofactors, inner
 
 if TYPE_CHECKING:
     import sympy
@@ -87,7 +87,7 @@ def pair_equations(third: RowKind = RowKind.ROLL) -> PairEquations:
     """
     (roll, ui), (side, zero) = _row("i", RowKind.ROLL), _row("i", RowKind.SIDE)
     last, uj = _row("j", third)
-    columns = (outer(side, last), outer(last, roll), outer(roll, side))
+    columns = cofactors(roll, side, last)
     numerators = [normal_form(sum(b * c[k] for b, c in zip((ui, zero, uj), columns, strict=True))) for k in range(3)]
     return PairEquations(third, (numerators[0], numerators[1], numerators[2]), normal_form(inner(roll, columns[0])))
 

@@ -24,8 +24,8 @@ from nonsmooth.analysis.fields.smooth_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.analysis.fields.switched_field import ConstantField, Flow, domain_size
-from nonsmooth.analysis.partitions.cell_complex import CellComplex, build_complex
+from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
+from nonsmooth.analysis.partitions.cell_complex import CellComplex
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.symbolic.contact_states import ContactState
 
@@ -149,7 +149,7 @@ def feedback_field(partition: Partition, law: Law, kinematics: Kinematics) -> Ce
     Raises:
         ValueError: for a contact state of more than three rows (rule ``box``), which has no control fields.
     """
-    cells = build_complex([cell.polygon for cell in partition.cells], domain_size(partition)).floats()
+    cells = partition.complex.floats()
     members = tuple(_controlled(cell, law, kinematics) for cell in partition.cells)
     tied = frozenset(m.name for m, cell in zip(members, partition.cells, strict=True) if len(cell.states) > 1)
     return CellwiseField(cells, members, kinematics.value, tied)

@@ -18,7 +18,7 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_values import requirement
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import Fact, SceneError
@@ -203,20 +203,3 @@ def distinct(points: Iterable[Point]) -> tuple[Point, ...]:
         if not any(point[0] == x and point[1] == y for x, y in found):
             found.append(point)
     return tuple(found)
-
-
-def holds_zero(vectors: Iterable[Point]) -> bool:
-    """Whether the hull of plane vectors holds zero: alone, on a segment, or inside a triangle."""
-    known = list(vectors)
-    if any(not any(v) for v in known):
-        return True
-    for k, a in enumerate(known):
-        for j, b in enumerate(known[:k]):
-            turn = sign(a[0] * b[1] - a[1] * b[0])
-            if not turn and sign(a[0] * b[0] + a[1] * b[1]) < 0:
-                return True
-            for c in known[:j]:
-                turns = {turn, sign(b[0] * c[1] - b[1] * c[0]), sign(c[0] * a[1] - c[1] * a[0])}
-                if turns in ({1}, {-1}):
-                    return True
-    return False

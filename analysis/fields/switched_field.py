@@ -134,17 +134,11 @@ def array_field(partition: Partition, kinematics: Kinematics, *, exact: bool = F
     """
     if exact and kinematics is Kinematics.EXACT:
         raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
-    cells = build_complex([cell.polygon for cell in partition.cells], domain_size(partition))
+    cells = partition.complex
     flows = tuple(tuple(flow_of(twist, kinematics) for twist in cell.twists) for cell in partition.cells)
     names = tuple(f"cell {cell.index}" for cell in partition.cells)
     field = ConstantField(cells, flows, names, kinematics, partition.scene.check.equilibrium)
     return field if exact else field.floats()
-
-
-def domain_size(partition: Partition) -> float:
-    """Half-width of the checked square plus the largest coordinate of its centre (length)."""
-    check = partition.scene.check
-    return float(check.radius) + max(abs(float(x)) for x in check.equilibrium)
 
 
 def piecewise_constant(

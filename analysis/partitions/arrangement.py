@@ -20,14 +20,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Row, RowKind, Triple, Twist, inner, outer, scene_rows
+from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, outer, scaled, scene_rows
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
@@ -128,12 +128,12 @@ class Arrangement:
             for k in tight:
                 reach = abs(inner(self.rows[k].normal, direction))
                 if reach:
-                    kept = _added(kept, _scaled(self.weights[k], reach))
+                    kept = added(kept, scaled(self.weights[k], reach))
             along = _zero_form(self.scene)
             for entry, part in zip(direction, pull, strict=True):
-                along = _added(along, _scaled(part, entry))
-            yield Slope(direction, _added(kept, along))
-            yield Slope((-direction[0], -direction[1], -direction[2]), _added(kept, _scaled(along, -1)))
+                along = added(along, scaled(part, entry))
+            yield Slope(direction, added(kept, along))
+            yield Slope((-direction[0], -direction[1], -direction[2]), added(kept, scaled(along, -1)))
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms."""
@@ -141,7 +141,7 @@ class Arrangement:
         for k in np.flatnonzero(signs):
             for axis in range(3):
                 part = self.moments[k][axis]
-                pull[axis] = _added(pull[axis], part if signs[k] > 0 else _scaled(part, -1))
+                pull[axis] = added(pull[axis], part if signs[k] > 0 else scaled(part, -1))
         return pull
 
     def _directions(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> list[Triple]:
@@ -168,7 +168,7 @@ class Arrangement:
             twist = Twist(*(x + step * m for x, m in zip(vertex.twist, slope.direction, strict=True)))
             for k in crossed:
                 turn = 2 * abs(inner(self.rows[k].normal, slope.direction))
-                form = _added(form, _scaled(self.weights[k], turn))
+                form = added(form, scaled(self.weights[k], turn))
             if order(form, point, outward) >= (0, 0):
                 return twist
         return twist
@@ -221,14 +221,9 @@ def float_corners(polygon: Polygon) -> NDArray[np.float64]:
     return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
 
 
-def friction_of(row: Row) -> Number:
-    """Coulomb coefficient of a row: mu_R along the rim, mu_S across it."""
-    return row.wheel.friction.roll if row.kind is RowKind.ROLL else row.wheel.friction.side
-
-
 def _weight(row: Row, force: Affine) -> Affine:
     """``mu_k N_i / |D_i|`` for a row scaled by ``|D_i|``."""
-    return _scaled(force, friction_of(row) / row.wheel.length)
+    return scaled(force, row.friction / row.wheel.length)
 
 
 def _projective(direction: Triple) -> Triple:
@@ -240,11 +235,3 @@ def _projective(direction: Triple) -> Triple:
 def _zero_form(scene: Scene) -> Affine:
     zero = scene.field.zero
     return zero, zero, zero
-
-
-def _added(a: Affine, b: Affine) -> Affine:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _scaled(form: Affine, factor: Any) -> Affine:
-    return form[0] * factor, form[1] * factor, form[2] * factor

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.partitions.arrangement import Arrangement, Slope, Vertex, float_corners, friction_of, order
+from nonsmooth.analysis.partitions.arrangement import Arrangement, Slope, Vertex, float_corners, order
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.partitions.nearest import pair_states
 from nonsmooth.analysis.partitions.partition import Cell, Partition, RefusalError
@@ -44,7 +44,7 @@ def build_box_partition(scene: Scene) -> Partition:
 
 def _require_resistance(scene: Scene) -> None:
     """Refuse arrays whose rows with friction leave a motion free: D is constant along it."""
-    rubbing = [row.normal for row in scene_rows(scene) if friction_of(row)]
+    rubbing = [row.normal for row in scene_rows(scene) if row.friction]
     if len(independent(rubbing)) < 3:
         raise RefusalError(
             "friction: required rows with friction in three independent directions, "
@@ -190,4 +190,4 @@ def _midpoint(polygon: Polygon, k: int) -> Point:
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:
     """Cells whose twist is zero: the dead zone."""
-    return [cell for cell in partition.cells if any(not any(twist) for twist in cell.twists)]
+    return [cell for cell in partition.cells if cell.rests]

@@ -19,17 +19,11 @@ from enum import StrEnum
 from itertools import combinations, pairwise, product
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.partitions.polygon import Point, Polygon, hull_holds_zero
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.scene import cross, dot
-
-# Relative to the size of the square: cells whose float bounding boxes are farther apart share no side.
-BOX_MARGIN = 1e-9
 
 
 class Place(StrEnum):
@@ -53,18 +47,18 @@ class Equilibrium:
 
 def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
     """Every equilibrium of the square, areas first."""
-    areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if _rests(c)]
+    areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if c.rests]
     found = [*areas, *_centres(partition), *_ties(partition)]
-    places = _Places(partition)
-    for side in places.shared_sides():
+    for side in shared_sides(partition):
         found += _on_side(side)
     resting = {cell for area in areas for cell in area.cells}
-    for point, cells in places.vertices():
+    for corner in partition.complex.corners:
+        cells = [partition.cells[k] for k in corner.cells]
         if resting & {cell.index for cell in cells}:
             continue
-        rates = [twist.pose_rate(point) for cell in cells for twist in cell.twists]
-        if _hull_holds_zero(rates) and not any(_covers(known, point) for known in found):
-            found.append(Equilibrium(Place.VERTEX, (point,), tuple(cell.index for cell in cells)))
+        rates = [twist.pose_rate(corner.point) for cell in cells for twist in cell.twists]
+        if hull_holds_zero(rates) and not any(_covers(known, corner.point) for known in found):
+            found.append(Equilibrium(Place.VERTEX, (corner.point,), tuple(cell.index for cell in cells)))
     return tuple(found)
 
 
@@ -80,68 +74,13 @@ class SharedSide:
 
 def shared_sides(partition: Partition) -> Iterator[SharedSide]:
     """Common segments of all pairs of cells; also where a side of one meets several of the other."""
-    return _Places(partition).shared_sides()
-
-
-class _Places:
-    """Float bounding boxes of the cells: they tell which cells are certainly apart."""
-
-    def __init__(self, partition: Partition) -> None:
-        self.cells = partition.cells
-        corners = [np.array([[float(x), float(y)] for x, y in cell.polygon.vertices]) for cell in partition.cells]
-        margin = float(partition.scene.check.radius) * BOX_MARGIN
-        with np.errstate(invalid="ignore"):  # beyond the range of floats nothing is known to be apart
-            self.low = np.array([c.min(axis=0) for c in corners]) - margin
-            self.high = np.array([c.max(axis=0) for c in corners]) + margin
-
-    def shared_sides(self) -> Iterator[SharedSide]:
-        """Common segments of pairs of cells."""
-        for i, first in enumerate(self.cells):
-            for j in self._near(self.low[i], self.high[i]):
-                segment = _common_segment(first.polygon, self.cells[j].polygon) if j > i else None
-                if segment is not None:
-                    yield SharedSide(*segment, first, self.cells[j])
-
-    def vertices(self) -> Iterator[tuple[Point, list[Cell]]]:
-        """Each vertex once, with the closed cells that hold it: it is told by the first of these."""
-        for i, cell in enumerate(self.cells):
-            for point in cell.polygon.vertices:
-                place = np.array([float(point[0]), float(point[1])])
-                holders = [j for j in self._near(place, place) if self.cells[j].polygon.contains(point)]
-                earlier = (self.cells[j] for j in holders if j < i)
-                if not any(_is_vertex(other.polygon, point) for other in earlier):
-                    yield point, [self.cells[j] for j in holders]
-
-    def _near(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> list[int]:
-        """Cells that are not certainly apart from a box."""
-        with np.errstate(invalid="ignore"):
-            apart = ((self.high < low) | (high < self.low)).any(axis=1)
-        return np.flatnonzero(~apart).tolist()
-
-
-def _is_vertex(polygon: Polygon, point: Point) -> bool:
-    return any(x == point[0] and y == point[1] for x, y in polygon.vertices)
-
-
-def _common_segment(first: Polygon, second: Polygon) -> tuple[Point, Point] | None:
-    """Two convex polygons with disjoint interiors meet in a segment on one line, a point, or not at all."""
-    shared = [v for v in first.vertices if second.contains(v)]
-    shared += [v for v in second.vertices if first.contains(v)]
-    for p, q in combinations(shared, 2):
-        if sign(p[0] - q[0]) or sign(p[1] - q[1]):
-            along = (q[0] - p[0], q[1] - p[1])
-            ends = [p, q]
-            for r in shared:
-                if sign(dot(along, (r[0] - ends[0][0], r[1] - ends[0][1]))) < 0:
-                    ends[0] = r
-                if sign(dot(along, (r[0] - ends[1][0], r[1] - ends[1][1]))) > 0:
-                    ends[1] = r
-            return ends[0], ends[1]
-    return None
-
-
-def _rests(cell: Cell) -> bool:
-    return any(not any(twist) for twist in cell.twists)
+    plane = partition.complex
+    for edge in plane.edges:
+        if edge.left is not None and edge.right is not None:
+            first, second = sorted((edge.left, edge.right))
+            yield SharedSide(
+                plane.points[edge.start], plane.points[edge.end], partition.cells[first], partition.cells[second]
+            )
 
 
 def _centres(partition: Partition) -> Iterator[Equilibrium]:
@@ -157,7 +96,7 @@ def _centres(partition: Partition) -> Iterator[Equilibrium]:
 def _ties(partition: Partition) -> Iterator[Equilibrium]:
     """Equilibria of cells with several motions: ``f_1 x f_2`` is affine in c, so they lie on a line or everywhere."""
     for cell in partition.cells:
-        if _rests(cell):
+        if cell.rests:
             continue
         for a, b in combinations(cell.twists, 2):
             values = [_opposition(a, b, vertex) for vertex in cell.polygon.vertices]
@@ -187,7 +126,7 @@ def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
 
 def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
     """Equilibria in the open common segment of two cells."""
-    if _rests(side.first) or _rests(side.second):
+    if side.first.rests or side.second.rests:
         return
     cells = (side.first.index, side.second.index)
     for a, b in product(side.first.twists, side.second.twists):
@@ -231,18 +170,6 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
 def _between(side: SharedSide, t: Any) -> Point:
     (x1, y1), (x2, y2) = side.start, side.end
     return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
-
-
-def _hull_holds_zero(velocities: list[Point]) -> bool:
-    """Whether the convex hull of plane vectors holds the origin: no open half-plane holds them all."""
-    nonzero = [v for v in velocities if any(v)]
-    if len(nonzero) < len(velocities):
-        return True
-    for v in nonzero:  # v is the last counterclockwise of an open half-plane iff all others lie clockwise of it
-        sides = [(sign(cross(v, w)), sign(dot(v, w))) for w in nonzero]
-        if all(turn < 0 or (turn == 0 and along > 0) for turn, along in sides):
-            return False
-    return True
 
 
 def _covers(known: Equilibrium, point: Point) -> bool:

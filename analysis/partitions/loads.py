@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Triple, inner, outer
+from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.scene import Scene, Vector, cross
 
@@ -182,11 +182,8 @@ def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) 
 
 def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:
     """``G_A^-1 m_i`` for every wheel: its affine load while A is the loaded set."""
-    rows: list[Triple] = []
-    for r in range(3):
-        row = [sum((moments[i][r] * moments[i][s] for i in sorted(active)), moments[0][0] * 0) for s in range(3)]
-        rows.append((row[0], row[1], row[2]))
-    columns = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
+    rows = gram([moments[i] for i in sorted(active)])
+    columns = cofactors(*rows)
     determinant = inner(rows[0], columns[0])
     if not determinant:
         raise LoadError(

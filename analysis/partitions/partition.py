@@ -7,11 +7,11 @@ from functools import cached_property
 
 from flint import arb
 
-from nonsmooth.analysis.partitions.cell_complex import tile
+from nonsmooth.analysis.partitions.cell_complex import CellComplex, build_complex, tile
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
@@ -42,6 +42,11 @@ class Cell:
         return tuple(state.twist for state in self.states)
 
     @property
+    def rests(self) -> bool:
+        """Whether rest is one of its motions."""
+        return any(not any(twist) for twist in self.twists)
+
+    @property
     def wheels(self) -> tuple[int, ...]:
         """Indices of the wheels whose rows are held, in the rule's order."""
         return tuple(dict.fromkeys(row.wheel.index for row in self.states[0].rows))
@@ -68,6 +73,16 @@ class Partition:
     complete: bool = True
 
     @cached_property
+    def complex(self) -> CellComplex:
+        """Corners, edges and cells with their incidences, exactly."""
+        return build_complex([cell.polygon for cell in self.cells], self.size)
+
+    @property
+    def size(self) -> float:
+        """Half-width of the checked square plus the largest coordinate of its centre (length)."""
+        return float(self.scene.check.radius) + max(abs(float(x)) for x in self.scene.check.equilibrium)
+
+    @cached_property
     def area_error(self) -> Number | arb:
         """Domain area minus the cells' areas: exactly zero when they tile.
 
@@ -81,7 +96,7 @@ class Partition:
     @cached_property
     def tiles(self) -> bool:
         """Whether the cells cover the square exactly once, by their boundaries."""
-        return tile([cell.polygon for cell in self.cells], self.domain, float(self.scene.check.radius))
+        return tile([cell.polygon for cell in self.cells], self.domain, self.size)
 
     @cached_property
     def tied_area(self) -> Number | Lazy:
@@ -102,10 +117,6 @@ class Partition:
 
 def _exact_area(cell: Cell) -> Number:
     """Area with every vertex as a field element."""
-    exact = tuple((_evaluated(x), _evaluated(y)) for x, y in cell.polygon.vertices)
+    exact = tuple((evaluated(x), evaluated(y)) for x, y in cell.polygon.vertices)
     area: Number = Polygon(exact, cell.polygon.sides).area
     return area
-
-
-def _evaluated(value: Number | Lazy) -> Number:
-    return value.exact() if isinstance(value, Lazy) else value

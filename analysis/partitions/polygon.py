@@ -7,11 +7,13 @@ and intersects two lines per cut; with exact numbers every result is exact, and 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import cross, dot
 
 Point: TypeAlias = tuple[Any, Any]
 
@@ -109,3 +111,15 @@ def square(centre: Point, radius: Any) -> Polygon:
         HalfPlane((-one, zero), r - x, "domain"),
     )
     return Polygon(((x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)), sides)
+
+
+def hull_holds_zero(vectors: Sequence[Point]) -> bool:
+    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing)."""
+    nonzero = [v for v in vectors if any(v)]
+    if len(nonzero) < len(vectors):
+        return True
+    for v in nonzero:  # v is the last counterclockwise of an open half-plane iff all others lie clockwise of it
+        sides = [(sign(cross(v, w)), sign(dot(v, w))) for w in nonzero]
+        if all(turn < 0 or (turn == 0 and along > 0) for turn, along in sides):
+            return False
+    return bool(nonzero)

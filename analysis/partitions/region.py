@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.symbolic.constraints import outer
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.scene import cross
@@ -38,7 +39,7 @@ class Region:
     @cached_property
     def sides(self) -> tuple[Triple, ...]:
         """Linear functionals ``(a, b, c)``, one per side from generator k to k + 1, with ``a x + b y + c w >= 0``."""
-        return tuple(_outer(g, h) for g, h in self._pairs())
+        return tuple(outer(g, h) for g, h in self._pairs())
 
     def _pairs(self) -> Iterator[Segment]:
         return pairwise([*self.generators, self.generators[0]])
@@ -175,8 +176,3 @@ def _between(g: Triple, h: Triple, alpha: Any, beta: Any) -> Triple:
     """``alpha g + beta h``, as a point where it is one."""
     x, y, w = (alpha * a + beta * b for a, b in zip(g, h, strict=True))
     return (x / w, y / w, w / w) if w else (x, y, w)
-
-
-def _outer(g: Triple, h: Triple) -> Triple:
-    """Functional that vanishes on two generators and is positive to the left of the way from g to h."""
-    return g[1] * h[2] - g[2] * h[1], g[2] * h[0] - g[0] * h[2], g[0] * h[1] - g[1] * h[0]

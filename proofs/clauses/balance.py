@@ -25,7 +25,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
-from nonsmooth.symbolic.constraints import Row, Triple, inner, outer, roll_row, side_row
+from nonsmooth.symbolic.constraints import (
+    Row,
+    Triple,
+    added,
+    cofactors,
+    combine,
+    gram,
+    inner,
+    outer,
+    roll_row,
+    scaled,
+    side_row,
+)
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 
@@ -168,7 +180,7 @@ class Slip:
     def pull(self) -> Triple:
         """``(mu_R^2 r_i a_i + mu_S^2 s_i b_i)``: the gradient of ``f_i^2/2``."""
         a, b = self.rows
-        return _plus(_times(a, self.friction[0] * self.along), _times(b, self.friction[1] * self.across))
+        return added(scaled(a, self.friction[0] * self.along), scaled(b, self.friction[1] * self.across))
 
 
 def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
@@ -178,7 +190,7 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     loaded = [(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force]
     sticking = [(wheel, force) for wheel, force in loaded if not _slips_smoothly(wheel)]
     columns = [
-        (wheel.index, row.kind, _times(_unit(row), force * friction))
+        (wheel.index, row.kind, scaled(_unit(row), force * friction))
         for wheel, force in sticking
         for row, friction in _sticking_rows(wheel)
         if friction
@@ -207,7 +219,7 @@ def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip, ...
 
 def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
     """Gradient of D at c = 0, where no loaded wheel sticks."""
-    return _sum(scene, (_times(s.pull, s.force[0] / s.squared_size.sqrt()) for s in slips if s.force[0]))
+    return _sum(scene, (scaled(s.pull, s.force[0] / s.squared_size.sqrt()) for s in slips if s.force[0]))
 
 
 def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
@@ -235,14 +247,14 @@ def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization 
     for slip in slips:
         size = slip.squared_size.sqrt()
         _add_curvature(hessian, slip, size)
-        slopes = [_plus(g, _times(slip.pull, slip.force[1 + axis] / size)) for axis, g in enumerate(slopes)]
+        slopes = [added(g, scaled(slip.pull, slip.force[1 + axis] / size)) for axis, g in enumerate(slopes)]
     rows = [(row[0], row[1], row[2]) for row in hessian]
-    columns = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
+    columns = cofactors(rows[0], rows[1], rows[2])
     determinant = inner(rows[0], columns[0])
     if not determinant:
         return None
     scale = -determinant.inverse()
-    x, y = (_times(_combine(slope, columns), scale) for slope in slopes)
+    x, y = (scaled(combine(slope, columns), scale) for slope in slopes)
     return Linearization(omega, (rows[0], rows[1], rows[2]), (slopes[0], slopes[1]), (x, y))
 
 
@@ -259,13 +271,13 @@ def _sticking_rows(wheel: Wheel) -> list[tuple[Row, Number]]:
 
 def _pull(wheel: Wheel, force: Number) -> Triple:
     """``N mu_R sgn(u) a``; zero for a wheel at rest."""
-    return _times(_unit(roll_row(wheel)), force * wheel.friction.roll * wheel.scaled_speed.sign())
+    return scaled(_unit(roll_row(wheel)), force * wheel.friction.roll * wheel.scaled_speed.sign())
 
 
 def _add_curvature(hessian: list[list[Number]], slip: Slip, size: Number) -> None:
     """Add ``N mu_R^2 mu_S^2/f^3 w w^T``."""
     a, b = slip.rows
-    w = _plus(_times(a, slip.across), _times(b, -slip.along))
+    w = added(scaled(a, slip.across), scaled(b, -slip.along))
     factor = slip.force[0] * slip.friction[0] * slip.friction[1] / (size * slip.squared_size)
     for r in range(3):
         for s in range(3):
@@ -276,39 +288,23 @@ def _least_norm(columns: Sequence[Triple], target: Triple) -> tuple[list[Number]
     """Least-norm f with ``sum f_k columns_k = target`` and the rank of the columns; None where they have rank < 3."""
     if len(columns) < 3:
         return None, len(columns)
-    gram = [[sum((c[r] * c[s] for c in columns), columns[0][0] * 0) for s in range(3)] for r in range(3)]
-    rows = [(row[0], row[1], row[2]) for row in gram]
-    cofactors = (outer(rows[1], rows[2]), outer(rows[2], rows[0]), outer(rows[0], rows[1]))
-    determinant = inner(rows[0], cofactors[0])
+    rows = gram(columns)
+    adjugate = cofactors(*rows)
+    determinant = inner(rows[0], adjugate[0])
     if not determinant:
         return None, 2
-    multiplier = _times(_combine(target, cofactors), determinant.inverse())
+    multiplier = scaled(combine(target, adjugate), determinant.inverse())
     return [inner(column, multiplier) for column in columns], 3
 
 
 def _unit(row: Row) -> Triple:
     """The row scaled back to a unit rim direction."""
-    return _times(row.normal, row.wheel.length.inverse())
-
-
-def _combine(weights: Triple, columns: Sequence[Triple]) -> Triple:
-    total = _times(columns[0], weights[0])
-    for weight, column in zip(weights[1:], columns[1:], strict=True):
-        total = _plus(total, _times(column, weight))
-    return total
-
-
-def _times(vector: Triple, factor: Number) -> Triple:
-    return vector[0] * factor, vector[1] * factor, vector[2] * factor
-
-
-def _plus(a: Triple, b: Triple) -> Triple:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+    return scaled(row.normal, row.wheel.length.inverse())
 
 
 def _sum(scene: Scene, vectors: Iterable[Triple]) -> Triple:
     zero = scene.field.zero
     total: Affine = (zero, zero, zero)
     for vector in vectors:
-        total = _plus(total, vector)
+        total = added(total, vector)
     return total

@@ -19,7 +19,6 @@ from enum import StrEnum
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.analysis.partitions.arrangement import friction_of
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
 from nonsmooth.proofs.clauses.balance import (
     Linearization,
@@ -149,7 +148,7 @@ def _smooth_point(
 
 def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
     """The twist that satisfies every row with friction of every wheel, where the wheels loaded at the point fix it."""
-    rows = [row for row in scene_rows(scene) if friction_of(row)]
+    rows = [row for row in scene_rows(scene) if row.friction]
     loaded = [row for row in rows if region.forces[row.wheel.index - 1][0]]
     basis = independent([row.normal for row in loaded])
     if len(basis) < 3:

@@ -183,7 +183,7 @@ def _place(point: Point) -> str:
 def rest_area(partition: Partition) -> Number | None:
     """Area of the cells at rest whose closure holds the equilibrium, where there are any."""
     zero = partition.scene.field.zero
-    cells = [cell for cell in partition.cells_at((zero, zero)) if any(not any(twist) for twist in cell.twists)]
+    cells = [cell for cell in partition.cells_at((zero, zero)) if cell.rests]
     return sum((cell.polygon.area for cell in cells), zero) if cells else None
 
 

@@ -17,7 +17,7 @@ from typing import Any
 from nonsmooth.proofs.inequalities.forms import Pieces, Problem, Vector, surd_sign
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, trimmed, value
 from nonsmooth.proofs.inequalities.subdivision import Violation
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Terms
@@ -127,7 +127,7 @@ def _failure(line: Line, roots: Sequence[RealRoot], strict: bool) -> tuple[Any, 
 
 def line_of(problem: Problem) -> Line:
     """The problem on its two generators, as a function of one variable."""
-    exact = tuple(tuple(_exact(x) for x in g) for g in problem.generators)
+    exact = tuple(tuple(evaluated(x) for x in g) for g in problem.generators)
     return edge_line(problem, exact, problem.pieces(exact), (0, 1))
 
 
@@ -143,11 +143,7 @@ def _dense(terms: Terms, edge: tuple[int, int], degree: int, field: NumberField)
     """Coefficients along an edge by the power of its second generator."""
     first, second = edge
     found = {e[second]: c for e, c in terms.items() if e[first] + e[second] == degree}
-    return tuple(field(_exact(found.get(k, 0))) for k in range(degree + 1))
-
-
-def _exact(value: Any) -> Any:
-    return value.exact() if isinstance(value, Lazy) else value
+    return tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
 
 
 def without_zeros(coefficients: list[Number]) -> list[Number]:

@@ -17,7 +17,7 @@ from nonsmooth.proofs.inequalities.binary_forms import Line, edge_line
 from nonsmooth.proofs.inequalities.forms import Problem, Vector
 from nonsmooth.proofs.inequalities.real_roots import positive_roots
 from nonsmooth.proofs.inequalities.subdivision import Part, Violation
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Terms
 
@@ -31,7 +31,7 @@ def zero_cut(problem: Problem, part: Part) -> tuple[int, int, Any] | Violation |
     """Where to cut a part, ``(first, second, weight)``; or a point on an edge that refutes the claim."""
     if part.depth > CUT_DEPTH:
         return None
-    generators = [tuple(x.exact() if isinstance(x, Lazy) else x for x in g) for g in part.generators]
+    generators = [tuple(map(evaluated, g)) for g in part.generators]
     for edge in combinations(range(len(generators)), 2):
         line = edge_line(problem, generators, part.pieces, edge)
         for t, is_zero in _suspects(line):
@@ -77,9 +77,5 @@ def _lowest_terms(problem: Problem, generators: list[Vector], plain: Terms) -> I
         top = max((e[corner] for e in plain), default=0)
         degree = problem.form.degree - top
         found = {e[edge[1]]: c for e, c in plain.items() if e[corner] == top}
-        curve: tuple[Number, ...] = tuple(field(_exact(found.get(k, 0))) for k in range(degree + 1))
+        curve: tuple[Number, ...] = tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
         yield edge, Line(curve, (), (field.one, field.zero, field.one))
-
-
-def _exact(value: Any) -> Any:
-    return value.exact() if isinstance(value, Lazy) else value

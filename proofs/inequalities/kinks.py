@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.fields.switched_cells import LyapunovCell
 from nonsmooth.analysis.partitions.region import Segment
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated, trimmed, value
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 
@@ -93,7 +93,7 @@ class Kink:
     def along(self, polynomial: Polynomial, degree: int | None = None) -> Curve:
         """A polynomial on the edge, times a power of w that is positive there."""
         top = polynomial.degree if degree is None else degree
-        exact = [tuple(v.exact() if isinstance(v, Lazy) else v for v in g) for g in self.edge]
+        exact = [tuple(map(evaluated, g)) for g in self.edge]
         terms = in_generators(polynomial.homogenized(top).terms, exact)
         return tuple(polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1))
 

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.symbolic.constraints import Triple, independent, inner, outer
+from nonsmooth.symbolic.constraints import Triple, cofactors, independent, inner
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -96,13 +96,13 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
     if basis is None:
         return None
     chosen = [_triple(columns[k]) for k in basis]
-    cofactors = (outer(chosen[1], chosen[2]), outer(chosen[2], chosen[0]), outer(chosen[0], chosen[1]))
-    det = inner(chosen[0], cofactors[0])
+    adjugate = cofactors(chosen[0], chosen[1], chosen[2])
+    det = inner(chosen[0], adjugate[0])
     side = det.sign()
-    tops = [inner(_triple(target), row) for row in cofactors]
+    tops = [inner(_triple(target), row) for row in adjugate]
     if not side or any(top.sign() * side < 0 for top in tops):
         return None
-    rows = list(zip(*cofactors, strict=True))
+    rows = list(zip(*adjugate, strict=True))
     multipliers = [_sum(prices[k] * c for k, c in zip(basis, row, strict=True)) for row in rows]
     for column, price in zip(columns, prices, strict=True):
         if (_sum(y * c for y, c in zip(multipliers, column, strict=True)) - price * det).sign() * side < 0:

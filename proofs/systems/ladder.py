@@ -19,8 +19,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import holds_zero
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.polygon import Point, hull_holds_zero
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.scene import cross, dot
 
@@ -59,7 +58,7 @@ def _shevitz_paden(velocities: Sequence[Point], gradients: Sequence[Point]) -> I
     candidates = list(velocities)
     for g, h in combinations(gradients, 2):
         candidates += mixtures(velocities, (g[0] - h[0], g[1] - h[1]))
-    if holds_zero(velocities):
+    if hull_holds_zero(velocities):
         zero = velocities[0][0] - velocities[0][0]
         candidates.append((zero, zero))
     high = max(min(dot(g, f) for g in gradients) for f in candidates)
@@ -73,7 +72,7 @@ def _bacciotti_ceragioli(velocities: Sequence[Point], gradients: Sequence[Point]
     if not bends:
         values = [dot(first, f) for f in velocities]
     elif any(cross(bends[0], bend) for bend in bends[1:]):
-        values = [velocities[0][0] - velocities[0][0]] if holds_zero(velocities) else []
+        values = [velocities[0][0] - velocities[0][0]] if hull_holds_zero(velocities) else []
     else:
         values = [dot(first, f) for f in mixtures(velocities, bends[0])]
     return Interval(min(values), max(values)) if values else None

@@ -19,14 +19,13 @@ from nonsmooth.analysis.fields.switched_cells import (
     partition_cells,
     system_cells,
 )
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.system_stability import domains
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number_field import base_order
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.rule import Rule
@@ -118,8 +117,7 @@ def _field_cells(scene: Scene | SystemScene, lyapunov: PiecewiseExpression) -> t
         return system_cells(scene, domains(scene, lyapunov)[0])
     if scene.contact.rule is Rule.ELLIPSE:
         return None
-    build = build_nearest_partition if scene.contact.rule is Rule.NEAREST else build_box_partition
-    return partition_cells(build(scene.recentred()))
+    return partition_cells(build_partition(scene.recentred()))
 
 
 def _result(scene: Scene | SystemScene, lyapunov: str, result: LyapunovResult | None) -> AuditResult:
@@ -140,5 +138,5 @@ def _named(witness: Refutation | None) -> Refutation | None:
     """The witness with every late number carried out."""
     if witness is None:
         return None
-    x, y, value = (v.exact() if isinstance(v, Lazy) else v for v in (*witness.point, witness.value))
+    x, y, value = map(evaluated, (*witness.point, witness.value))
     return Refutation((x, y), value, witness.meaning)

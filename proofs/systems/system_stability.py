@@ -21,13 +21,13 @@ from fractions import Fraction
 from nonsmooth.analysis.fields.switched_cells import (
     FieldCell,
     LyapunovCell,
-    holds_zero,
     lyapunov_cells,
     plane,
     square_regions,
     system_cells,
     velocities_at,
 )
+from nonsmooth.analysis.partitions.polygon import hull_holds_zero
 from nonsmooth.analysis.partitions.region import Region, cone_region
 from nonsmooth.proofs.clauses.ray_moves import (
     ConstantFan,
@@ -213,7 +213,7 @@ def _rays(cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
 
 def _equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
     zero = cells[0].velocities[0][0].field.zero
-    return Equilibrium.HOLDS if holds_zero(velocities_at(cells, (zero, zero))) else Equilibrium.FAILS
+    return Equilibrium.HOLDS if hull_holds_zero(velocities_at(cells, (zero, zero))) else Equilibrium.FAILS
 
 
 def _of_kind(rays: Sequence[RayMove], kind: RayKind) -> list[RayMove]:

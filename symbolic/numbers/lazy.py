@@ -200,3 +200,8 @@ def divided(numerator: Number, denominator: Number) -> Any:
     if len(numerator.field.radicands) > FEW_ROOTS:
         return Lazy.of(numerator) / Lazy.of(denominator)
     return numerator / denominator
+
+
+def evaluated(value: Any) -> Any:
+    """The number itself, where it is a quotient that was put off; anything else as it is."""
+    return value.exact() if isinstance(value, Lazy) else value

@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.sampling import literal_twist
 from nonsmooth.analysis.partitions.nearest import bisector, build_nearest_partition, nearest_states
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.symbolic.constraints import Row, Twist, determinant, roll_row, side_row, wheel_rows
+from nonsmooth.symbolic.constraints import Row, Twist, independent, roll_row, side_row, wheel_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, Wheel
@@ -72,7 +72,7 @@ def literal_rows(scene: Scene, point: Point) -> list[Row]:
     for wheel in sorted(scene.wheels, key=lambda w: squared_distance(w, point)):
         rows = wheel_rows(wheel)
         for row in rows if wheel.friction.roll >= wheel.friction.side else rows[::-1]:
-            if len(chosen) < 2 or (len(chosen) == 2 and determinant([*chosen, row])):
+            if len(chosen) < 2 or (len(chosen) == 2 and len(independent([r.normal for r in (*chosen, row)])) == 3):
                 chosen.append(row)
     return chosen
 

@@ -16,9 +16,9 @@ from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
 from nonsmooth.analysis.fields.smooth_field import Vector, affine_surface, smooth_surface
-from nonsmooth.analysis.fields.switched_field import array_field, domain_size, flow_of, piecewise_constant
+from nonsmooth.analysis.fields.switched_field import array_field, flow_of, piecewise_constant
 from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge, build_complex
+from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, square
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def complex_of(partition: Partition) -> CellComplex:
-    return build_complex([cell.polygon for cell in partition.cells], domain_size(partition))
+    return partition.complex
 
 
 def assert_is_a_complex(cells: CellComplex) -> None:

@@ -15,8 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.analysis.fields.switched_cells import holds_zero, plane, square_regions, system_cells, velocities_at
+from nonsmooth.analysis.fields.switched_cells import plane, square_regions, system_cells, velocities_at
 from nonsmooth.analysis.fields.switching_patterns import build_switched_system
+from nonsmooth.analysis.partitions.polygon import hull_holds_zero
 from nonsmooth.proofs.clauses.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.ladder import Interval
@@ -182,7 +183,7 @@ def test_values_on_surfaces_are_ignored(load: Load) -> None:
 )
 def test_hulls_that_hold_zero(vectors: list[tuple[int, int]], expected: bool) -> None:
     field = NumberField()
-    assert holds_zero([(field(a), field(b)) for a, b in vectors]) is expected
+    assert hull_holds_zero([(field(a), field(b)) for a, b in vectors]) is expected
 
 
 # ---- scene files -------------------------------------------------------------------------------
