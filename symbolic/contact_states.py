@@ -27,10 +27,6 @@ from nonsmooth.symbolic.constraints import (
 from nonsmooth.symbolic.scene import Scene
 
 
-class DependentRowsError(ValueError):
-    """Three rows that do not determine a twist."""
-
-
 @dataclass(frozen=True)
 class ContactState:
     """Rows of rank three and what follows from them.

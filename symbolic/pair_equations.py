@@ -122,18 +122,6 @@ def normal_form(expression: Any) -> sympy.Expr:
     return remainder
 
 
-def with_headings(expression: sympy.Expr) -> sympy.Expr:
-    """Write ``c_i, s_i`` as ``cos(phi_i), sin(phi_i)``."""
-    import sympy
-
-    values: dict[sympy.Symbol, sympy.Expr] = {}
-    for name in ("i", "j"):
-        angle = sympy.Symbol(f"phi_{name}", real=True)
-        _, _, c, s, _ = _wheel(name)
-        values |= {c: sympy.cos(angle), s: sympy.sin(angle)}
-    return expression.subs(values)
-
-
 def _wheel(name: str) -> tuple[sympy.Symbol, ...]:
     """``(x, y, cos phi, sin phi, u)`` of a wheel as symbols."""
     import sympy

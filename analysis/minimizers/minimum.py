@@ -76,13 +76,6 @@ class Minima:
         """``D(xi) - sum_k f_k b_k``, shape (m,): no twist dissipates less than ``values - gaps``."""
         return self.values - input_power(self.model, self.forces)
 
-    @property
-    def relative_gaps(self) -> Floats:
-        """Gaps over values, shape (m,); 0 where the gap is rounding of the terms of D."""
-        gaps, values = self.gaps, self.values
-        rounding = rounding_error(self.model, self.loads, self.twists)
-        return np.divide(gaps, values, out=np.zeros_like(gaps), where=np.abs(gaps) > rounding)
-
     def check(self, gap: float = GAP) -> NDArray[np.bool_]:
         """Verify every point from twists and forces alone, shape (m,).
 
@@ -116,11 +109,6 @@ class Minimum:
     def gap(self) -> float:
         """``D(xi) - sum_k f_k b_k``: no twist dissipates less than ``value - gap``."""
         return self.value - float(input_power(self.model, self.forces))
-
-    @property
-    def usage(self) -> Floats:
-        """Share of its friction limit that each wheel uses, shape (n,); a wheel that slips uses 1."""
-        return usage(self.functional, self.model, self.loads, self.forces)
 
     def check(self, gap: float = GAP) -> bool:
         """:meth:`Minima.check`, and equal dissipation at all vertices of the face."""

@@ -61,7 +61,6 @@ def follow_constant(
     start: Sequence[Any],
     until: Any | None,
     watch: LyapunovWatch | None,
-    max_legs: int = MAX_LEGS,
 ) -> Trajectory:
     """Follow a Filippov solution from ``(x, y, theta)``.
 
@@ -70,7 +69,6 @@ def follow_constant(
         start: initial pose.
         until: last time; None follows the path to its rest, however long that takes.
         watch: bound on V' to check every piece against.
-        max_legs: number of motions after which the path ends in any case.
 
     Raises:
         ValueError: for a start outside the domain.
@@ -82,7 +80,7 @@ def follow_constant(
         place = field.cells.locate((x, y))
     if place is None:
         raise ValueError(f"required a start inside the domain of the cells, received ({start[0]}, {start[1]})")
-    return _Path(field, (x, y), theta, until, watch).follow(place, max_legs)
+    return _Path(field, (x, y), theta, until, watch).follow(place)
 
 
 class _Path:
@@ -106,9 +104,9 @@ class _Path:
         """Pose now."""
         return *self.point, self.theta
 
-    def follow(self, place: Place, max_legs: int) -> Trajectory:
+    def follow(self, place: Place) -> Trajectory:
         """Leg after leg."""
-        for _ in range(max_legs):
+        for _ in range(MAX_LEGS):
             leg = self._leg(place)
             if leg is None:
                 return self._result(EndReason.OUTSIDE)

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, cross, dot
 
@@ -25,11 +24,9 @@ class CocircularArray:
 
     Attributes:
         scene: the array, centred at its equilibrium.
-        squared_radius: ``R^2``.
     """
 
     scene: Scene
-    squared_radius: Number
 
     def check(self) -> bool:
         """Re-verify every hypothesis."""
@@ -40,8 +37,7 @@ def cocircular_array(scene: Scene) -> CocircularArray | None:
     """The lemma's certificate for a centred array, or None where a hypothesis fails."""
     if failed_hypotheses(scene):
         return None
-    first = scene.wheels[0].position
-    return CocircularArray(scene, dot(first, first))
+    return CocircularArray(scene)
 
 
 def failed_hypotheses(scene: Scene) -> list[str]:

@@ -52,22 +52,30 @@ class Move(StrEnum):
 
 @dataclass(frozen=True)
 class Cone:
-    """The part of a cell near the equilibrium: counterclockwise from ray ``start`` to ray ``end``."""
+    """The part of a cell near the equilibrium: counterclockwise from ray ``start`` to ray ``end``.
 
-    cell: Cell
+    Attributes:
+        start: first ray.
+        end: last ray.
+        twists: the motions in the cone.
+    """
+
     start: Point
     end: Point
-
-    @property
-    def twists(self) -> tuple[Twist, ...]:
-        """The motions in the cone."""
-        return self.cell.twists
+    twists: tuple[Twist, ...]
 
     def holds(self, vector: Point) -> bool:
         """Whether a nonzero vector points into the closed cone (of angle at most a half turn)."""
         if not cross(self.start, self.end):  # half-plane
             return sign(cross(self.start, vector)) >= 0
         return sign(cross(self.start, vector)) >= 0 and sign(cross(vector, self.end)) >= 0
+
+
+@dataclass(frozen=True)
+class CellCone(Cone):
+    """The cone of a cell of an array."""
+
+    cell: Cell
 
 
 @dataclass(frozen=True)
@@ -139,11 +147,11 @@ def decide_fan(partition: Partition) -> FanResult:
     return decide_cones(build_fan(partition))
 
 
-def build_fan(partition: Partition) -> tuple[Cone, ...]:
+def build_fan(partition: Partition) -> tuple[CellCone, ...]:
     """The cones of the cells whose closure holds the origin, counterclockwise."""
     zero = partition.scene.field.zero
     cones = [_cone(cell) for cell in partition.cells_at((zero, zero))]
-    cones.sort(key=cmp_to_key(lambda a, b: _compare_angles(a.start, b.start)))
+    cones.sort(key=lambda cone: by_angle(cone.start))
     if len(cones) == 1:
         return tuple(cones)
     # neighbours share one vector per ray, so that gains multiply to the gain of a full turn
@@ -174,18 +182,18 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
 # ---- geometry of the fan -----------------------------------------------------------------
 
 
-def _cone(cell: Cell) -> Cone:
+def _cone(cell: Cell) -> CellCone:
     """The cone of a cell at the origin, from its vertices."""
     vertices = cell.polygon.vertices
     count = len(vertices)
     for k, vertex in enumerate(vertices):
         if not any(vertex):
-            return Cone(cell, vertices[(k + 1) % count], vertices[k - 1])
+            return CellCone(vertices[(k + 1) % count], vertices[k - 1], cell.twists, cell)
     for k, vertex in enumerate(vertices):
         after = vertices[(k + 1) % count]
         if not cross(vertex, after) and sign(dot(vertex, after)) < 0:
-            return Cone(cell, after, vertex)
-    return Cone(cell, vertices[0], vertices[0])  # the origin is inside: the cone is the plane
+            return CellCone(after, vertex, cell.twists, cell)
+    return CellCone(vertices[0], vertices[0], cell.twists, cell)  # the origin is inside: the cone is the plane
 
 
 def _compare_angles(a: Point, b: Point) -> int:
@@ -194,6 +202,9 @@ def _compare_angles(a: Point, b: Point) -> int:
     if upper[0] != upper[1]:
         return -1 if upper[0] else 1
     return -sign(cross(a, b))
+
+
+by_angle = cmp_to_key(_compare_angles)  # key that sorts rays counterclockwise from the positive x axis
 
 
 def _is_plane(cone: Cone) -> bool:

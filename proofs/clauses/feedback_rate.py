@@ -20,7 +20,7 @@ from typing import Any
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.fan import Cone, build_fan
+from nonsmooth.proofs.clauses.fan import CellCone, build_fan
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -85,7 +85,7 @@ def certified_rate(partition: Partition) -> FeedbackRate | None:
     return None
 
 
-def _cone_rate(cone: Cone, fields: tuple[Triple, ...], *, late: bool) -> ConeRate:
+def _cone_rate(cone: CellCone, fields: tuple[Triple, ...], *, late: bool) -> ConeRate:
     """The form of one cone; over many square roots its numbers are evaluated late, since products of four occur."""
 
     def entry(value: Any) -> Any:

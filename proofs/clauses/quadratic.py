@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.fan import Cone
+from nonsmooth.proofs.clauses.fan import CellCone
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Vector, dot
 
@@ -42,7 +42,7 @@ class QuadraticCertificate:
     shape: tuple[Fraction, Fraction]
     decay: Fraction
     level: Number
-    cones: tuple[Cone, ...]
+    cones: tuple[CellCone, ...]
 
     def __str__(self) -> str:
         a, b = self.shape
@@ -93,7 +93,7 @@ class QuadraticCertificate:
         return self.value(start) - slope * slope / curvature
 
 
-def find_quadratic(cones: tuple[Cone, ...]) -> QuadraticCertificate | None:
+def find_quadratic(cones: tuple[CellCone, ...]) -> QuadraticCertificate | None:
     """Search P for the fan; None where the search or the exact verification fails."""
     shape = _propose(cones)
     if shape is None:
@@ -109,7 +109,7 @@ def find_quadratic(cones: tuple[Cone, ...]) -> QuadraticCertificate | None:
     return None
 
 
-def _propose(cones: tuple[Cone, ...]) -> tuple[Fraction, Fraction] | None:
+def _propose(cones: tuple[CellCone, ...]) -> tuple[Fraction, Fraction] | None:
     """The P whose worst ray decreases fastest, from a second-order cone program."""
     import cvxpy as cp
 
@@ -148,7 +148,7 @@ def _falls(certificate: QuadraticCertificate, ray: Point, velocity: Vector, deca
     return sign(slope) < 0 and sign(slope * slope - decay * decay * dot(ray, ray)) >= 0
 
 
-def _pairs(cones: tuple[Cone, ...]) -> Iterator[tuple[Point, Vector]]:
+def _pairs(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Vector]]:
     """Each ray of each cone with each of the cone's velocities."""
     for cone in cones:
         for twist in cone.twists:
@@ -156,7 +156,7 @@ def _pairs(cones: tuple[Cone, ...]) -> Iterator[tuple[Point, Vector]]:
             yield cone.end, twist.velocity
 
 
-def _rim(cones: tuple[Cone, ...]) -> Iterator[tuple[Point, Point]]:
+def _rim(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Point]]:
     """Sides of the fan's cells that do not pass through the equilibrium."""
     for cone in cones:
         polygon = cone.cell.polygon

@@ -13,23 +13,20 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
-from functools import cmp_to_key
 from typing import Any
 
 from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity, velocities_at
-from nonsmooth.analysis.partitions.partition import Cell
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
-from nonsmooth.proofs.clauses.fan import Cone, FanResult, Move, decide_cones
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.fan import Cone, FanResult, Move, by_angle, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, trimmed, value
 from nonsmooth.proofs.systems.ladder import mixtures
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.scene import dot
 
 
 class RayKind(StrEnum):
@@ -197,21 +194,10 @@ def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
     pieces: list[tuple[Point, tuple[Velocity, ...]]] = [
         ((a[0], a[1]), cell.velocities) for cell in here for a, _ in directions(cell.region)
     ]
-    pieces.sort(key=cmp_to_key(_compare_starts))
+    pieces.sort(key=lambda piece: by_angle(piece[0]))
     cones: list[Cone] = []
     for k, (start, velocities) in enumerate(pieces):
         end = pieces[(k + 1) % len(pieces)][0]
         motions = [Twist(f.terms.get((0, 0), zero), g.terms.get((0, 0), zero), zero) for f, g in velocities]
-        sides = tuple(HalfPlane((zero, zero), zero) for _ in range(3))
-        triangle = Polygon(((zero, zero), start, end), sides)
-        cones.append(Cone(Cell(k + 1, triangle, tuple(ContactState((), m) for m in motions)), start, end))
+        cones.append(Cone(start, end, tuple(motions)))
     return tuple(cones)
-
-
-def _compare_starts(first: tuple[Point, object], second: tuple[Point, object]) -> int:
-    """Order by the angle of the first ray from the positive x axis, counterclockwise."""
-    a, b = first[0], second[0]
-    upper = [sign(p[1]) > 0 or (sign(p[1]) == 0 and sign(p[0]) > 0) for p in (a, b)]
-    if upper[0] != upper[1]:
-        return -1 if upper[0] else 1
-    return -sign(cross(a, b))

@@ -25,7 +25,7 @@ from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_deriv
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.fan import FanResult, decide_fan
+from nonsmooth.proofs.clauses.fan import CellCone, FanResult, build_fan, decide_fan
 from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text
@@ -113,7 +113,7 @@ class TranslationResult:
         if self.fan is None or not self.fan.check() or self.fan.verdict is not verdict:
             return False
         local = {d.cell.index for d in local_derivatives(self.derivatives)}
-        return {cone.cell.index for cone in self.fan.cones} == local
+        return {cone.cell.index for cone in self.fan.cones if isinstance(cone, CellCone)} == local
 
     def _region_holds(self, *, strict: bool) -> bool:
         """Whether no violation comes nearer to the equilibrium than the region's radius."""
@@ -146,7 +146,7 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
         fan = decide_fan(partition)
         witness = Witness(point, highest, "V* > 0")
         reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {brief_text(highest)} > 0 at {_place(point)}"
-        quadratic = find_quadratic(fan.cones) if fan.verdict is Translation.ASYMPTOTICALLY_STABLE else None
+        quadratic = find_quadratic(build_fan(partition)) if fan.verdict is Translation.ASYMPTOTICALLY_STABLE else None
         return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic)
     strict = highest.sign() < 0
     radius = _region_radius(partition, derivatives, strict=strict)
@@ -156,7 +156,7 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
     rest = _equilibrium_ray(derivatives)
     fan = decide_fan(partition)
     attracts = fan.verdict is Translation.ASYMPTOTICALLY_STABLE
-    quadratic = find_quadratic(fan.cones) if attracts else None
+    quadratic = find_quadratic(build_fan(partition)) if attracts else None
     verdict = Translation.ASYMPTOTICALLY_STABLE if attracts else Translation.STABLE
     reason = _weak_reason(partition, rest, fan, lemma)
     return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma, quadratic)

@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.partition import Cell
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Polygon
 from nonsmooth.proofs.clauses.fan import Cone, Evidence, FanResult, Move, build_fan, decide_cones, slide_speed
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number_field import NumberField
 
 if TYPE_CHECKING:
@@ -31,9 +28,7 @@ def fan_of(rays: list[Vector], motions: list[tuple[int | Fraction, ...]]) -> lis
     for k, motion in enumerate(motions):
         start, end = exact[k], exact[(k + 1) % len(exact)]
         twist = Twist(*(FIELD(x) for x in (*motion, 0)[:3]))
-        side = HalfPlane((FIELD.zero, FIELD.zero), FIELD.zero)
-        polygon = Polygon(((FIELD.zero, FIELD.zero), start, end), (side,) * 3)
-        cones.append(Cone(Cell(k + 1, polygon, (ContactState((), twist),)), start, end))
+        cones.append(Cone(start, end, (twist,)))
     return cones
 
 
@@ -229,8 +224,7 @@ def tied_cones(seed: int) -> list[Cone]:
     for k, cone in enumerate(cones):
         second = others[k % len(others)]
         twist_of_second = Twist(FIELD(second[0]), FIELD(second[1]), FIELD.zero)
-        states = (*cone.cell.states, ContactState((), twist_of_second))
-        tied.append(replace(cone, cell=replace(cone.cell, states=states)))
+        tied.append(replace(cone, twists=(*cone.twists, twist_of_second)))
     return tied
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.proofs.clauses.fan import build_fan
 from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.rotation import decide_rotation
 from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
@@ -64,10 +65,11 @@ def test_forged_certificates_are_refused(arrays: Arrays, seed: int) -> None:
 
 def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
     for scene in (arrays.four_wheel((Fraction(1, 2), 1)), arrays.four_wheel(turn=(-1, 0))):
-        fan = decide_translation(build_nearest_partition(scene)).fan
+        partition = build_nearest_partition(scene)
+        fan = decide_translation(partition).fan
         assert fan is not None
         assert fan.verdict is not Translation.ASYMPTOTICALLY_STABLE
-        assert find_quadratic(fan.cones) is None
+        assert find_quadratic(build_fan(partition)) is None
 
 
 @pytest.mark.parametrize("seed", SEEDS)
