@@ -88,7 +88,7 @@ def refusals_named(scene: Scene | SystemScene) -> Iterator[None]:
     try:
         yield
     except RefusalError as error:
-        raise RefusedError(f"{scene.source or scene.name}: {error}") from None
+        raise RefusedError(f"{scene.origin}: {error}") from None
 
 
 def write(text: str) -> None:

@@ -12,6 +12,7 @@ from importlib.metadata import version
 
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.console import json_text, own_version
 from nonsmooth.reports.document import Bullets, Code, Document, Entry, Math, Section, Text, number, point, table
@@ -19,7 +20,7 @@ from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.records import Check, Record, check_record, partition_record, states_record, verified
+from nonsmooth.reports.records import Check, Record, check_record, partition_record, states_record
 from nonsmooth.reports.sections.contact import (
     cells_section,
     constraints_section,

@@ -37,17 +37,6 @@ Record: TypeAlias = dict[str, Any]
 Check: TypeAlias = CellCheck | EllipseCheck
 
 
-def verified(result: Check) -> Check:
-    """The result, after its evidence has been checked once more from the definitions.
-
-    Raises:
-        RuntimeError: if it does not verify.
-    """
-    if not result.check():
-        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
-    return result
-
-
 def check_record(result: Check) -> Record:
     """The verdicts of one check; points and twists are measured from ``equilibrium.at``."""
     scene = result.scene

@@ -124,6 +124,11 @@ class Scene:
     check: Check
     source: str = ""
 
+    @property
+    def origin(self) -> str:
+        """Where the scene came from, for messages: its file or built-in name, else its own name."""
+        return self.source or self.name
+
     def recentred(self) -> Scene:
         """The same array in coordinates whose origin is the checked equilibrium.
 

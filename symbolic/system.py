@@ -52,6 +52,11 @@ class SystemScene:
     check: SystemCheck
     source: str = ""
 
+    @property
+    def origin(self) -> str:
+        """Where the scene came from, for messages: its file or built-in name, else its own name."""
+        return self.source or self.name
+
     def velocity(self, sign_of: SignOf) -> tuple[Polynomial, Polynomial]:
         """The smooth field for the given signs of the inner expressions, in the displacement (x, y).
 
@@ -66,7 +71,7 @@ class SystemScene:
                 pieces.append(formula.polynomial(values, sign_of))
             except ExpressionError as error:
                 expected = requirement(error)
-                raise SceneError(self.source or self.name, f"system.rhs[{k}]", expected, formula.text) from None
+                raise SceneError(self.origin, f"system.rhs[{k}]", expected, formula.text) from None
         return pieces[0], pieces[1]
 
     def potential(self, lyapunov: PiecewiseExpression, sign_of: SignOf) -> Polynomial:

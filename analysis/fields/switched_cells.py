@@ -139,7 +139,7 @@ def system_cells(scene: SystemScene, regions: Iterable[Region]) -> tuple[FieldCe
         return tuple(FieldCell(region, (field,)) for region, field in smooth_pieces(regions, scene.velocity))
     except TooManyCells:
         expected = f"formulas that cut the plane into at most {MAX_CELLS} cells"
-        raise SceneError(scene.source or scene.name, "system.rhs", expected, Fact("more")) from None
+        raise SceneError(scene.origin, "system.rhs", expected, Fact("more")) from None
 
 
 def partition_cells(partition: Partition) -> tuple[FieldCell, ...]:

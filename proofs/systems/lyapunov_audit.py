@@ -103,7 +103,7 @@ def audited_cells(scene: Scene | SystemScene, lyapunov: str) -> tuple[LyapunovCe
     Raises:
         SceneError: for text that is no formula of the states over the scene's field.
     """
-    file = scene.source or scene.name
+    file = scene.origin
     states = scene.states if isinstance(scene, SystemScene) else PLANE
     formula = parse_lyapunov(lyapunov, states, file, KEY)
     if scene.field.order % base_order(formula.turns()):

@@ -164,7 +164,7 @@ def conclude(
 
 def domains(scene: SystemScene, lyapunov: PiecewiseExpression) -> list[tuple[Region, ...]]:
     """Where V is tried, in order; a system of cones with homogeneous V looks the same at every distance."""
-    cells = lyapunov_cells(plane_cells(scene), lyapunov, scene.states, scene.source or scene.name)
+    cells = lyapunov_cells(plane_cells(scene), lyapunov, scene.states, scene.origin)
     if are_cones(cells) and all(cell.potential.is_homogeneous for cell in cells):
         return [plane(scene)]
     return [square_regions(scene.check.radius * factor) for factor in (1, SHRINKING)]
@@ -177,7 +177,7 @@ def plane_cells(scene: SystemScene) -> tuple[FieldCell, ...]:
 
 def scene_cells(scene: SystemScene, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
     """The cells of some regions, cut further where the scene's V bends."""
-    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.source or scene.name)
+    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
 
 
 def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:

@@ -20,13 +20,12 @@ def audit(
 ) -> int:
     """Decide whether somebody's function is a Lyapunov function on the checked square."""
     from nonsmooth.proofs.systems.lyapunov_audit import audit as audit_function
+    from nonsmooth.proofs.verified import verified
     from nonsmooth.symbolic.files.system_file import load_any
 
     loaded = load_any(scene, rule=rule, radius=radius, at=at)
     with refusals_named(loaded):
-        result = audit_function(loaded, lyapunov)
-    if not result.check():
-        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
+        result = verified(audit_function(loaded, lyapunov))
     if json:
         from nonsmooth.reports.system_views import audit_record
 

@@ -24,7 +24,7 @@ def check(
 ) -> int:
     """Check Theorem 4 clause by clause, or the stability of a plain switched system."""
     from nonsmooth.proofs.theorem4 import check_theorem4
-    from nonsmooth.reports.records import verified
+    from nonsmooth.proofs.verified import verified
     from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.scene import Scene
 
@@ -57,12 +57,11 @@ def _check_system(scene: SystemScene, certificate: str | None, *, json: bool) ->
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.systems.system_stability import system_check
     from nonsmooth.proofs.verdicts import Translation
+    from nonsmooth.proofs.verified import verified
 
     if certificate is not None:
-        raise RefusedError(f"{scene.source or scene.name}: required an array of wheels for a certificate")
-    result = system_check(scene)
-    if not result.check():
-        raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
+        raise RefusedError(f"{scene.origin}: required an array of wheels for a certificate")
+    result = verified(system_check(scene))
     if json:
         from nonsmooth.reports.system_views import system_record
 
@@ -85,5 +84,5 @@ def _write_certificate(results: list[CellCheck | EllipseCheck], target: str) -> 
     try:
         text = certificate_text(build_certificate(results[0]))
     except CertificateError as error:
-        raise RefusedError(f"{results[0].scene.source or results[0].scene.name}: {error}") from None
+        raise RefusedError(f"{results[0].scene.origin}: {error}") from None
     write_whole(path, text.encode())

@@ -59,7 +59,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     try:
         trajectory = views.follow(partition, run)
     except ValueError as error:
-        raise RefusedError(f"{loaded.source or loaded.name}: {error}") from None
+        raise RefusedError(f"{loaded.origin}: {error}") from None
     record = views.trajectory_record(partition, run, trajectory)
     if path is not None:
         write_whole(path, _trajectory_bytes(path, partition, trajectory, record))

@@ -68,9 +68,7 @@ def require_drawable(partition: Partition) -> None:
     radius, far = abs(float(scene.check.radius)), max(abs(float(x)) for x in scene.check.equilibrium)
     if not (1 / LARGEST <= radius <= LARGEST and far * RESOLUTION <= radius):
         expected = f"for a picture, a radius of {1 / LARGEST:g} to {LARGEST:g}, and {RESOLUTION:g} of the coordinates"
-        raise SceneError(
-            scene.source or scene.name, "check.radius", expected, Fact(decimal_text(scene.check.radius, 6))
-        )
+        raise SceneError(scene.origin, "check.radius", expected, Fact(decimal_text(scene.check.radius, 6)))
 
 
 def build_figure(partition: Partition) -> Figure:
