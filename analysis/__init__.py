@@ -3,3 +3,51 @@
 It may import `nonsmooth.symbolic`, NumPy and SciPy; CVXPY only inside the call that needs it,
 Matplotlib never. Its tolerances are named constants, each with a unit and a reason.
 """
+
+from typing import TYPE_CHECKING
+
+from nonsmooth.symbolic.notebook import on_demand
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field
+    from nonsmooth.analysis.fields.contact_model import contact_model as contact_model
+    from nonsmooth.analysis.fields.feedback_laws import corrected_law as corrected_law
+    from nonsmooth.analysis.fields.feedback_laws import gradient_law as gradient_law
+    from nonsmooth.analysis.fields.feedback_laws import printed_law as printed_law
+    from nonsmooth.analysis.fields.kinematics import Kinematics as Kinematics
+    from nonsmooth.analysis.fields.switched_field import array_field as array_field
+    from nonsmooth.analysis.fields.switched_field import piecewise_constant as piecewise_constant
+    from nonsmooth.analysis.partitions.agreement import compare_rules as compare_rules
+    from nonsmooth.analysis.partitions.contact_partition import build_partition as build_partition
+    from nonsmooth.analysis.partitions.equilibria import find_equilibria as find_equilibria
+    from nonsmooth.analysis.partitions.partition import Partition as Partition
+    from nonsmooth.analysis.partitions.partition import RefusalError as RefusalError
+    from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis as simulate_hysteresis
+    from nonsmooth.analysis.trajectories.maps import grid_starts as grid_starts
+    from nonsmooth.analysis.trajectories.maps import settle_map as settle_map
+    from nonsmooth.analysis.trajectories.result import Trajectory as Trajectory
+    from nonsmooth.analysis.trajectories.trajectory import simulate as simulate
+
+__getattr__ = on_demand(
+    __name__,
+    {
+        "feedback_field": "fields.cellwise_field",
+        "contact_model": "fields.contact_model",
+        "corrected_law": "fields.feedback_laws",
+        "gradient_law": "fields.feedback_laws",
+        "printed_law": "fields.feedback_laws",
+        "Kinematics": "fields.kinematics",
+        "array_field": "fields.switched_field",
+        "piecewise_constant": "fields.switched_field",
+        "compare_rules": "partitions.agreement",
+        "build_partition": "partitions.contact_partition",
+        "find_equilibria": "partitions.equilibria",
+        "Partition": "partitions.partition",
+        "RefusalError": "partitions.partition",
+        "simulate_hysteresis": "trajectories.hysteresis",
+        "grid_starts": "trajectories.maps",
+        "settle_map": "trajectories.maps",
+        "Trajectory": "trajectories.result",
+        "simulate": "trajectories.trajectory",
+    },
+)

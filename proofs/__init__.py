@@ -3,3 +3,33 @@
 It may import `nonsmooth.symbolic` and `nonsmooth.analysis`: floats propose, exact arithmetic
 disposes. It holds no tolerance, and missing evidence never passes.
 """
+
+from typing import TYPE_CHECKING
+
+from nonsmooth.symbolic.notebook import on_demand
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.certificate import build_certificate as build_certificate
+    from nonsmooth.proofs.certificate import certificate_text as certificate_text
+    from nonsmooth.proofs.checker import check_file as check_file
+    from nonsmooth.proofs.inequalities.prover import prove as prove
+    from nonsmooth.proofs.systems.lyapunov_audit import audit as audit
+    from nonsmooth.proofs.systems.system_stability import system_check as system_check
+    from nonsmooth.proofs.theorem4 import check_theorem4 as check_theorem4
+    from nonsmooth.proofs.theorem4_result import CellCheck as CellCheck
+    from nonsmooth.proofs.theorem4_result import EllipseCheck as EllipseCheck
+
+__getattr__ = on_demand(
+    __name__,
+    {
+        "build_certificate": "certificate",
+        "certificate_text": "certificate",
+        "check_file": "checker",
+        "prove": "inequalities.prover",
+        "audit": "systems.lyapunov_audit",
+        "system_check": "systems.system_stability",
+        "check_theorem4": "theorem4",
+        "CellCheck": "theorem4_result",
+        "EllipseCheck": "theorem4_result",
+    },
+)

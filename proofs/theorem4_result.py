@@ -24,6 +24,7 @@ from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import ContactCensus
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
@@ -98,9 +99,17 @@ class CellCheck(Theorem4Result):
         arrives = self.partition.complete and rotation_bound(self.partition, self.translation) is not None
         return drift is not None and arrives and drift.interval[0] <= 0 <= drift.interval[1]
 
+    @property
+    def clauses(self) -> Clauses:
+        """The four clauses, in order."""
+        return self.equilibrium, self.translation, self.rotation, self.feedback
+
+    def _repr_html_(self) -> str:
+        return _clause_table(self, self.clauses)
+
     def check(self) -> bool:
         """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
-        clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)
+        clauses = self.clauses
         verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
         about_it = self.partition.scene == self.scene.recentred() and self._speaks_of_every_cell()
         return verified and about_it and self.verdict is conclude(*clauses)[0]
@@ -141,9 +150,17 @@ class EllipseCheck(Theorem4Result):
     translation: EllipseTranslation
     feedback: SampledFeedback
 
+    @property
+    def clauses(self) -> Clauses:
+        """The four clauses, in order."""
+        return self.equilibrium, self.translation, self.rotation, self.feedback
+
+    def _repr_html_(self) -> str:
+        return _clause_table(self, self.clauses)
+
     def check(self) -> bool:
         """Re-verify the evidence of every clause and the conclusion."""
-        clauses = (self.equilibrium, self.translation, self.rotation, self.feedback)
+        clauses = self.clauses
         verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
         point = self.equilibrium.point
         about_it = point.scene == self.scene.recentred() and point.region in load_regions(point.scene)
@@ -176,3 +193,11 @@ def conclude(
         if clause.verdict in open_verdicts:
             return Theorem4.UNDECIDED, f"{name}, {clause.verdict}: {clause.reason}"
     return Theorem4.HOLDS, "every clause holds"
+
+
+def _clause_table(result: Theorem4Result, clauses: Clauses) -> str:
+    """The verdicts with their reasons, for a notebook."""
+    names = ("equilibrium", "translation", "rotation", "feedback")
+    rows = [(name, clause.verdict, clause.reason) for name, clause in zip(names, clauses, strict=True)]
+    head = f"{result.scene.name}, rule {result.scene.contact.rule}"
+    return html_table(head, ("clause", "verdict", "reason"), [*rows, ("Theorem 4", result.verdict, result.reason)])

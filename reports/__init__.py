@@ -3,3 +3,23 @@
 It may import every other room, and no other room imports it. Matplotlib and Jinja2 are imported
 only inside the call that needs them.
 """
+
+from typing import TYPE_CHECKING
+
+from nonsmooth.symbolic.notebook import on_demand
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.derivation import derive_report as derive_report
+    from nonsmooth.reports.derivation import render_report as render_report
+    from nonsmooth.reports.figures.cell_map import cell_map as cell_map
+    from nonsmooth.reports.figures.trajectory import trajectory_figure as trajectory_figure
+
+__getattr__ = on_demand(
+    __name__,
+    {
+        "derive_report": "derivation",
+        "render_report": "derivation",
+        "cell_map": "figures.cell_map",
+        "trajectory_figure": "figures.trajectory",
+    },
+)

@@ -5,3 +5,47 @@ anything.  It may import python-flint, pydantic and SymPy (SymPy only inside the
 contact states do without), never SciPy, CVXPY or another room.  Text from a user goes through the whitelist of
 `expression`, never through an evaluator.
 """
+
+from typing import TYPE_CHECKING
+
+from nonsmooth.symbolic.notebook import on_demand
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.constraints import Row as Row
+    from nonsmooth.symbolic.constraints import Twist as Twist
+    from nonsmooth.symbolic.constraints import constraint_matrix as constraint_matrix
+    from nonsmooth.symbolic.constraints import scene_rows as scene_rows
+    from nonsmooth.symbolic.contact_states import ContactState as ContactState
+    from nonsmooth.symbolic.contact_states import take_census as take_census
+    from nonsmooth.symbolic.equations import governing_equations as governing_equations
+    from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
+    from nonsmooth.symbolic.files.system_file import load_any as load_any
+    from nonsmooth.symbolic.files.system_file import load_system as load_system
+    from nonsmooth.symbolic.numbers.number import Number as Number
+    from nonsmooth.symbolic.numbers.number_field import NumberField as NumberField
+    from nonsmooth.symbolic.scene import Scene as Scene
+    from nonsmooth.symbolic.scene_error import SceneError as SceneError
+    from nonsmooth.symbolic.system import SystemScene as SystemScene
+
+__getattr__ = on_demand(
+    __name__,
+    {
+        "ContactState": "contact_states",
+        "take_census": "contact_states",
+        "Row": "constraints",
+        "Twist": "constraints",
+        "constraint_matrix": "constraints",
+        "scene_rows": "constraints",
+        "governing_equations": "equations",
+        "builtin_scenes": "files.scene_file",
+        "load_scene": "files.scene_file",
+        "load_any": "files.system_file",
+        "load_system": "files.system_file",
+        "Number": "numbers.number",
+        "NumberField": "numbers.number_field",
+        "Scene": "scene",
+        "SceneError": "scene_error",
+        "SystemScene": "system",
+    },
+)

@@ -55,6 +55,9 @@ class GoverningEquations:
 
         return sympy.Matrix([formula.to_sympy() for formula in self.right])
 
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
+
     def plain(self, longest: int | None = None) -> str:
         """One equation per line.
 

@@ -11,6 +11,8 @@ from nonsmooth.analysis.partitions.cell_complex import CellComplex, build_comple
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
@@ -109,6 +111,15 @@ class Partition:
         """Distinct contact states that own a cell, in cell order."""
         by_rows = {frozenset(row.name for row in s.rows): s for cell in self.cells for s in cell.states}
         return tuple(by_rows.values())
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (cell.index, state.name, *(brief_text(entry) for entry in state.twist))
+            for cell in self.cells
+            for state in cell.states
+        ]
+        head = f"{self.scene.name}: {len(self.cells)} cells, rule {self.rule}"
+        return html_table(head, ("cell", "rows held", "v_x", "v_y", "omega"), rows)
 
     def cells_at(self, point: Point) -> tuple[Cell, ...]:
         """The cells whose closure holds the point."""

@@ -12,6 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.symbolic.notebook import html_table
+
 State: TypeAlias = tuple[Any, ...]
 
 
@@ -142,6 +144,14 @@ class Trajectory:
     end: End
     unique: bool | None
     pieces: tuple[Piece, ...] = ()
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (f"{float(e.t):.6g}", e.kind, ", ".join(f"{float(x):.6g}" for x in e.state), e.surface, e.note)
+            for e in self.events
+        ]
+        head = f"{self.method}, {self.kinematics} kinematics: {self.end.reason} at t = {float(self.end.t):.6g}"
+        return html_table(head, ("t", "event", "state", "where", "note"), rows)
 
     def at(self, time: Any) -> State:
         """State at a time; before the start the first state, after the end the last.

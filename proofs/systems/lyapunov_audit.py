@@ -25,6 +25,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, exami
 from nonsmooth.proofs.systems.system_stability import domains
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number_field import base_order
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -70,6 +71,10 @@ class AuditResult:
     reason: str
     witness: Refutation | None
     result: LyapunovResult | None
+
+    def _repr_html_(self) -> str:
+        rows = [(self.lyapunov, self.verdict, self.proves or "nothing", self.reason)]
+        return html_table(f"{self.scene.name}: audit of V", ("V", "verdict", "proves", "reason"), rows)
 
     def check(self) -> bool:
         """Build the cells again and re-verify every inequality on them."""

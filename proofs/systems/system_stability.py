@@ -42,6 +42,7 @@ from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.piecewise_quadratic import HALVINGS, find_piecewise_quadratic, linear_cones
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.system import SystemScene
 
@@ -88,6 +89,10 @@ class SystemResult:
     growth: LyapunovResult | None
     fan: ConstantFan | None
     rays: tuple[RayMove, ...]
+
+    def _repr_html_(self) -> str:
+        rows = [(self.verdict, self.method, self.reason)]
+        return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
 
     @property
     def witness(self) -> Refutation | None:

@@ -287,6 +287,11 @@ class Number(ExactReal):
 
         return number_text(self)
 
+    def _repr_latex_(self) -> str:
+        from nonsmooth.symbolic.formulas import number_latex
+
+        return f"${number_latex(self)}$"
+
     def __repr__(self) -> str:
         return f"Number({self})"
 

@@ -1,0 +1,35 @@
+"""What a notebook shows of a result, and how a room offers its public names: without any other room.
+
+Results have ``_repr_html_`` (a plain table) or ``_repr_latex_`` (a formula); the full reports are in
+``nonsmooth.reports``.  A room's names are looked up when they are first used, so that importing the room costs nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from html import escape
+from importlib import import_module
+from typing import Any
+
+
+def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A table in HTML; every text is escaped."""
+    head = "".join(f"<th>{escape(name)}</th>" for name in header)
+    body = "".join(f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows)
+    return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def on_demand(room: str, modules: Mapping[str, str]) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a room that offers names of its modules (PEP 562).
+
+    Args:
+        room: the package's name.
+        modules: for each public name the module, below the room, that defines it.
+    """
+
+    def look_up(name: str) -> Any:
+        if name not in modules:
+            raise AttributeError(f"module {room!r} has no attribute {name!r}")
+        return getattr(import_module(f"{room}.{modules[name]}"), name)
+
+    return look_up

@@ -1,0 +1,100 @@
+"""The public names: each exists, is documented and is on the page; results show themselves in a notebook."""
+
+from __future__ import annotations
+
+import ast
+import pkgutil
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from fractions import Fraction
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.analysis import Kinematics, array_field, build_partition, simulate
+from nonsmooth.proofs import audit, check_theorem4, system_check
+from nonsmooth.symbolic import governing_equations, load_scene, load_system
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOMS = ("symbolic", "analysis", "proofs", "reports")
+HOSTILE = '<img src=x onerror="alert(1)">'
+
+
+def typed_names(room: str) -> dict[str, str]:
+    """What a type checker sees: name and module, from the block that only it reads."""
+    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    imported = [node for node in block.body if isinstance(node, ast.ImportFrom)]
+    return {alias.name: str(node.module) for node in imported for alias in node.names}
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_public_names_exist_and_are_documented(room: str) -> None:
+    package = import_module(f"nonsmooth.{room}")
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    section = page.split(f"## `nonsmooth.{room}`")[1].split("\n## ")[0]
+    submodules = {module.name for module in pkgutil.iter_modules(package.__path__)}
+    assert typed_names(room)
+    for name, module in typed_names(room).items():
+        value = getattr(package, name)
+        assert value is getattr(import_module(module), name)
+        assert value.__doc__
+        assert name not in submodules
+        assert re.search(rf"`[^`]*\b{name}\b[^`]*`", section), name
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_unknown_names_are_refused(room: str) -> None:
+    with pytest.raises(AttributeError, match=rf"module 'nonsmooth.{room}' has no attribute 'nothing'"):
+        getattr(import_module(f"nonsmooth.{room}"), "nothing")  # noqa: B009
+
+
+def test_the_example_of_the_page_runs() -> None:
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    example = page.split("```python\n")[1].split("```")[0]
+    done = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("holds True\n")
+    assert "v_x = " in done.stdout
+
+
+def test_symbolic_stands_alone() -> None:
+    code = (
+        "import sys; from nonsmooth.symbolic import load_scene, scene_rows, take_census; "
+        "take_census(load_scene('ring-5')); "
+        "print(sorted({'scipy', 'cvxpy', 'matplotlib', 'jinja2', 'rich', 'typer'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_results_are_tables_in_a_notebook(arrays: Arrays) -> None:
+    scene = replace(arrays.four_wheel((1, Fraction(1, 2))), name=HOSTILE)
+    partition = build_partition(scene)
+    path = simulate(array_field(partition, Kinematics.LEADING), (Fraction(1, 5), Fraction(2, 5), 0), 2)
+    system = replace(load_system("eq-4"), name=HOSTILE)
+    shown = {
+        "asymptotically stable": check_theorem4(scene),
+        "R1 S1 R2": partition,
+        "slide": path,
+        "strong stability": system_check(system),
+        "x**2 + y**2": audit(scene, "x**2 + y**2"),
+    }
+    for words, result in shown.items():
+        html = result._repr_html_()
+        assert html.startswith("<table>")
+        assert html.endswith("</table>")
+        assert words in html
+        assert "<img" not in html
+
+
+def test_formulas_are_formulas_in_a_notebook() -> None:
+    state = build_partition(load_scene("four-wheel")).states[0]
+    assert r"\begin{aligned}" in governing_equations(state)._repr_latex_()
+    assert state.twist.omega._repr_latex_() in (r"$\frac{\sqrt{2}}{2}$", r"$- \frac{\sqrt{2}}{2}$")
