@@ -23,7 +23,6 @@ from nonsmooth.reports.console import PROGRAM, own_version, prepare_streams, run
 
 app = typer.Typer(
     epilog="Example: nonsmooth check four-wheel",
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )

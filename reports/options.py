@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,7 +11,21 @@ from nonsmooth.reports.choices import RuleOrAll
 from nonsmooth.symbolic.rule import Rule
 
 _RULE = typer.Option("--rule", help="Contact rule; replaces the scene's.")
-SceneText = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.")]
+
+
+def complete_scene(incomplete: str) -> list[str]:
+    """Built-in names and scene files that begin as typed, for the shell."""
+    from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
+
+    folder = Path(incomplete).parent if "/" in incomplete else Path()
+    files = [str(folder / path.name) for path in sorted(folder.glob("*.toml"))]
+    return [name for name in (*builtin_scenes(), *builtin_systems(), *files) if name.startswith(incomplete)]
+
+
+SceneText = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.", autocompletion=complete_scene),
+]
 RuleOption = Annotated[Rule | None, _RULE]
 RulesOption = Annotated[RuleOrAll | None, _RULE]
 Radius = Annotated[

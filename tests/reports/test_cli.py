@@ -316,6 +316,19 @@ def test_version_and_help(invoke: Invoke) -> None:
         assert "Example: nonsmooth" in outcome.out
 
 
+@pytest.mark.parametrize(
+    ("typed", "offered"), [("four", ["four-wheel", "four-wheel-side"]), ("my", ["my.toml"]), ("nothing", [])]
+)
+def test_the_shell_completes_scenes(tmp_path: Path, typed: str, offered: list[str]) -> None:
+    (tmp_path / "my.toml").touch()
+    asked = {"_NONSMOOTH_COMPLETE": "complete_bash", "COMP_WORDS": f"nonsmooth check {typed}", "COMP_CWORD": "2"}
+    program = Path(sys.executable).with_name("nonsmooth")
+    done = subprocess.run(
+        [program], env={**os.environ, **asked}, cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == offered
+
+
 # ---- bad input: one line, status 2, nothing written ----------------------------------------------
 
 BAD = {
