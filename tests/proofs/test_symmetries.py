@@ -205,6 +205,22 @@ def test_numbering(build: Callable[[int], Scene], seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+def test_a_wheel_too_far_away_to_matter(build: Callable[[int], Scene], seed: int) -> None:
+    """Under rule nearest a wheel that is nowhere among the two nearest changes nothing but the count of triples."""
+    scene = build(seed)
+    reach = max(abs(x) for w in scene.wheels for x in w.position) + scene.check.radius
+    first = scene.wheels[0]
+    far = replace(first, index=len(scene.wheels) + 1, position=(reach * 7, reach * -5))
+    before, after = check_cells(scene), check_cells(replace(scene, wheels=(*scene.wheels, far)))
+    assert verdicts(after) == verdicts(before)
+    assert drift(after) == drift(before)
+    assert after.translation.worst_rate == before.translation.worst_rate
+    assert after.translation.region_radius == before.translation.region_radius
+    assert [c.twists for c in after.partition.cells] == [c.twists for c in before.partition.cells]
+    assert after.census.possible > before.census.possible
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_translation_of_the_array_with_its_equilibrium(build: Callable[[int], Scene], seed: int) -> None:
     scene = build(seed)
     x, y = scene.field(Fraction(41, 3)), scene.field(Fraction(-5, 7))
