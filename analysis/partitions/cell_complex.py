@@ -229,7 +229,7 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
         for point in polygon.vertices:
             x, y = float(point[0]), float(point[1])
             doubt = SAME_CORNER_DOUBT * size
-            close = (k for k, (a, b) in enumerate(places) if abs(a - x) <= doubt and abs(b - y) <= doubt)
+            close = (k for k, (a, b) in enumerate(places) if not (abs(a - x) > doubt or abs(b - y) > doubt))
             known = next((k for k in close if points[k][0] == point[0] and points[k][1] == point[1]), None)
             if known is None:
                 known = len(points)
@@ -241,13 +241,17 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
 
 
 def _stops(points: Sequence[Point], places: Any, first: int, last: int, side: HalfPlane, size: float) -> list[int]:
-    """Corners on a side, from its first vertex to its last."""
-    along = places[last] - places[first]
-    offset = places - places[first]
-    doubt = SAME_CORNER_DOUBT * size * (float(np.hypot(*along)) + size)
-    near = np.abs(along[0] * offset[:, 1] - along[1] * offset[:, 0]) <= doubt
-    reach = offset @ along
-    candidates = np.flatnonzero(near & (reach > -doubt) & (reach < along @ along + doubt))
+    """Corners on a side, from its first vertex to its last.
+
+    Floats exclude what is certainly elsewhere: beyond their range (where they are not numbers) nothing is.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        along = places[last] - places[first]
+        offset = places - places[first]
+        doubt = SAME_CORNER_DOUBT * size * (float(np.hypot(*along)) + size)
+        beside = np.abs(along[0] * offset[:, 1] - along[1] * offset[:, 0]) > doubt
+        reach = offset @ along
+        candidates = np.flatnonzero(~(beside | (reach < -doubt) | (reach > along @ along + doubt)))
     (x1, y1), (x2, y2) = points[first], points[last]
     r = (x2 - x1, y2 - y1)
     between = [
@@ -258,4 +262,5 @@ def _stops(points: Sequence[Point], places: Any, first: int, last: int, side: Ha
         and sign(dot(r, (points[k][0] - x1, points[k][1] - y1))) > 0
         and sign(dot(r, (x2 - points[k][0], y2 - points[k][1]))) > 0
     ]
-    return [first, *sorted(between, key=lambda k: reach[k]), last]
+    between.sort(key=lambda k: dot(r, points[k]))
+    return [first, *between, last]
