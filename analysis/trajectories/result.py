@@ -40,6 +40,8 @@ class EndReason(StrEnum):
     APPROACH = "an equilibrium is approached and never reached"
     CIRCLES = "the body follows a closed orbit forever"
     OUTSIDE = "the body leaves the checked domain"
+    TIPS = "the centre of mass leaves the support of the wheels: the body tips"
+    LOADS = "a load of the load table becomes negative"
     EVENTS = "the largest number of events is reached"
 
 
@@ -127,7 +129,7 @@ class Trajectory:
 
     Attributes:
         kinematics: ``exact`` or ``leading`` for arrays, ``given`` for plain systems.
-        method: ``events``, ``hysteresis`` or ``smoothed``.
+        method: ``events``, ``hysteresis``, ``smoothed``, ``dynamics`` or ``minimizer``.
         times: sample times, ascending (equal where a switch takes no time).
         states: one state per time.
         events: what happened, in order.

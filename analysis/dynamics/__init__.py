@@ -1,0 +1,1 @@
+"""Full dynamics of the body beside the quasi-static rules: Newton-Euler equations, paths, what mass changes."""

@@ -1,0 +1,171 @@
+"""Full dynamics against the three quasi-static contact rules: distance of the paths against mass.
+
+As the mass goes to 0 at a fixed weight (or, which is the same, as the wheels turn more slowly) the velocity settles in
+a time of order m on the one at which friction balances: the minimizer of the ellipse functional.  So the distance to
+the path of rule ``ellipse`` falls like m (a slow manifold in the sense of Fenichel 1979).  Where the minimizer is not
+unique its field jumps, a path may slide along the jump as in a Filippov system, and the distance falls like
+``sqrt(m)``: this is measured (three wheels in a ring, from (0.2, 0.4)), not derived.  The distances to the paths of
+rules ``nearest`` and ``box`` do not go to zero: they go to the distance of these paths from that of ``ellipse``, which
+is listed as their limit.
+
+Distances are the largest over common times: the end of either path, where it leaves the checked square or tips, ends
+the comparison, a rest does not.  Paths are compared at sampled times: a sampled maximum is a lower bound.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.switched_field import array_field
+from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+
+COMPARED = 1001  # times at which two paths are compared, both ends included
+LADDER = 5  # masses of a ladder, each a tenth of the one before
+BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS})
+
+
+@dataclass(frozen=True)
+class PathDistance:
+    """How far two paths are apart.
+
+    Attributes:
+        rule: the contact rule of the path that is compared with.
+        position: largest ``|c - c_rule|`` (length).
+        rotation: largest ``|theta - theta_rule|`` (radians).
+        until: last time at which both exist.
+    """
+
+    rule: Rule
+    position: float
+    rotation: float
+    until: float
+
+
+@dataclass(frozen=True)
+class MassRow:
+    """Full dynamics at one mass.
+
+    Attributes:
+        body: mass and inertia.
+        distances: from the path of each contact rule that has one.
+        evaluations: how often forces were computed.
+        seconds: run time of the path under full dynamics.
+    """
+
+    body: Body
+    distances: tuple[PathDistance, ...]
+    evaluations: int
+    seconds: float
+
+    def distance(self, rule: Rule) -> PathDistance:
+        """The distance from the path of one rule.
+
+        Raises:
+            KeyError: for a rule without a path.
+        """
+        return {own.rule: own for own in self.distances}[rule]
+
+
+@dataclass(frozen=True)
+class MassStudy:
+    """A ladder of masses.
+
+    Attributes:
+        start: ``(x, y, theta)``, at rest.
+        until: last time.
+        rows: one per mass, in the order given.
+        limits: distances of the other rules' paths from that of rule ``ellipse``: what their columns tend to.
+        seconds: run time of each rule's own path, preparation included.
+        skipped: rules without a path, and why.
+    """
+
+    start: tuple[float, float, float]
+    until: float
+    rows: tuple[MassRow, ...]
+    limits: tuple[PathDistance, ...]
+    seconds: Mapping[Rule, float]
+    skipped: Mapping[Rule, str]
+
+
+def mass_ladder(body: Body, count: int = LADDER) -> tuple[Body, ...]:
+    """Bodies of one shape, each a tenth as heavy as the one before."""
+    return tuple(Body(body.mass / 10**k, body.inertia / 10**k) for k in range(count))
+
+
+def mass_study(scene: Scene, bodies: Sequence[Body], start: Sequence[float], until: float) -> MassStudy:
+    """Follow full dynamics for every body, and every contact rule, from one start.
+
+    Args:
+        scene: the array; its own rule does not matter.
+        bodies: see :func:`mass_ladder`.
+        start: ``(x, y, theta)``.
+        until: last time.
+
+    Raises:
+        ValueError: for a last time that is not positive, or numbers that are not finite.
+        nonsmooth.analysis.partitions.loads.LoadError: for a start without loads.
+        nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
+    """
+    x, y, theta = (float(value) for value in start)
+    paths: dict[Rule, Trajectory] = {}
+    seconds: dict[Rule, float] = {}
+    skipped: dict[Rule, str] = {}
+    for rule in Rule:
+        began = time.perf_counter()
+        try:
+            paths[rule] = rule_path(scene, rule, (x, y, theta), until)
+            seconds[rule] = time.perf_counter() - began
+        except (RefusalError, ValueError, TrajectoryError) as error:
+            if rule is Rule.ELLIPSE:
+                raise
+            skipped[rule] = str(error)
+    rows = tuple(_row(scene, body, (x, y, theta), until, paths) for body in bodies)
+    own = paths[Rule.ELLIPSE]
+    others = {rule: path for rule, path in paths.items() if rule is not Rule.ELLIPSE}
+    limits = tuple(path_distance(rule, own, path, until) for rule, path in others.items())
+    return MassStudy((x, y, theta), float(until), rows, limits, seconds, skipped)
+
+
+def rule_path(scene: Scene, rule: Rule, start: Sequence[float], until: float) -> Trajectory:
+    """The quasi-static path of one contact rule, exact kinematics.
+
+    Raises:
+        RefusalError: where the rule has no cells, or no loads exist.
+        ValueError: for a start outside the checked square.
+        TrajectoryError: where the path cannot be followed.
+    """
+    if rule is Rule.ELLIPSE:
+        return ellipse_path(contact_model(scene), start, until)
+    chosen = replace(scene, contact=replace(scene.contact, rule=rule))
+    return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
+
+
+def path_distance(rule: Rule, path: Trajectory, other: Trajectory, until: float) -> PathDistance:
+    """Largest distance up to a time; ``other`` is the path of the rule."""
+    last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
+    times = np.linspace(0.0, last, COMPARED)
+    apart = path.sample(times) - other.sample(times)
+    return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
+
+
+def _row(
+    scene: Scene, body: Body, start: tuple[float, float, float], until: float, paths: Mapping[Rule, Trajectory]
+) -> MassRow:
+    began = time.perf_counter()
+    path: DynamicPath = simulate_dynamics(contact_model(scene), body, start, until)
+    seconds = time.perf_counter() - began
+    distances = tuple(path_distance(rule, path.trajectory, other, until) for rule, other in paths.items())
+    return MassRow(body, distances, path.evaluations, seconds)

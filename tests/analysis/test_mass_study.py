@@ -1,0 +1,124 @@
+"""The quasi-static limit: paths of full dynamics tend to that of rule ellipse, and to that of no other rule."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder, mass_study, path_distance, rule_path
+from nonsmooth.analysis.dynamics.newton_euler import Body, disc, simulate_dynamics
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.partitions.loads import LoadError
+from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.rule import Rule
+
+START, UNTIL = (0.2, 0.4, 0.0), 2.0
+SLOPE = 0.15  # of log distance against log mass, where 1 is expected: what is left of the higher orders at m = 0.01
+
+
+@pytest.fixture(scope="module")
+def study() -> MassStudy:
+    scene = load_scene("four-wheel")
+    return mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 3), START, UNTIL)
+
+
+def test_ladder_keeps_the_shape_of_the_body() -> None:
+    ladder = mass_ladder(Body(0.1, 0.3), 3)
+    assert [body.mass for body in ladder] == pytest.approx([0.1, 0.01, 0.001])
+    assert [body.inertia / body.mass for body in ladder] == pytest.approx([3.0] * 3)
+
+
+def test_distance_to_rule_ellipse_falls_like_the_mass(study: MassStudy) -> None:
+    for heavy, light in pairwise(study.rows):
+        for field in ("position", "rotation"):
+            fall = getattr(heavy.distance(Rule.ELLIPSE), field) / getattr(light.distance(Rule.ELLIPSE), field)
+            assert np.log10(fall) == pytest.approx(1, abs=SLOPE)
+    assert study.rows[-1].distance(Rule.ELLIPSE).position < 1e-3
+
+
+def test_distance_to_the_other_rules_tends_to_theirs_from_ellipse(study: MassStudy) -> None:
+    limits = {limit.rule: limit for limit in study.limits}
+    assert set(limits) == {Rule.NEAREST, Rule.BOX}
+    for row in study.rows:
+        own = row.distance(Rule.ELLIPSE)
+        for rule, limit in limits.items():
+            assert abs(row.distance(rule).position - limit.position) <= own.position
+            assert abs(row.distance(rule).rotation - limit.rotation) <= own.rotation
+    assert min(limit.position for limit in study.limits) > 0.1
+
+
+def test_lines_of_several_minimizers_are_left_more_slowly() -> None:
+    """Three wheels: two of them tie on a line that the path slides along; the fall is between sqrt(10) and 10."""
+    scene = load_scene("ring-3")
+    bodies = mass_ladder(disc(contact_model(scene), 1e-4), 2)
+    rows = mass_study(scene, bodies, START, 0.3).rows
+    fall = rows[0].distance(Rule.ELLIPSE).position / rows[1].distance(Rule.ELLIPSE).position
+    assert 2.5 < fall < 10
+
+
+def test_rules_without_a_path_are_named() -> None:
+    scene = load_scene("conveyor-3")
+    study = mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 1), START, 0.5)
+    assert set(study.skipped) == {Rule.NEAREST, Rule.BOX}
+    assert "required a start inside the domain" in study.skipped[Rule.BOX]
+    assert [own.rule for own in study.rows[0].distances] == [Rule.ELLIPSE]
+    assert study.limits == ()
+
+
+def test_paths_that_break_off_are_compared_while_they_last() -> None:
+    scene = load_scene("outward")
+    path, other = rule_path(scene, Rule.NEAREST, START, UNTIL), rule_path(scene, Rule.ELLIPSE, START, UNTIL)
+    distance = path_distance(Rule.ELLIPSE, path, other, UNTIL)
+    assert path.end.reason is EndReason.OUTSIDE
+    assert distance.until == pytest.approx(float(path.end.t))
+    assert distance.until < float(other.end.t) < UNTIL
+    apart = np.array(path.at(distance.until), float) - np.array(other.at(distance.until))
+    assert distance.position >= np.hypot(*apart[:2]) > 0
+
+
+def test_distance_is_that_of_known_motions() -> None:
+    """Two conveyors side by side in the plane of velocities: one moves along x, one along y at twice the speed."""
+    square = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
+    along = [ContactModel.build(square, (rim,) * 4, (s,) * 4, (1.0, 1.0)) for rim, s in (((1, 0), 1.0), ((0, 1), 2.0))]
+    first, second = (ellipse_path(model, (0.0, 0.0, 0.5), 0.25) for model in along)
+    distance = path_distance(Rule.ELLIPSE, first, second, 0.25)
+    assert distance.position == pytest.approx(0.25 * np.sqrt(5), rel=1e-9)
+    assert distance.rotation == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "spiral-30", "off-center"])
+def test_settled_twist_is_the_minimizer_at_its_own_pose(name: str) -> None:
+    """After a few settling times the velocity differs from the minimizer's by the order of the mass."""
+    model = contact_model(load_scene(name))
+    errors = []
+    for mass in (1e-4, 1e-5):
+        x, y, _, wx, wy, omega = simulate_dynamics(model, disc(model, mass), START, 0.1).states[-1]
+        twist = np.array([wx + omega * y, wy - omega * x, omega])
+        loads = loads_at(model, [[x, y]])
+        errors.append(np.abs(twist - EllipseInterior().minimize(model, loads).twists[0]).max())
+    assert errors[0] < 0.02
+    assert errors[1] < errors[0] / 5
+
+
+def test_ellipse_path_moves_with_the_minimizer_and_exact_kinematics() -> None:
+    model = contact_model(load_scene("spiral-30"))
+    path, step = ellipse_path(model, START, 1.0), 1e-4
+    for t in (0.1, 0.5, 0.9):
+        x, y, _ = path.at(t)
+        ((vx, vy, omega),) = EllipseInterior().minimize(model, loads_at(model, [[x, y]])).twists
+        rate = (np.array(path.at(t + step)) - np.array(path.at(t - step))) / (2 * step)
+        assert np.allclose(rate, [vx - omega * y, vy + omega * x, omega], atol=1e-5)
+
+
+def test_ellipse_path_without_loads_or_time_is_refused() -> None:
+    model = contact_model(load_scene("four-wheel"))
+    with pytest.raises(LoadError, match="the body tips there"):
+        ellipse_path(model, (1.5, 0.0, 0.0), 1.0)
+    with pytest.raises(ValueError, match="positive last time"):
+        ellipse_path(model, START, 0.0)
