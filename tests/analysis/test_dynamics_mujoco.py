@@ -1,0 +1,172 @@
+"""Rule ellipse and full dynamics against MuJoCo, a rigid-body physics engine that knows nothing of either.
+
+What is modelled.  The four-wheel array turned by 45 degrees: wheels at distance sqrt(2) on the axes, rims inward, so
+that every rim lies along one of the engine's two friction axes (the tangents of its contact frame), which is how the
+engine can have two coefficients per contact at all.  A wheel is a sphere fixed in the world whose surface moves with
+``u d_i`` (``surfacevel``, a velocity that contacts see, with no motion of the geom).  The body is a thin square plate
+with a free joint in space, under gravity, one contact per wheel, with elliptic friction cones (``cone="elliptic"``,
+condim 3).  Contacts are soft: a spring and a damper each, alike for all wheels, from which the loads follow; nobody
+tells the engine the loads.  A high ``impratio`` makes friction hard, so that slow slip does not creep.  Wheels are slow
+because the engine's convex friction couples slip and normal force by its damping: at 1e-4 lengths per second that
+changes loads by a few parts in ten thousand, at 1e-3 by a per cent.  What the engine has and the model has not: springs
+that tilt the plate (some 1e-5 radians) and loads that move with acceleration.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+
+GRAVITY = 9.81
+HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere
+RADIUS = 0.05  # of the spheres
+SETTLING = 0.5  # seconds: fifty time constants of the contacts
+TWIST = 0.01  # relative, of twists; the goal is 0.05, the largest seen 0.0004
+SHARE = 1e-3  # of the weight, of loads; 0.0004 was the largest seen
+PATH = 2e-3  # lengths and radians on a path of length 0.5; 2e-4 was the largest seen
+
+turned = pytest.mark.parametrize("mu_side", [0.5, 0.1])
+
+
+class Engine(NamedTuple):
+    """A plate on wheels in the engine."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+
+    def step(self, seconds: float) -> None:
+        for _ in range(round(seconds / self.model.opt.timestep)):
+            mujoco.mj_step(self.model, self.data)
+
+    @property
+    def pose(self) -> Floats:
+        """``(x, y, theta)``; the plate's tilt is of the order of 1e-5."""
+        position = self.data.qpos
+        return np.array([position[0], position[1], 2 * np.arctan2(position[6], position[3])])
+
+    @property
+    def twist(self) -> Floats:
+        """Spatial twist ``(v, omega)`` from the velocity of the centre of mass."""
+        x, y, _ = self.pose
+        (wx, wy, _), omega = self.data.qvel[:3], self.data.qvel[5]
+        return np.array([wx + omega * y, wy - omega * x, omega])
+
+    def loads(self) -> Floats:
+        """Normal forces of the wheels as shares of the weight."""
+        mujoco.mj_forward(self.model, self.data)
+        forces, force = np.zeros(self.model.npair), np.zeros(6)
+        for k, contact in enumerate(self.data.contact):
+            mujoco.mj_contactForce(self.model, self.data, k, force)
+            forces[min(contact.geom)] = force[0]
+        return forces / (self.model.body_mass[1] * GRAVITY)
+
+
+def array(mu_side: float, speed: float) -> ContactModel:
+    """The four-wheel array turned by 45 degrees."""
+    inward = -np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    return ContactModel.build(-np.sqrt(2) * inward, inward, np.full(4, speed), (1.0, mu_side))
+
+
+def engine(wheels: ContactModel, start: tuple[float, float], timestep: float, time_constant: float) -> Engine:
+    """The plate laid onto the wheels; the engine numbers the wheels' geoms first."""
+    spec = mujoco.MjSpec()
+    spec.option.timestep, spec.option.gravity = timestep, [0, 0, -GRAVITY]
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 1e7
+    plate = spec.worldbody.add_body(name="plate", pos=[*start, THICK])
+    plate.add_freejoint()
+    box = mujoco.mjtGeom.mjGEOM_BOX
+    plate.add_geom(name="plate", type=box, size=[HALF, HALF, THICK], mass=1.0, contype=0, conaffinity=0)
+    for k, (position, rim) in enumerate(zip(wheels.positions, wheels.rims, strict=True)):
+        name, velocity = f"wheel {k}", [*(wheels.speeds[k] * rim), 0, 0, 0, 0]
+        sphere = mujoco.mjtGeom.mjGEOM_SPHERE
+        spec.worldbody.add_geom(
+            name=name, type=sphere, size=[RADIUS, 0, 0], pos=[*position, -RADIUS], surfacevel=velocity
+        )
+        spec.add_pair(
+            geomname1="plate",
+            geomname2=name,
+            condim=3,
+            friction=[*_along_tangents(rim, wheels.mu_roll[k], wheels.mu_side[k]), 0, 0, 0],
+            solref=[time_constant, 1],
+            solimp=[0.5, 0.5, 1, 0.5, 2],
+        )
+    model = spec.compile()
+    return Engine(model, mujoco.MjData(model))
+
+
+def _along_tangents(rim: Floats, roll: float, side: float) -> tuple[float, float]:
+    """Coefficients along the tangents of a level contact: y first, then x."""
+    return (side, roll) if abs(rim[0]) > abs(rim[1]) else (roll, side)
+
+
+def starts() -> list[tuple[float, float]]:
+    """Six positions in the square of half-width 1/2."""
+    points = np.random.default_rng(20010).uniform(-0.5, 0.5, size=(6, 2))
+    return [(float(x), float(y)) for x, y in points]
+
+
+def settled(mu_side: float, start: tuple[float, float]) -> tuple[Engine, ContactModel]:
+    wheels = array(mu_side, speed=1e-4)
+    plate = engine(wheels, start, timestep=1e-3, time_constant=0.01)
+    plate.step(SETTLING)
+    return plate, wheels
+
+
+def relative_error(twist: Floats, measured: Floats) -> float:
+    """Difference of twists over the largest entry of the measured one."""
+    return float(np.abs(twist - measured).max() / np.abs(measured).max())
+
+
+@turned
+def test_rims_lie_along_the_engines_friction_axes(mu_side: float) -> None:
+    plate, wheels = settled(mu_side, (0.1, 0.2))
+    plate.loads()
+    assert plate.data.ncon == wheels.wheels
+    for contact in plate.data.contact:
+        wheel = min(contact.geom)
+        tangents = contact.frame.reshape(3, 3)[1:, :2]
+        along = np.abs(tangents @ wheels.rims[wheel])
+        assert sorted(along) == pytest.approx([0, 1], abs=1e-3)
+        assert contact.friction[int(np.argmax(along))] == wheels.mu_roll[wheel]
+        assert contact.friction[int(np.argmin(along))] == wheels.mu_side[wheel]
+
+
+@turned
+@pytest.mark.parametrize("start", starts())
+def test_engines_settled_twist_is_that_of_rule_ellipse(mu_side: float, start: tuple[float, float]) -> None:
+    """With elastic loads, at the engine's own pose; rule box is much farther off, so the test tells them apart."""
+    plate, wheels = settled(mu_side, start)
+    before = plate.twist
+    plate.step(0.01)
+    assert np.abs(plate.twist - before).max() < 1e-3 * np.abs(before).max()
+    loads = loads_at(wheels, [plate.pose[:2]])
+    expected, other = (method.minimize(wheels, loads).twists[0] for method in (EllipseInterior(), BoxHighs()))
+    error = relative_error(expected, plate.twist)
+    assert error < TWIST
+    assert error < relative_error(other, plate.twist) / 10
+    assert np.abs(plate.loads() - loads[0]).max() < SHARE
+
+
+@turned
+def test_engines_path_is_that_of_full_dynamics(mu_side: float) -> None:
+    """Most of the way to the middle, a turn included, at 1e-3 lengths per second."""
+    wheels, start, until = array(mu_side, speed=1e-3), (0.2, 0.45), 400.0
+    plate = engine(wheels, start, timestep=5e-3, time_constant=0.02)
+    inertia = plate.model.body_inertia[1, 2]
+    body = Body(1 / GRAVITY, inertia / GRAVITY)  # the plate weighs one kilogram
+    path = simulate_dynamics(wheels, body, (*start, 0.0), until).trajectory
+    for quarter in range(1, 5):
+        plate.step(until / 4)
+        assert np.abs(plate.pose - path.at(quarter * until / 4)).max() < PATH
+    travelled = np.abs(plate.pose - (*start, 0.0))
+    assert travelled.min() > 10 * PATH
