@@ -34,3 +34,4 @@ class Method(StrEnum):
 
     EVENTS = "events"
     HYSTERESIS = "hysteresis"
+    DYNAMICS = "dynamics"

@@ -22,8 +22,8 @@ are one limit, and in it the path is that of rule ``ellipse``
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -36,6 +36,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 RELATIVE_TOLERANCE = 1e-8  # of BDF, per step: below the difference between the models for every mass above 1e-7
 ABSOLUTE_TOLERANCE = 1e-10  # in units of the array's size and of the largest speed
 CREEP = 1e-6  # creep speed over the largest speed: changes paths by as much, and costs a few steps where wheels stick
+LARGEST = 1e100  # mass and inertia, and their inverses: products of two are still doubles
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,9 @@ class Body:
     Attributes:
         mass: per unit of weight (time^2/length): ``1/g``.
         inertia: moment of inertia about the centre of mass per unit of weight (time^2 length).
+
+    Raises:
+        ValueError: for a number that is not positive, or too large or small for doubles.
     """
 
     mass: float
@@ -53,8 +57,10 @@ class Body:
     def __post_init__(self) -> None:
         for name in ("mass", "inertia"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
-                raise ValueError(f"{name}: required a positive number, received {value}")
+            if not 1 / LARGEST <= value <= LARGEST:
+                raise ValueError(
+                    f"{name}: required a positive number, {1 / LARGEST:g} to {LARGEST:g}, received {value}"
+                )
 
 
 def disc(model: ContactModel, mass: float) -> Body:
@@ -107,6 +113,7 @@ class DynamicPath:
         states: ``(x, y, theta, w_x, w_y, omega)`` at these times, shape (m, 6).
         trajectory: the pose as every other method returns it.
         evaluations: how often forces were computed.
+        dense: all six entries of the state between the steps.
     """
 
     body: Body
@@ -115,6 +122,11 @@ class DynamicPath:
     states: Floats
     trajectory: Trajectory
     evaluations: int
+    dense: Callable[[float], Floats] = field(repr=False)
+
+    def state(self, t: float) -> Floats:
+        """State at a time within the path, shape (6,)."""
+        return np.asarray(self.dense(t))
 
 
 def simulate_dynamics(
@@ -158,7 +170,7 @@ def simulate_dynamics(
         atol=ABSOLUTE_TOLERANCE * np.array([length, length, 1.0, speed, speed, speed / length]),
     )
     trajectory = as_trajectory("dynamics", solution, loads)
-    return DynamicPath(body, creep, solution.t, solution.y.T, trajectory, int(solution.nfev))
+    return DynamicPath(body, creep, solution.t, solution.y.T, trajectory, int(solution.nfev), solution.sol)
 
 
 def speed_scale(model: ContactModel, velocity: Floats) -> float:

@@ -1,0 +1,202 @@
+"""Full dynamics for ``simulate --method dynamics``: a path, or its distance from every contact rule's path by mass.
+
+Both come as text, JSON, CSV and a picture.  Run times are left out: equal input gives equal bytes.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance
+from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
+from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.reports.console import json_text
+from nonsmooth.reports.simulate import SCHEMA
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import one_line
+
+MASSES_SCHEMA = "nonsmooth-masses/1"
+MASS = 0.1  # per weight: about 1/g in metres and seconds
+MOMENTS = 5  # of a path that are listed on a terminal
+RULES = (Rule.ELLIPSE, Rule.NEAREST, Rule.BOX)  # the one that is approached first
+UNIT = "mass per weight (1/g): 0.102 in metres and seconds"
+
+
+def chosen_body(model: ContactModel, mass: float | None, inertia: float | None) -> Body:
+    """What the user asked for; unless said otherwise a uniform disc as large as the array."""
+    body = disc(model, MASS if mass is None else mass)
+    return body if inertia is None else Body(body.mass, inertia)
+
+
+class Shown(Protocol):
+    """A result in every form that the command offers."""
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys."""
+        ...
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """The lines of a CSV file, its header first."""
+        ...
+
+    def picture(self, suffix: str) -> bytes:
+        """The bytes of a picture file."""
+        ...
+
+    def summary(self) -> str:
+        """One line, shown where a file was written."""
+        ...
+
+    def view(self) -> RenderableType:
+        """What a terminal shows."""
+        ...
+
+
+def file_bytes(shown: Shown, suffix: str) -> bytes:
+    """A result as the bytes of a ``.csv``, ``.json`` or picture file."""
+    if suffix == ".json":
+        return json_text(shown.record()).encode()
+    if suffix != ".csv":
+        return shown.picture(suffix)
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(shown.lines())
+    return stream.getvalue().encode()
+
+
+@dataclass(frozen=True)
+class ShownPath:
+    """One path under full dynamics."""
+
+    scene: Scene
+    path: DynamicPath
+
+    def record(self) -> dict[str, Any]:
+        """The record of a trajectory, with the body and the velocity of its centre of mass at every time."""
+        return {
+            "schema": SCHEMA,
+            "scene": self.scene.name,
+            "feedback": None,
+            **self.path.trajectory.record(),
+            "velocity": self.path.states[:, 3:].tolist(),
+            "mass": self.path.body.mass,
+            "inertia": self.path.body.inertia,
+            "creep_speed": self.path.creep,
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """Time, pose, velocity of the centre of mass and rotation rate at every step."""
+        yield ("t", "x", "y", "theta", "w_x", "w_y", "omega")
+        for t, state in zip(self.path.times.tolist(), self.path.states.tolist(), strict=True):
+            yield (t, *state)
+
+    def picture(self, suffix: str) -> bytes:
+        """The pose over time and the path between the wheels."""
+        from nonsmooth.reports.figures.dynamics import path_figure
+
+        return path_figure(self.scene, self.path, suffix)
+
+    def summary(self) -> str:
+        """How many steps, and how it ends."""
+        return f"{len(self.path.times)} steps, {self.path.trajectory.end.reason}"
+
+    def view(self) -> RenderableType:
+        """A few moments of the motion, and how it ends."""
+        body, end = self.path.body, self.path.trajectory.end
+        head = (
+            f"{one_line(self.scene.name)}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}, from rest"
+        )
+        table = Table("t", "x", "y", "theta", "speed", "omega")
+        for k in range(MOMENTS):
+            t = float(end.t) * k / (MOMENTS - 1)
+            x, y, theta, *velocity, omega = self.path.state(t).tolist()
+            table.add_row(*(f"{value:.6g}" for value in (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega)))
+        return Group(Text(head), table, Text(f"end: {end.reason}"), Text(UNIT, "dim"))
+
+
+@dataclass(frozen=True)
+class ShownMasses:
+    """Distances from the paths of the contact rules, by mass."""
+
+    scene: Scene
+    study: MassStudy
+
+    def record(self) -> dict[str, Any]:
+        """Distances by mass and rule."""
+        rows = [
+            {
+                "mass": row.body.mass,
+                "inertia": row.body.inertia,
+                "evaluations": row.evaluations,
+                "distances": [_distance_record(distance) for distance in row.distances],
+            }
+            for row in self.study.rows
+        ]
+        return {
+            "schema": MASSES_SCHEMA,
+            "scene": self.scene.name,
+            "start": list(self.study.start),
+            "until": self.study.until,
+            "rows": rows,
+            "limits": [_distance_record(limit) for limit in self.study.limits],
+            "skipped": [{"rule": str(rule), "why": why} for rule, why in self.study.skipped.items()],
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """One line per mass and rule; mass 0 stands for the path of rule ellipse itself."""
+        yield ("mass", "rule", "position", "rotation", "until")
+        found = [(row.body.mass, distance) for row in self.study.rows for distance in row.distances]
+        for mass, own in [*found, *((0.0, limit) for limit in self.study.limits)]:
+            yield (mass, own.rule, own.position, own.rotation, own.until)
+
+    def picture(self, suffix: str) -> bytes:
+        """Distances over mass, both logarithmic."""
+        from nonsmooth.reports.figures.dynamics import masses_figure
+
+        return masses_figure(self.scene, self.study, suffix)
+
+    def summary(self) -> str:
+        """The distance from rule ellipse of the lightest body."""
+        last = self.study.rows[-1]
+        return f"distance {last.distance(Rule.ELLIPSE).position:.3g} from rule ellipse at mass {last.body.mass:.3g}"
+
+    def view(self) -> RenderableType:
+        """Distances by mass, and what they tend to."""
+        study = self.study
+        rules = [rule for rule in RULES if rule not in study.skipped]
+        table = Table("mass", *(f"from rule {rule}" for rule in rules))
+        for row in study.rows:
+            table.add_row(f"{row.body.mass:.3g}", *(_pair(row.distance(rule)) for rule in rules))
+        limits = {limit.rule: limit for limit in study.limits}
+        table.add_section()
+        table.add_row("-> 0", *("0, 0" if rule is Rule.ELLIPSE else _pair(limits[rule]) for rule in rules))
+        x, y, theta = study.start
+        head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
+        what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
+        note = f"-> 0: the distance of rule ellipse's own path from the other two; {UNIT}"
+        return Group(Text(head), Text(what), table, *map(Text, self._notes()), Text(note, "dim"))
+
+    def _notes(self) -> Iterable[str]:
+        """Which paths were compared for a shorter time, and which not at all."""
+        for own in self.study.rows[0].distances:
+            if own.until < self.study.until:
+                yield f"rule {own.rule}: compared until t = {own.until:.6g}, where a path leaves the square or tips"
+        for rule, why in self.study.skipped.items():
+            yield f"rule {rule}: no path: {one_line(why)}"
+
+
+def _distance_record(distance: PathDistance) -> dict[str, Any]:
+    record = {"rule": str(distance.rule), "position": distance.position, "rotation": distance.rotation}
+    return {**record, "until": distance.until}
+
+
+def _pair(distance: PathDistance) -> str:
+    return f"{distance.position:.3g}, {distance.rotation:.3g}"

@@ -1,0 +1,105 @@
+"""Full dynamics as pictures: a path beside that of rule ellipse, and distances from every rule over mass."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+from nonsmooth.analysis.dynamics.mass_study import MassStudy
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.reports.figures.cell_map import INK, figure_bytes
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SIZE = (9.6, 5.6)  # inches
+SMALL = (6.4, 5.0)  # inches
+SAMPLES = 600  # times at which curves are drawn
+BODY: dict[str, Any] = {"color": "#0072B2", "linewidth": 1.8, "label": "full dynamics"}
+RULE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.4, "linestyle": "--", "label": "rule ellipse (mass 0)"}
+LABELS = ("x [length]", "y [length]", "theta [rad]")
+RIM = 0.07  # half the length of a drawn rim, as a share of the array
+MARKS = {Rule.ELLIPSE: ("#D55E00", "o"), Rule.NEAREST: ("#0072B2", "s"), Rule.BOX: ("#009E73", "^")}
+
+
+def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
+    """x, y and theta over time, and the path between the wheels; ``suffix`` as for the cell map."""
+    model = contact_model(scene)
+    start, last = path.trajectory.states[0], float(path.trajectory.end.t)
+    rule = ellipse_path(model, start, last)
+    title = f"{one_line(scene.name)}: full dynamics, mass {path.body.mass:.6g}, inertia {path.body.inertia:.6g}"
+    return figure_bytes(lambda: build_path_figure(title, model, (path.trajectory, rule)), suffix)
+
+
+def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, Trajectory]) -> Figure:
+    """The picture as a Matplotlib figure; the paths are those of full dynamics and of rule ellipse."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
+    curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
+    plane = figure.add_subplot(grid[:, 1])
+    for axes, label in zip(curves, LABELS, strict=True):
+        axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+        axes.set_ylabel(label)
+        axes.margins(x=0.02, y=0.15)
+        axes.sharex(curves[0])
+        axes.tick_params(labelbottom=axes is curves[-1])
+    curves[-1].set_xlabel("t [time]")
+    for path, style in zip(paths, (BODY, RULE), strict=True):
+        times = np.linspace(0.0, float(path.end.t), SAMPLES)
+        states = path.sample(times)
+        for k, axes in enumerate(curves):
+            axes.plot(times, states[:, k], **style)
+        plane.plot(states[:, 0], states[:, 1], **style, zorder=3)
+    _draw_wheels(plane, model)
+    plane.plot(*paths[0].states[0][:2], marker=">", color=INK, markersize=7, linestyle="none", label="start", zorder=4)
+    plane.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+    figure.suptitle(title, fontsize="medium", parse_math=False)
+    figure.legend(*plane.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
+    return figure
+
+
+def _draw_wheels(axes: Axes, model: ContactModel) -> None:
+    """Rims as thick lines."""
+    half = RIM * float(np.ptp(model.positions, axis=0).max()) * model.rims
+    for k, (start, end) in enumerate(zip(model.positions - half, model.positions + half, strict=True)):
+        label = "rim of a wheel" if k == 0 else None
+        axes.plot(*zip(start, end, strict=True), color="0.45", linewidth=4, solid_capstyle="butt", label=label)
+
+
+def masses_figure(scene: Scene, study: MassStudy, suffix: str) -> bytes:
+    """Distances over mass; ``suffix`` as for the cell map."""
+    return figure_bytes(lambda: build_masses_figure(one_line(scene.name), study), suffix)
+
+
+def build_masses_figure(name: str, study: MassStudy) -> Figure:
+    """The picture as a Matplotlib figure: one curve per rule, a line at the limit of those that do not fall to zero."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SMALL, layout="constrained")
+    axes = figure.add_subplot()
+    masses = [row.body.mass for row in study.rows]
+    for rule, (color, marker) in MARKS.items():
+        if rule not in study.skipped:
+            distances = [row.distance(rule).position for row in study.rows]
+            axes.plot(masses, distances, color=color, marker=marker, label=f"from rule {rule}")
+    for limit in study.limits:
+        axes.axhline(limit.position, color=MARKS[limit.rule][0], linewidth=1, linestyle=":")
+    own = [row.distance(Rule.ELLIPSE).position for row in study.rows]
+    slope = [own[-1] * mass / masses[-1] for mass in masses]
+    axes.plot(masses, slope, color="0.6", linewidth=1, linestyle="--", zorder=0, label="in proportion to mass")
+    axes.set(xscale="log", yscale="log", xlabel="mass per weight, 1/g [time²/length]")
+    axes.set_ylabel("largest distance of the paths [length]")
+    axes.set_title(f"{name}: full dynamics and the contact rules", fontsize="medium", parse_math=False)
+    axes.grid(color="0.92")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    return figure

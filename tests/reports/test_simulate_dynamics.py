@@ -1,0 +1,132 @@
+"""``nonsmooth simulate --method dynamics``: its text, JSON, CSV and pictures, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+DYNAMICS = ("simulate", "four-wheel", "--from", "0.2,0.4,0", "--method", "dynamics")
+PNG = b"\x89PNG"
+
+
+def invoke(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """Standard output of a run that ends well."""
+    assert run(app, arguments) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def test_record_is_that_of_a_trajectory_with_body_and_velocity(capsys: pytest.CaptureFixture[str]) -> None:
+    record: dict[str, Any] = json.loads(invoke(capsys, *DYNAMICS, "--mass", "0.02", "--inertia", "0.01", "--json"))
+    model = contact_model(load_scene("four-wheel"))
+    path = simulate_dynamics(model, Body(0.02, 0.01), (0.2, 0.4, 0.0), 2.0)
+    assert (record["schema"], record["method"], record["kinematics"]) == ("nonsmooth-trajectory/1", "dynamics", "exact")
+    assert (record["mass"], record["inertia"], record["creep_speed"]) == (0.02, 0.01, path.creep)
+    assert record["t"] == path.times.tolist()
+    assert np.array_equal(np.column_stack([record["state"], record["velocity"]]), path.states)
+    assert record["velocity"][0] == [0, 0, 0]
+    assert (record["end"]["t"], record["end"]["reason"], record["unique"]) == (2, "the time is over", True)
+
+
+def test_body_is_a_disc_of_a_tenth_unless_said_otherwise(capsys: pytest.CaptureFixture[str]) -> None:
+    record = json.loads(invoke(capsys, *DYNAMICS, "--until", "0.1", "--json"))
+    assert (record["mass"], record["inertia"]) == (0.1, pytest.approx(0.1))  # R^2 = 2
+    text = invoke(capsys, *DYNAMICS, "--until", "0.1")
+    assert "four-wheel: full dynamics, mass 0.1, inertia 0.1, from rest" in text
+    assert "end: the time is over" in text
+    assert "1/g" in text
+
+
+def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[str]) -> None:
+    one, other = (invoke(capsys, *DYNAMICS, "--until", "0.2", "--rule", rule) for rule in ("ellipse", "nearest"))
+    assert one == other
+
+
+def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = (*DYNAMICS, "--until", "0.5", "--mass", "0.01", "--compare-masses")
+    record = json.loads(invoke(capsys, *arguments, "--json"))
+    assert list(record) == ["schema", "scene", "start", "until", "rows", "limits", "skipped"]
+    assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.5)
+    assert [row["mass"] for row in record["rows"]] == pytest.approx([10.0**-k for k in range(2, 7)])
+    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [{"nearest", "box", "ellipse"}] * 5
+    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box"}
+    assert record["skipped"] == []
+    text = invoke(capsys, *arguments)
+    for row in record["rows"]:
+        for own in row["distances"]:
+            assert f"{own['position']:.3g}, {own['rotation']:.3g}" in text
+
+
+def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
+    outward = ("simulate", "outward", "--from", "0.2,0.4,0", "--method", "dynamics", "--compare-masses")
+    assert "rule nearest: compared until t = 0.0791001" in invoke(capsys, *outward)
+    outside = ("simulate", "four-wheel", "--from", "0.6,0.4,0", "--method", "dynamics", "--compare-masses")
+    text = " ".join(invoke(capsys, *outside, "--until", "0.1").split())
+    assert "rule box: no path: required a start inside the domain" in text
+
+
+def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    files = {suffix: str(tmp_path / f"path{suffix}") for suffix in (".csv", ".json", ".svg", ".png")}
+    for file in files.values():
+        assert "the time is over" in invoke(capsys, *DYNAMICS, "--until", "0.5", "-o", file)
+    record = json.loads(Path(files[".json"]).read_text(encoding="utf-8"))
+    header, *lines = csv.reader(Path(files[".csv"]).read_text(encoding="utf-8").splitlines())
+    assert header == ["t", "x", "y", "theta", "w_x", "w_y", "omega"]
+    expected = np.column_stack([record["t"], record["state"], record["velocity"]])
+    assert np.array_equal(np.array(lines, float), expected)
+    assert ET.parse(files[".svg"]).getroot().tag.endswith("svg")
+    assert Path(files[".png"]).read_bytes().startswith(PNG)
+
+
+def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    arguments = (*DYNAMICS, "--until", "0.3", "--compare-masses", "-o")
+    table, picture = tmp_path / "masses.csv", tmp_path / "masses.svg"
+    assert "from rule ellipse at mass 1e-05" in invoke(capsys, *arguments, str(table))
+    invoke(capsys, *arguments, str(picture))
+    header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
+    assert header == ["mass", "rule", "position", "rotation", "until"]
+    assert len(lines) == 5 * 3 + 2
+    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box"]
+    first = picture.read_bytes()
+    invoke(capsys, *arguments, str(picture))
+    assert picture.read_bytes() == first
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("--mass", "1"), "--mass: required --method dynamics, received --method events"),
+        (("--inertia", "1", "--method", "hysteresis"), "--inertia: required --method dynamics, received --method hyst"),
+        (("--compare-masses",), "--compare-masses: required --method dynamics, received --method events"),
+        (("--method", "dynamics", "--mass", "0"), "--mass: required a positive number"),
+        (("--method", "dynamics", "--inertia", "nan"), "--inertia: required a positive number"),
+        (("--method", "dynamics", "--mass", "1e-99", "--compare-masses"), "--mass: required a positive number"),
+        (("--method", "dynamics", "--mass", "1e-99"), "four-wheel: the integrator stopped"),
+        (("--method", "dynamics", "--feedback"), "--feedback: required --method events or hysteresis, received"),
+        (("--method", "dynamics", "--kinematics", "leading"), "--kinematics: required exact with --method dynamics"),
+        (("--method", "dynamics", "--from", "3,0,0"), "four-wheel: required centres of mass inside the support"),
+        (("--method", "dynamics", "--from", "3,0,0", "--compare-masses"), "four-wheel: required centres of mass"),
+    ],
+)
+def test_refused_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, arguments: tuple[str, ...], line: str
+) -> None:
+    file = tmp_path / "path.csv"
+    assert run(app, ("simulate", "four-wheel", "--from", "0.2,0.4,0", "-o", str(file), *arguments)) == BAD_INPUT
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"nonsmooth: {line}")
+    assert not file.exists()
