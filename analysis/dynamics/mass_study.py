@@ -2,11 +2,11 @@
 
 As the mass goes to 0 at a fixed weight (or, which is the same, as the wheels turn more slowly) the velocity settles in
 a time of order m on the one at which friction balances: the minimizer of the ellipse functional.  So the distance to
-the path of rule ``ellipse`` falls like m (a slow manifold in the sense of Fenichel 1979).  Where the minimizer is not
-unique its field jumps, a path may slide along the jump as in a Filippov system, and the distance falls like
-``sqrt(m)``: this is measured (three wheels in a ring, from (0.2, 0.4)), not derived.  The distances to the paths of
-rules ``nearest`` and ``box`` do not go to zero: they go to the distance of these paths from that of ``ellipse``, which
-is listed as their limit.
+the path of rule ``ellipse`` falls like m (a slow manifold in the sense of Fenichel 1979), once m is small enough: where
+the functional is nearly flat in one direction, friction barely damps it, the rule's own field turns around within a
+narrow strip, and until m is small beside that strip the distance falls like ``sqrt(m)`` (measured, not derived: three
+wheels in a ring, from (0.2, 0.4), down to m = 1e-7).  The distances to the paths of rules ``nearest`` and ``box`` do
+not go to zero: they go to the distance of these paths from that of ``ellipse``, which is listed as their limit.
 
 Distances are the largest over common times: the end of either path, where it leaves the checked square or tips, ends
 the comparison, a rest does not.  Paths are compared at sampled times: a sampled maximum is a lower bound.

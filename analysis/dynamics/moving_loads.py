@@ -7,8 +7,8 @@ Trial states of an implicit step may lie beyond the last place where loads exist
 cut off at zero, and :meth:`MovingLoads.margin` is negative, so that no such state is ever kept.
 
 Loads are those of a body in balance: acceleration does not shift them.  That is exact for friction that acts at the
-height of the centre of mass; a body of height h shifts loads by up to h/L of its weight (L the size of the array)
-while it accelerates, and not at all in steady motion.
+height of the centre of mass.  A centre at height h shifts loads by up to ``mu h/L`` of the weight while the body
+accelerates (L the size of the array), and not at all in steady motion.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Follow a Filippov solution event by event; say where it is not unique."""
+    """Follow a Filippov solution event by event, or a body with mass; say where a solution is not unique."""
     from nonsmooth.analysis.partitions.contact_partition import build_partition
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import PICTURES, output_path, write_whole
