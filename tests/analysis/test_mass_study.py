@@ -117,8 +117,11 @@ def test_ellipse_path_moves_with_the_minimizer_and_exact_kinematics() -> None:
         assert np.allclose(rate, [vx - omega * y, vy + omega * x, omega], atol=1e-5)
 
 
-def test_ellipse_path_without_loads_or_time_is_refused() -> None:
-    model = contact_model(load_scene("four-wheel"))
+def test_start_without_loads_or_time_is_refused() -> None:
+    scene = load_scene("four-wheel")
+    model = contact_model(scene)
+    with pytest.raises(LoadError, match="the body tips there"):
+        mass_study(scene, [disc(model, 0.1)], (1.5, 0.0, 0.0), 1.0)
     with pytest.raises(LoadError, match="the body tips there"):
         ellipse_path(model, (1.5, 0.0, 0.0), 1.0)
     with pytest.raises(ValueError, match="positive last time"):
