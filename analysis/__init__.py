@@ -9,6 +9,14 @@ from typing import TYPE_CHECKING
 from nonsmooth.symbolic.notebook import on_demand
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path as ellipse_path
+    from nonsmooth.analysis.dynamics.mass_study import MassStudy as MassStudy
+    from nonsmooth.analysis.dynamics.mass_study import mass_ladder as mass_ladder
+    from nonsmooth.analysis.dynamics.mass_study import mass_study as mass_study
+    from nonsmooth.analysis.dynamics.newton_euler import Body as Body
+    from nonsmooth.analysis.dynamics.newton_euler import DynamicPath as DynamicPath
+    from nonsmooth.analysis.dynamics.newton_euler import disc as disc
+    from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics as simulate_dynamics
     from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field
     from nonsmooth.analysis.fields.contact_model import contact_model as contact_model
     from nonsmooth.analysis.fields.feedback_laws import corrected_law as corrected_law
@@ -31,6 +39,14 @@ if TYPE_CHECKING:
 __getattr__ = on_demand(
     __name__,
     {
+        "ellipse_path": "dynamics.ellipse_path",
+        "MassStudy": "dynamics.mass_study",
+        "mass_ladder": "dynamics.mass_study",
+        "mass_study": "dynamics.mass_study",
+        "Body": "dynamics.newton_euler",
+        "DynamicPath": "dynamics.newton_euler",
+        "disc": "dynamics.newton_euler",
+        "simulate_dynamics": "dynamics.newton_euler",
         "feedback_field": "fields.cellwise_field",
         "contact_model": "fields.contact_model",
         "corrected_law": "fields.feedback_laws",

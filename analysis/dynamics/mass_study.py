@@ -29,6 +29,7 @@ from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
@@ -98,6 +99,15 @@ class MassStudy:
     limits: tuple[PathDistance, ...]
     seconds: Mapping[Rule, float]
     skipped: Mapping[Rule, str]
+
+    def _repr_html_(self) -> str:
+        found = [(f"{row.body.mass:.3g}", own) for row in self.rows for own in row.distances]
+        found += [("-> 0", limit) for limit in self.limits]
+        rows = [(mass, own.rule, f"{own.position:.3g}", f"{own.rotation:.3g}") for mass, own in found]
+        head = (
+            f"full dynamics from {self.start} at rest, until t = {self.until:g}: largest distance from each rule's path"
+        )
+        return html_table(head, ("mass", "rule", "of (x, y)", "of theta"), rows)
 
 
 def mass_ladder(body: Body, count: int = LADDER) -> tuple[Body, ...]:

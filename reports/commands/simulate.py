@@ -156,7 +156,7 @@ def _simulate_dynamics(scene: Scene, run: Run, options: _Dynamics, path: Path | 
             else:
                 shown = views.ShownPath(scene, simulate_dynamics(model, body, run.start, run.until))
     except TrajectoryError as error:
-        raise RefusedError(f"{scene.source or scene.name}: {error}") from None
+        raise RefusedError(f"{scene.origin}: {error}") from None
     if path is not None:
         write_whole(path, views.file_bytes(shown, path.suffix.lower()))
     if json:

@@ -28,6 +28,13 @@ def study() -> MassStudy:
     return mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 3), START, UNTIL)
 
 
+def test_study_is_a_table_in_a_notebook(study: MassStudy) -> None:
+    html = study._repr_html_()
+    assert html.startswith("<table>")
+    assert html.count("<tr>") == 1 + 3 * 3 + 2
+    assert f"{study.rows[1].distance(Rule.ELLIPSE).position:.3g}" in html
+
+
 def test_ladder_keeps_the_shape_of_the_body() -> None:
     ladder = mass_ladder(Body(0.1, 0.3), 3)
     assert [body.mass for body in ladder] == pytest.approx([0.1, 0.01, 0.001])
