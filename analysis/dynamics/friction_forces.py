@@ -54,7 +54,9 @@ class EllipseFriction:
 
     def rows(self, centre: Floats) -> Floats:
         """Rows ``(e, e . J(p_i - c))`` for e = d_i, n_i, acting on ``(w, omega)``; shape (2n, 3)."""
-        return np.column_stack([self._frames, self.model.rows[:, 2] + self._turned @ centre])
+        offsets = self.model.positions - centre  # first, so that an array far from the origin loses no digits
+        arms = -(self._turned.reshape(-1, 2, 2) @ offsets[..., None]).reshape(-1)
+        return np.column_stack([self._frames, arms])
 
     def forces(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Forces along and across every rim, shape (n, 2)."""

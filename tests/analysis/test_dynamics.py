@@ -160,8 +160,9 @@ def test_faster_wheels_under_a_lighter_body_follow_the_same_path_sooner(factor: 
     assert np.abs(difference).max() < PATH
 
 
-def test_turned_and_moved_array_turns_and_moves_the_path() -> None:
-    model, angle, shift = random_model(4), 0.8, np.array([3.0, -2.0])
+@pytest.mark.parametrize("away", [1.0, 1e5])
+def test_turned_and_moved_array_turns_and_moves_the_path(away: float) -> None:
+    model, angle, shift = random_model(4), 0.8, away * np.array([3.0, -2.0])
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     friction = model.friction.reshape(-1, 2)
     other = ContactModel.build(model.positions @ turned.T + shift, model.rims @ turned.T, model.speeds, friction)
