@@ -1,8 +1,9 @@
-"""``nonsmooth simulate``: Filippov solutions, with events and what is not unique about them."""
+"""``nonsmooth simulate``: Filippov solutions, with events and what is not unique about them; maps of their ends."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -16,13 +17,28 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.analysis.partitions.partition import Partition
+    from nonsmooth.analysis.trajectories.maps import SettleMap
     from nonsmooth.analysis.trajectories.result import Trajectory
+    from nonsmooth.reports.settle_maps import GridRun
+    from nonsmooth.reports.simulate import Run
+    from nonsmooth.symbolic.scene import Scene
+
+UNTIL = 2.0  # last time of a single path, where none is given
+NOT_MAPPED = ("start", "method", "width", "feedback", "law")  # parameters of one path
+MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 100 MB of JSON at most
 
 
 def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
+    context: typer.Context,
     scene: SceneText,
-    start: Annotated[str, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0.")],
-    until: Annotated[float, typer.Option("--until", metavar="T", help="Last time.")] = 2.0,
+    start: Annotated[str | None, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0.")] = None,
+    grid: Annotated[
+        int | None, typer.Option("--grid", metavar="N", help="Map the ends of N x N starts instead of one path.")
+    ] = None,
+    until: Annotated[
+        float | None, typer.Option("--until", metavar="T", help="Last time: 2; with --grid, until all have ended.")
+    ] = None,
+    heading: Annotated[float, typer.Option("--heading", metavar="THETA", help="Start heading, with --grid.")] = 0.0,
     kinematics: Annotated[Kinematics, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
         Kinematics.EXACT
     ),
@@ -38,22 +54,36 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Follow a Filippov solution event by event; say where it is not unique."""
-    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    """Follow a Filippov solution event by event, or map where many of them end; say where they are not unique."""
     from nonsmooth.reports import simulate as views
-    from nonsmooth.reports.files import PICTURES, output_path, write_whole
+    from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.symbolic.files.scene_file import load_scene
 
+    if until is not None:
+        _positive("--until", until)
+    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
+    if grid is not None:
+        _refuse(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
+        map_run = _grid_run(grid, heading, until, kinematics)
+        return _map(load_scene(scene, rule=rule, radius=radius, at=at), map_run, path, json=json)
+    _refuse(context, ("heading",), "--grid", "none")
     run = views.Run(
         _start(start),
-        _positive("--until", until),
+        until or UNTIL,
         kinematics,
         method,
         law if feedback else None,
         _positive("--width", width),
     )
-    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    return _follow(load_scene(scene, rule=rule, radius=radius, at=at), run, path, json=json)
+
+
+def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
+    """One path of an array."""
+    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.reports import simulate as views
+    from nonsmooth.reports.files import write_whole
+
     with refusals_named(loaded):
         partition = build_partition(loaded)
     try:
@@ -72,15 +102,55 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     return 0
 
 
-def _start(text: str) -> tuple[float, float, float]:
+def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
+    """The ends of a grid of paths."""
+    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.reports import settle_maps as views
+    from nonsmooth.reports.files import write_whole
+
+    with refusals_named(loaded):
+        partition = build_partition(loaded)
+    found = views.build_map(partition, run)
+    if path is not None:
+        write_whole(path, _map_bytes(path, partition, run, found))
+    if json:
+        write_json(views.map_record(partition, run, found))
+    elif path is not None:
+        write(f"{path}: {len(found.starts)} starts, {len(found.ends)} kinds of ends\n")
+    else:
+        write_views([views.map_view(partition, run, found)])
+    return 0
+
+
+def _refuse(context: typer.Context, names: Collection[str], required: str, received: str) -> None:
+    """Refuse the options of these parameters where they are given."""
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if parameter.name in names and source is not None and source.name == "COMMANDLINE":
+            raise RefusedError(f"{max(parameter.opts, key=len)}: required {required}, received {received}")
+
+
+def _grid_run(count: int, heading: float, until: float | None, kinematics: Kinematics) -> GridRun:
+    from nonsmooth.reports.settle_maps import GridRun
+
+    if not 2 <= count <= MAX_GRID:
+        raise RefusedError(f"--grid: required 2 to {MAX_GRID} starts in a row, received {count}")
+    if not math.isfinite(heading):
+        raise RefusedError(f"--heading: required a finite number (radian), received {heading}")
+    return GridRun(count, heading, until, kinematics)
+
+
+def _start(text: str | None) -> tuple[float, float, float]:
     """Three finite numbers from ``x,y,theta``."""
-    parts = text.split(",")
+    required = "--from: required three numbers x,y,theta"
+    if text is None:
+        raise RefusedError(f"{required} (or --grid N for a map), received nothing")
     try:
-        x, y, theta = (float(part) for part in parts)
+        x, y, theta = (float(part) for part in text.split(","))
     except ValueError:
         x = y = theta = math.nan
     if not all(math.isfinite(value) for value in (x, y, theta)):
-        raise RefusedError(f"--from: required three numbers x,y,theta, received {text[:60]!r}")
+        raise RefusedError(f"{required}, received {text[:60]!r}")
     return x, y, theta
 
 
@@ -102,3 +172,17 @@ def _trajectory_bytes(path: Path, partition: Partition, trajectory: Trajectory, 
             from nonsmooth.reports.figures.trajectory import trajectory_figure
 
             return trajectory_figure(partition, trajectory, suffix)
+
+
+def _map_bytes(path: Path, partition: Partition, run: GridRun, found: SettleMap) -> bytes:
+    from nonsmooth.reports.settle_maps import map_record, map_table
+
+    match path.suffix.lower():
+        case ".csv":
+            return map_table(found)
+        case ".json":
+            return json_text(map_record(partition, run, found)).encode()
+        case suffix:
+            from nonsmooth.reports.figures.settle_map import settle_map_figure
+
+            return settle_map_figure(partition, run, found, suffix)
