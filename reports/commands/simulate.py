@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -21,17 +21,22 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.reports.settle_maps import GridRun
     from nonsmooth.reports.simulate import Run
+    from nonsmooth.reports.system_paths import SystemPath
     from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.switched_equations import SwitchedEquations
 
 UNTIL = 2.0  # last time of a single path, where none is given
 NOT_MAPPED = ("start", "method", "width", "feedback", "law")  # parameters of one path
+OF_ARRAYS = ("grid", "heading", "kinematics", "feedback", "law", "rule", "radius", "at")  # parameters of arrays
 MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 100 MB of JSON at most
 
 
 def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     context: typer.Context,
     scene: SceneText,
-    start: Annotated[str | None, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0.")] = None,
+    start: Annotated[
+        str | None, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0: one number per state.")
+    ] = None,
     grid: Annotated[
         int | None, typer.Option("--grid", metavar="N", help="Map the ends of N x N starts instead of one path.")
     ] = None,
@@ -57,24 +62,25 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     """Follow a Filippov solution event by event, or map where many of them end; say where they are not unique."""
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import PICTURES, output_path
+    from nonsmooth.symbolic.files.equations_file import holds_system, load_equations
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if until is not None:
         _positive("--until", until)
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
+    _positive("--width", width)
+    if holds_system(scene):
+        _refuse(context, OF_ARRAYS, "an array of wheels", "a plain switched system")
+        equations = load_equations(scene)
+        numbers = _start(start, equations.states)
+        return _follow_system(equations, numbers, until or UNTIL, (method, width), path, json=json)
     if grid is not None:
         _refuse(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
         map_run = _grid_run(grid, heading, until, kinematics)
         return _map(load_scene(scene, rule=rule, radius=radius, at=at), map_run, path, json=json)
     _refuse(context, ("heading",), "--grid", "none")
-    run = views.Run(
-        _start(start),
-        until or UNTIL,
-        kinematics,
-        method,
-        law if feedback else None,
-        _positive("--width", width),
-    )
+    x, y, theta = _start(start, views.POSE)
+    run = views.Run((x, y, theta), until or UNTIL, kinematics, method, law if feedback else None, width)
     return _follow(load_scene(scene, rule=rule, radius=radius, at=at), run, path, json=json)
 
 
@@ -99,6 +105,35 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
         write(f"{path}: {len(trajectory.events)} events, {trajectory.end.reason}\n")
     else:
         write_views([views.trajectory_view(partition, trajectory)])
+    return 0
+
+
+def _follow_system(
+    equations: SwitchedEquations,
+    start: tuple[float, ...],
+    until: float,
+    how: tuple[Method, float],
+    path: Path | None,
+    *,
+    json: bool,
+) -> int:
+    """One path of a plain switched system."""
+    from nonsmooth.analysis.trajectories.result import TrajectoryError
+    from nonsmooth.reports import system_paths as views
+    from nonsmooth.reports.files import write_whole
+
+    try:
+        solution = views.follow_system(equations, start, until, *how)
+    except (ValueError, TrajectoryError) as error:
+        raise RefusedError(f"{equations.source or equations.name}: {error}") from None
+    if path is not None:
+        write_whole(path, _system_bytes(path, solution))
+    if json:
+        write_json(views.system_path_record(solution))
+    elif path is not None:
+        write(f"{path}: {len(solution.trajectory.events)} events, {solution.trajectory.end.reason}\n")
+    else:
+        write_views([views.system_path_view(solution)])
     return 0
 
 
@@ -140,24 +175,23 @@ def _grid_run(count: int, heading: float, until: float | None, kinematics: Kinem
     return GridRun(count, heading, until, kinematics)
 
 
-def _start(text: str | None) -> tuple[float, float, float]:
-    """Three finite numbers from ``x,y,theta``."""
-    required = "--from: required three numbers x,y,theta"
+def _start(text: str | None, states: Sequence[str]) -> tuple[float, ...]:
+    """A finite number for each state."""
+    required = f"--from: required {len(states)} numbers {','.join(states)}"
     if text is None:
-        raise RefusedError(f"{required} (or --grid N for a map), received nothing")
+        raise RefusedError(f"{required}, received nothing")
     try:
-        x, y, theta = (float(part) for part in text.split(","))
+        values = tuple(float(part) for part in text.split(","))
     except ValueError:
-        x = y = theta = math.nan
-    if not all(math.isfinite(value) for value in (x, y, theta)):
+        values = ()
+    if len(values) != len(states) or not all(math.isfinite(value) for value in values):
         raise RefusedError(f"{required}, received {text[:60]!r}")
-    return x, y, theta
+    return values
 
 
-def _positive(option: str, value: float) -> float:
+def _positive(option: str, value: float) -> None:
     if not (math.isfinite(value) and value > 0):
         raise RefusedError(f"{option}: required a positive number, received {value}")
-    return value
 
 
 def _trajectory_bytes(path: Path, partition: Partition, trajectory: Trajectory, record: dict[str, Any]) -> bytes:
@@ -172,6 +206,21 @@ def _trajectory_bytes(path: Path, partition: Partition, trajectory: Trajectory, 
             from nonsmooth.reports.figures.trajectory import trajectory_figure
 
             return trajectory_figure(partition, trajectory, suffix)
+
+
+def _system_bytes(path: Path, solution: SystemPath) -> bytes:
+    from nonsmooth.reports.simulate import trajectory_table
+    from nonsmooth.reports.system_paths import system_path_record
+
+    match path.suffix.lower():
+        case ".csv":
+            return trajectory_table(solution.trajectory, solution.equations.states)
+        case ".json":
+            return json_text(system_path_record(solution)).encode()
+        case suffix:
+            from nonsmooth.reports.figures.phase_plane import phase_plane_figure
+
+            return phase_plane_figure(solution, suffix)
 
 
 def _map_bytes(path: Path, partition: Partition, run: GridRun, found: SettleMap) -> bytes:
