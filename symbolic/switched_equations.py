@@ -55,6 +55,11 @@ class SwitchedEquations:
     radius: Number
     source: str = ""
 
+    @property
+    def origin(self) -> str:
+        """What messages call it: its file, else its name."""
+        return self.source or self.name
+
     def velocity(self, signs: Signs) -> tuple[Polynomial, ...]:
         """The smooth field, in the states, for the given signs of the surfaces.
 
@@ -118,4 +123,4 @@ class SwitchedEquations:
         return {name: Polynomial.variable(self.field, self.states, name) for name in self.states}
 
     def _error(self, k: int, expected: str, received: object) -> SceneError:
-        return SceneError(self.source or self.name, f"system.rhs[{k + 1}]", expected, received)
+        return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)

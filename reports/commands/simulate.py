@@ -125,7 +125,7 @@ def _follow_system(
     try:
         solution = views.follow_system(equations, start, until, *how)
     except (ValueError, TrajectoryError) as error:
-        raise RefusedError(f"{equations.source or equations.name}: {error}") from None
+        raise RefusedError(f"{equations.origin}: {error}") from None
     if path is not None:
         write_whole(path, _system_bytes(path, solution))
     if json:

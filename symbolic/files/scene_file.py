@@ -14,13 +14,17 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
+from nonsmooth.symbolic.files.object_table import build_footprint
 from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angles, field_of
+from nonsmooth.symbolic.files.velocity_fields import INWARD, LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 __all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "builtin_systems", "load_scene", "read_document"]
@@ -184,6 +188,7 @@ def _scene(data: dict[str, Any], file: str, path: Path) -> Scene:
         contact=_contact(document, numbers, len(wheels)),
         check=_check(document, numbers),
         source=file,
+        continuum=_continuum(document, numbers, wheels),
     )
 
 
@@ -207,7 +212,7 @@ def _layout(document: Document, file: str, path: Path) -> Layout:
 
 def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
-    for table in (document.friction, document.field, document.contact, document.check):
+    for table in (document.friction, document.field, document.object, document.contact, document.check):
         yield from angles(table)
 
 
@@ -227,6 +232,24 @@ def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
         for k, (a, b, c) in enumerate(rows, 1)
     )
     return Contact(table.rule, LoadTable(exact))
+
+
+def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> ContinuousField:
+    """The field that the wheels stand for; without ``[field]`` inward, at the speed of the first wheel."""
+    field, zero, one = document.field or INWARD, numbers.field.zero, numbers.field.one
+    matrix = None
+    if field.kind in LINEAR_KINDS:
+        psi = field.psi(numbers, "field")
+        (a, c), (b, d) = psi((one, zero)), psi((zero, one))
+        matrix = ((a, b), (c, d))
+    if document.field is None:
+        speed: Number | None = wheels[0].speed
+    elif field.speed == "magnitude":
+        speed = None
+    else:
+        speed = one if isinstance(field.speed, str) else numbers(field.speed, "field.speed")
+    footprint = None if document.object is None else build_footprint(document.object, numbers)
+    return ContinuousField(field.kind, matrix, speed, (zero, zero), footprint)
 
 
 def _check(document: Document, numbers: Numbers) -> Check:
