@@ -16,6 +16,7 @@ from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.reports.console import json_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
@@ -95,6 +96,19 @@ def _summary_record(found: SettleMap) -> dict[str, Any]:
 
 def _range(values: Any) -> list[float] | None:
     return [float(values.min()), float(values.max())] if len(values) else None
+
+
+def map_bytes(suffix: str, partition: Partition, run: GridRun, found: SettleMap) -> bytes:
+    """The file of a map: a table, JSON or a picture."""
+    match suffix:
+        case ".csv":
+            return map_table(found)
+        case ".json":
+            return json_text(map_record(partition, run, found)).encode()
+        case _:
+            from nonsmooth.reports.figures.settle_map import settle_map_figure
+
+            return settle_map_figure(partition, run, found, suffix)
 
 
 def map_table(found: SettleMap) -> bytes:

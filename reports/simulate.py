@@ -19,6 +19,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.console import json_text
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -71,6 +72,19 @@ def trajectory_record(partition: Partition, run: Run, trajectory: Trajectory) ->
     """JSON with stable keys."""
     law = None if run.law is None else str(run.law)
     return {"schema": SCHEMA, "scene": partition.scene.name, "feedback": law, **trajectory.record()}
+
+
+def trajectory_bytes(suffix: str, partition: Partition, trajectory: Trajectory, record: dict[str, Any]) -> bytes:
+    """The file of a trajectory: a table, JSON or a picture."""
+    match suffix:
+        case ".csv":
+            return trajectory_table(trajectory)
+        case ".json":
+            return json_text(record).encode()
+        case _:
+            from nonsmooth.reports.figures.trajectory import trajectory_figure
+
+            return trajectory_figure(partition, trajectory, suffix)
 
 
 def trajectory_table(trajectory: Trajectory, states: Sequence[str] = POSE) -> bytes:

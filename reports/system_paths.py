@@ -12,7 +12,8 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Method
-from nonsmooth.reports.simulate import SCHEMA, events_view
+from nonsmooth.reports.console import json_text
+from nonsmooth.reports.simulate import SCHEMA, events_view, trajectory_table
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_equations import SwitchedEquations
 
@@ -48,6 +49,19 @@ def system_path_record(path: SystemPath) -> dict[str, Any]:
     """JSON with the keys of an array's trajectory, and the names of the states; there are no kinematics."""
     head = {"schema": SCHEMA, "scene": path.equations.name, "feedback": None}
     return {**head, **path.trajectory.record(), "kinematics": None, "states": list(path.equations.states)}
+
+
+def system_path_bytes(suffix: str, path: SystemPath) -> bytes:
+    """The file of a solution: a table, JSON or a picture."""
+    match suffix:
+        case ".csv":
+            return trajectory_table(path.trajectory, path.equations.states)
+        case ".json":
+            return json_text(system_path_record(path)).encode()
+        case _:
+            from nonsmooth.reports.figures.phase_plane import phase_plane_figure
+
+            return phase_plane_figure(path, suffix)
 
 
 def system_path_view(path: SystemPath) -> RenderableType:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
+
 from nonsmooth.analysis.continuum.prediction import Prediction, predict
+from nonsmooth.analysis.continuum.settling import directions
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint
 from nonsmooth.symbolic.files.object_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.scene import Scene
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
+STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
 LARGEST = 1e60  # lengths whose fourth powers floats hold
 
 
@@ -33,6 +37,8 @@ def idealization(scene: Scene) -> ContinuousField:
     (a, b), (c, d) = field.matrix
     if not a * d - b * c or not (field.speed is None or field.speed):
         raise NoIdealizationError("field: required a field that vanishes at its centre only, received another")
+    if field.speed is not None and np.linalg.cond(directions(field)) > STEEPEST:
+        raise NoIdealizationError(f"field: required pulls in a ratio of at most {STEEPEST:g}, received a larger one")
     strange = next((wheel.index for wheel in scene.wheels if not field.is_followed_by(wheel)), None)
     if strange is not None:
         raise NoIdealizationError(

@@ -17,23 +17,21 @@ together than the grid.  Floats: what it says is computed, not proved; which fie
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
 from nonsmooth.analysis.continuum.moments import Moments, moments
-from nonsmooth.analysis.continuum.unit_fields import Floats, Wrench, disc_stiffness, polygon_wrench
-from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint, PolygonShape
+from nonsmooth.analysis.continuum.settling import PushedBody, directions, sense_of
+from nonsmooth.analysis.continuum.unit_fields import Floats, disc_stiffness
+from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint
 from nonsmooth.symbolic.scene import Vector
 
 HEADINGS = 360  # grid over half a turn on which sign changes of the moment are sought
 GRID_SHIFT = 0.37  # of a step: symmetric footprints have their equilibria at simple fractions of a turn, not here
-NODES = 512  # of the trapezoidal rule on a circle; enough for principal pulls in a ratio of up to 20
-NEWTON_STEPS = 50
-SETTLED = 1e-13  # force relative to speed times area: below is rounding
-NEGLIGIBLE = 1e-11  # moment relative to speed times area times size: below is rounding
+NODES = 512  # of the trapezoidal rule on a circle; every node has the sign of the whole on the diagonal
+NEGLIGIBLE = 1e-11  # moment relative to area times size: below is rounding
 AT_ZERO = 1e-12  # radian: a root this near to 0 or to half a turn is 0, to the precision of the search
 FLAT = 1e-7  # slope of that moment per radian, and of the force relative to its largest: below is not told from zero
 
@@ -140,7 +138,7 @@ def _principal_headings(second: Moments, *, weaker_along_x: bool) -> tuple[Headi
 def _predict_unit(field: ContinuousField, matrix: tuple[Vector, Vector], footprint: Footprint) -> Prediction:
     if isinstance(footprint, Disc):
         return _predict_disc(field, matrix, footprint)
-    body = _Body(field, footprint)
+    body = PushedBody(field, footprint)
     if _turns_with_the_world(matrix):
         rotation = Rotation.TURNS if matrix[1][0] else Rotation.KEEPS
         place = body.settle(0.0, np.zeros(2))
@@ -159,7 +157,7 @@ def _predict_disc(field: ContinuousField, matrix: tuple[Vector, Vector], footpri
     if _turns_with_the_world(matrix):
         back: bool | None = _pulls_inward(field, matrix)
     else:
-        back = _is_restoring(disc_stiffness(_floats(matrix), _speed(field), float(footprint.radius), NODES))
+        back = _is_restoring(disc_stiffness(directions(field), sense_of(field), float(footprint.radius), NODES))
     return Prediction(footprint, field, back, 0.0, rotation, (), reason)
 
 
@@ -172,7 +170,7 @@ def _pulls_inward(field: ContinuousField, matrix: tuple[Vector, Vector]) -> bool
     return (matrix[0][0] if field.speed is None else matrix[0][0] * field.speed).sign() < 0
 
 
-def _search(field: ContinuousField, body: _Body) -> Prediction:
+def _search(field: ContinuousField, body: PushedBody) -> Prediction:
     """Headings at which the moment at the settled position changes sign."""
     thetas = (np.arange(HEADINGS + 1) + GRID_SHIFT) * math.pi / HEADINGS
     places = list(body.settled(thetas))
@@ -189,7 +187,9 @@ def _search(field: ContinuousField, body: _Body) -> Prediction:
         reason = "no moment beyond rounding at any heading"
         return Prediction(body.footprint, field, back, offset, Rotation.KEEPS, (), reason)
     changes = np.flatnonzero(np.sign(levels[:-1]) * np.sign(levels[1:]) < 0)
-    headings = sorted((body.root(thetas[k], thetas[k + 1], known[k]) for k in changes), key=lambda h: h.theta)
+    headings = sorted(
+        (_heading_between(body, thetas[k], thetas[k + 1], known[k]) for k in changes), key=lambda h: h.theta
+    )
     if not headings:
         reason = f"the moment at rest has one sign at {HEADINGS} headings of half a turn"
         return Prediction(body.footprint, field, back, offset, Rotation.TURNS, (), reason)
@@ -197,63 +197,19 @@ def _search(field: ContinuousField, body: _Body) -> Prediction:
     return Prediction(body.footprint, field, back, offset, Rotation.ORIENTS, tuple(headings), reason)
 
 
-class _Body:
-    """A polygon on a field of constant size, in floats; positions are measured from the field's centre."""
+def _heading_between(body: PushedBody, low: float, high: float, place: Floats) -> Heading:
+    """The heading between two of opposite moments, and whether the moment turns back there."""
+    from scipy.optimize import brentq
 
-    def __init__(self, field: ContinuousField, footprint: PolygonShape) -> None:
-        self.footprint = footprint
-        self.matrix = _floats(field.matrix or ())
-        self.speed = _speed(field)
-        self.vertices = _floats(footprint.vertices)
-        area = float(moments(footprint).area)
-        self.size = float(np.hypot(*self.vertices.T).max())
-        self.force_scale = abs(self.speed) * area
-        self.scale = self.force_scale * self.size
+    def level(theta: float) -> float:
+        found = body.settle(theta, place)
+        return math.nan if found is None else body.wrench(theta, found).moment / body.scale
 
-    def wrench(self, theta: float, place: Floats) -> Wrench:
-        """Force and moment at a pose."""
-        c, s = math.cos(theta), math.sin(theta)
-        turned = self.vertices @ np.array([[c, s], [-s, c]])
-        return polygon_wrench(self.matrix, self.speed, turned + place, place)
-
-    def settle(self, theta: float, place: Floats) -> Floats | None:
-        """The position without force near a place, by Newton's method with bounded steps."""
-        if self.footprint.is_centrally_symmetric:
-            return np.zeros(2)
-        for _ in range(NEWTON_STEPS):
-            wrench = self.wrench(theta, place)
-            if np.abs(wrench.force).max() <= SETTLED * self.force_scale:
-                return place
-            if not np.linalg.det(wrench.stiffness):
-                return None
-            step = np.linalg.solve(wrench.stiffness, wrench.force)
-            place = place - step * min(1.0, self.size / (2 * float(np.hypot(*step))))
-        return None
-
-    def settled(self, thetas: Floats) -> Iterator[Floats | None]:
-        """The positions at several headings, each sought from the one before."""
-        place: Floats | None = np.zeros(2)
-        for theta in thetas.tolist():
-            place = self.settle(theta, np.zeros(2) if place is None else place)
-            yield place
-
-    def root(self, low: float, high: float, place: Floats) -> Heading:
-        """The heading between two of opposite moments, and whether the moment turns back there."""
-        from scipy.optimize import brentq
-
-        def level(theta: float) -> float:
-            found = self.settle(theta, place)
-            return math.nan if found is None else self.wrench(theta, found).moment / self.scale
-
-        theta = float(brentq(level, low, high, xtol=1e-14))
-        slope = (level(high) - level(low)) / (high - low)
-        theta %= math.pi
-        theta = 0.0 if min(theta, math.pi - theta) <= AT_ZERO else theta
-        return Heading(theta, None if abs(slope) <= FLAT else bool(slope < 0))
-
-
-def _speed(field: ContinuousField) -> float:
-    return 1.0 if field.speed is None else float(field.speed)
+    theta = float(brentq(level, low, high, xtol=1e-14))
+    slope = (level(high) - level(low)) / (high - low)
+    theta %= math.pi
+    theta = 0.0 if min(theta, math.pi - theta) <= AT_ZERO else theta
+    return Heading(theta, None if abs(slope) <= FLAT else bool(slope < 0))
 
 
 def _is_restoring(stiffness: Floats) -> bool | None:
@@ -263,7 +219,3 @@ def _is_restoring(stiffness: Floats) -> bool | None:
     if trace < -FLAT and determinant > FLAT:
         return True
     return False if trace > FLAT or determinant < -FLAT else None
-
-
-def _floats(rows: tuple[Vector, ...]) -> Floats:
-    return np.array([[float(x), float(y)] for x, y in rows])

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.console import RefusedError, json_text, refusals_named, write, write_json, write_views
+from nonsmooth.reports.console import RefusedError, refusals_named, write, write_json, write_views
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.analysis.partitions.partition import Partition
-    from nonsmooth.analysis.trajectories.maps import SettleMap
-    from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.reports.settle_maps import GridRun
     from nonsmooth.reports.simulate import Run
-    from nonsmooth.reports.system_paths import SystemPath
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_equations import SwitchedEquations
 
@@ -98,7 +94,7 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
         raise RefusedError(f"{loaded.origin}: {error}") from None
     record = views.trajectory_record(partition, run, trajectory)
     if path is not None:
-        write_whole(path, _trajectory_bytes(path, partition, trajectory, record))
+        write_whole(path, views.trajectory_bytes(path.suffix.lower(), partition, trajectory, record))
     if json:
         write_json(record)
     elif path is not None:
@@ -127,7 +123,7 @@ def _follow_system(
     except (ValueError, TrajectoryError) as error:
         raise RefusedError(f"{equations.origin}: {error}") from None
     if path is not None:
-        write_whole(path, _system_bytes(path, solution))
+        write_whole(path, views.system_path_bytes(path.suffix.lower(), solution))
     if json:
         write_json(views.system_path_record(solution))
     elif path is not None:
@@ -147,7 +143,7 @@ def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
         partition = build_partition(loaded)
     found = views.build_map(partition, run)
     if path is not None:
-        write_whole(path, _map_bytes(path, partition, run, found))
+        write_whole(path, views.map_bytes(path.suffix.lower(), partition, run, found))
     if json:
         write_json(views.map_record(partition, run, found))
     elif path is not None:
@@ -192,46 +188,3 @@ def _start(text: str | None, states: Sequence[str]) -> tuple[float, ...]:
 def _positive(option: str, value: float) -> None:
     if not (math.isfinite(value) and value > 0):
         raise RefusedError(f"{option}: required a positive number, received {value}")
-
-
-def _trajectory_bytes(path: Path, partition: Partition, trajectory: Trajectory, record: dict[str, Any]) -> bytes:
-    from nonsmooth.reports.simulate import trajectory_table
-
-    match path.suffix.lower():
-        case ".csv":
-            return trajectory_table(trajectory)
-        case ".json":
-            return json_text(record).encode()
-        case suffix:
-            from nonsmooth.reports.figures.trajectory import trajectory_figure
-
-            return trajectory_figure(partition, trajectory, suffix)
-
-
-def _system_bytes(path: Path, solution: SystemPath) -> bytes:
-    from nonsmooth.reports.simulate import trajectory_table
-    from nonsmooth.reports.system_paths import system_path_record
-
-    match path.suffix.lower():
-        case ".csv":
-            return trajectory_table(solution.trajectory, solution.equations.states)
-        case ".json":
-            return json_text(system_path_record(solution)).encode()
-        case suffix:
-            from nonsmooth.reports.figures.phase_plane import phase_plane_figure
-
-            return phase_plane_figure(solution, suffix)
-
-
-def _map_bytes(path: Path, partition: Partition, run: GridRun, found: SettleMap) -> bytes:
-    from nonsmooth.reports.settle_maps import map_record, map_table
-
-    match path.suffix.lower():
-        case ".csv":
-            return map_table(found)
-        case ".json":
-            return json_text(map_record(partition, run, found)).encode()
-        case suffix:
-            from nonsmooth.reports.figures.settle_map import settle_map_figure
-
-            return settle_map_figure(partition, run, found, suffix)

@@ -20,11 +20,10 @@ from nonsmooth.symbolic.files.object_table import build_footprint
 from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angles, field_of
-from nonsmooth.symbolic.files.velocity_fields import INWARD, LINEAR_KINDS
+from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel, dot
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 __all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "builtin_systems", "load_scene", "read_document"]
@@ -235,21 +234,22 @@ def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
 
 
 def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> ContinuousField:
-    """The field that the wheels stand for; without ``[field]`` inward, at the speed of the first wheel."""
-    field, zero, one = document.field or INWARD, numbers.field.zero, numbers.field.one
+    """The field that the wheels stand for."""
+    field, zero, one = document.field, numbers.field.zero, numbers.field.one
+    footprint = None if document.object is None else build_footprint(document.object, numbers)
+    if field is None:  # inward or outward, as the first wheel is, at its speed
+        first = wheels[0]
+        outward = dot(first.direction, first.position).sign() > 0
+        kind, pull = ("outward", one) if outward else ("radial", -one)
+        return ContinuousField(kind, ((pull, zero), (zero, pull)), first.speed, (zero, zero), footprint)
     matrix = None
     if field.kind in LINEAR_KINDS:
         psi = field.psi(numbers, "field")
         (a, c), (b, d) = psi((one, zero)), psi((zero, one))
         matrix = ((a, b), (c, d))
-    if document.field is None:
-        speed: Number | None = wheels[0].speed
-    elif field.speed == "magnitude":
-        speed = None
-    else:
-        speed = one if isinstance(field.speed, str) else numbers(field.speed, "field.speed")
-    footprint = None if document.object is None else build_footprint(document.object, numbers)
-    return ContinuousField(field.kind, matrix, speed, (zero, zero), footprint)
+    speed = one if isinstance(field.speed, str) else numbers(field.speed, "field.speed")
+    given = None if field.speed == "magnitude" else speed
+    return ContinuousField(field.kind, matrix, given, (zero, zero), footprint)
 
 
 def _check(document: Document, numbers: Numbers) -> Check:

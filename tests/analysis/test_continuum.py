@@ -338,6 +338,19 @@ def test_the_field_stays_where_it_is_when_a_scene_is_recentred() -> None:
     assert all(moved.continuum.is_followed_by(wheel) for wheel in moved.wheels)
 
 
+def test_only_directions_matter(tmp_path: Path) -> None:
+    """Numbers beyond the range of floats cancel: a field of constant size is the same for all multiples of A and s."""
+    law = '[field]\nkind = "elliptic"\na = 1e350\nb = 2e350\nspeed = 1e350\n'
+    box = '[object]\nshape = "rectangle"\nwidth = 2\nheight = 1\n'
+    (found,) = predictions(scene_of(tmp_path, f"{law}{box}"))
+    assert found.headings == predict(field(ELLIPTIC), rectangle(FIELD(1), FIELD(Fraction(1, 2)))).headings
+
+
+def test_outward_wheels_drive_away() -> None:
+    for found in predictions(load_scene("outward")):
+        assert (found.field.kind, found.attracts, found.rotation) == ("outward", False, Rotation.KEEPS)
+
+
 def test_an_object_of_the_scene_is_used(tmp_path: Path) -> None:
     law = '[field]\nkind = "elliptic"\nb = 2\nspeed = "magnitude"\n'
     (found,) = predictions(scene_of(tmp_path, f'{law}[object]\nshape = "rectangle"\nwidth = 3\nheight = 1\n'))
@@ -362,6 +375,7 @@ def test_wheels_in_line_are_covered_by_a_disc_alone(tmp_path: Path) -> None:
         ("", "[[wheel]]\nposition = [1, 0]\n[[wheel]]\nposition = [0, 1]\nspeed = 2\n", r"wheel\[2\]"),
         ('[field]\nkind = "elliptic"\na = 0\n', "[grid]\nrows = 2\ncolumns = 2\n", "vanishes at its centre"),
         ("", "[ring]\ncount = 4\nradius = 1e80\n", "length from"),
+        ('[field]\nkind = "elliptic"\nb = 1e9\n', "[grid]\nrows = 2\ncolumns = 2\n", "ratio"),
     ],
 )
 def test_scenes_that_stand_for_no_field(rest: str, wheels: str, named: str, tmp_path: Path) -> None:
