@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 UNTIL = 2.0  # last time of a single path, where none is given
 NOT_MAPPED = ("start", "method", "width", "feedback", "law")  # parameters of one path
 OF_ARRAYS = ("grid", "heading", "kinematics", "feedback", "law", "rule", "radius", "at")  # parameters of arrays
-MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 100 MB of JSON at most
+MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
 
 
 def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
