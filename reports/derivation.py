@@ -27,6 +27,7 @@ from nonsmooth.reports.sections.contact import (
     contact_states_section,
     held_wheels,
 )
+from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.stability import (
     equilibria_section,
@@ -78,7 +79,8 @@ def derive_report(scene: Scene, command: str) -> Report:
             situation_section(result.equilibrium.point),
             ellipse_derivative_section(result.translation),
         ]
-    sections += [theorem_section(result), _left_out_section(result)]
+    beside = continuum_section(result)
+    sections += [theorem_section(result), *([] if beside is None else [beside]), _left_out_section(result)]
     if is_paper_array(scene) and scene.contact.rule is Rule.NEAREST:
         sections.append(audit_section())
     sections.append(_reproduction_section(command))

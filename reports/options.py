@@ -36,6 +36,7 @@ NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; th
 CertificateFile = Annotated[
     str | None, typer.Option("--certificate", metavar="FILE", help="Write a certificate that anyone can verify: .json.")
 ]
+Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Picture = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Draw the cells: .svg, .png or .pdf.")

@@ -37,8 +37,13 @@ Record: TypeAlias = dict[str, Any]
 Check: TypeAlias = CellCheck | EllipseCheck
 
 
-def check_record(result: Check) -> Record:
-    """The verdicts of one check; points and twists are measured from ``equilibrium.at``."""
+def check_record(result: Check, continuum: Record | None = None) -> Record:
+    """The verdicts of one check; points and twists are measured from ``equilibrium.at``.
+
+    Args:
+        result: the verdicts.
+        continuum: the record of the continuous idealization, where it is asked for.
+    """
     scene = result.scene
     return {
         "schema": CHECK_SCHEMA,
@@ -52,14 +57,15 @@ def check_record(result: Check) -> Record:
         "rotation": _rotation_record(result),
         "feedback": _feedback_record(result),
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
+        "continuum": continuum,
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
         "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
     }
 
 
-def checks_record(results: Iterable[Check]) -> Record:
-    """Checks of one scene under several rules."""
-    return {"schema": CHECKS_SCHEMA, "checks": [check_record(result) for result in results]}
+def checks_record(records: Iterable[Record]) -> Record:
+    """Checks of one scene under several rules, by their records."""
+    return {"schema": CHECKS_SCHEMA, "checks": list(records)}
 
 
 def partition_record(partition: Partition) -> Record:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,13 +19,14 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.console import json_text
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-trajectory/1"
 GAIN = 1.0
 SHOWN = 12  # events listed on a terminal
-
+POSE = ("x", "y", "theta")
 
 LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law, Law.GRADIENT: gradient_law}
 
@@ -72,11 +74,24 @@ def trajectory_record(partition: Partition, run: Run, trajectory: Trajectory) ->
     return {"schema": SCHEMA, "scene": partition.scene.name, "feedback": law, **trajectory.record()}
 
 
-def trajectory_table(trajectory: Trajectory) -> bytes:
-    """Samples as CSV: t, x, y, theta."""
+def trajectory_bytes(suffix: str, partition: Partition, trajectory: Trajectory, record: dict[str, Any]) -> bytes:
+    """The file of a trajectory: a table, JSON or a picture."""
+    match suffix:
+        case ".csv":
+            return trajectory_table(trajectory)
+        case ".json":
+            return json_text(record).encode()
+        case _:
+            from nonsmooth.reports.figures.trajectory import trajectory_figure
+
+            return trajectory_figure(partition, trajectory, suffix)
+
+
+def trajectory_table(trajectory: Trajectory, states: Sequence[str] = POSE) -> bytes:
+    """Samples as CSV: t and the states."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(("t", "x", "y", "theta"))
+    writer.writerow(("t", *states))
     for time, state in zip(trajectory.times, trajectory.states, strict=True):
         writer.writerow([repr(float(value)) for value in (time, *state)])
     return stream.getvalue().encode()
@@ -84,17 +99,28 @@ def trajectory_table(trajectory: Trajectory) -> bytes:
 
 def trajectory_view(partition: Partition, trajectory: Trajectory) -> RenderableType:
     """Events and end as a table."""
+    name = one_line(partition.scene.name)
+    return events_view(f"{name}: {trajectory.kinematics} kinematics, method {trajectory.method}", trajectory, POSE)
+
+
+def events_view(head: str, trajectory: Trajectory, states: Sequence[str]) -> RenderableType:
+    """Events and end as a table under a headline."""
     rows = two_columns()
     for event in trajectory.events[:SHOWN]:
-        x, y, theta = (float(value) for value in event.state)
         note = f"; {event.note}" if event.note else ""
-        place = f"{event.kind} at ({x:.6g}, {y:.6g}), theta = {theta:.6g}: {event.surface}{note}"
+        place = f"{event.kind} at {_place(event.state, states, 6)}: {event.surface}{note}"
         rows.add_row(Text(f"t = {float(event.t):.6g}"), Text(place))
     if len(trajectory.events) > SHOWN:
         rows.add_row(Text("..."), Text(f"{len(trajectory.events) - SHOWN} more events"))
-    x, y, theta = (float(value) for value in trajectory.end.state)
-    end = f"({x:.10g}, {y:.10g}), theta = {theta:.10g}: {trajectory.end.reason}"
+    end = f"{_place(trajectory.end.state, states, 10)}: {trajectory.end.reason}"
     rows.add_row(Text(f"end, t = {float(trajectory.end.t):.6g}", "bold"), Text(end))
     said = {True: "unique", False: "not unique: other solutions branch off", None: "uniqueness not examined"}
-    head = f"{one_line(partition.scene.name)}: {trajectory.kinematics} kinematics, method {trajectory.method}"
     return Group(Text(head), rows, Text(said[trajectory.unique]))
+
+
+def _place(state: Sequence[Any], states: Sequence[str], digits: int) -> str:
+    """A state in words; positions of a body as a point."""
+    values = [f"{float(value):.{digits}g}" for value in state]
+    if states == POSE:
+        return f"({values[0]}, {values[1]}), theta = {values[2]}"
+    return ", ".join(f"{name} = {value}" for name, value in zip(states, values, strict=True))

@@ -49,7 +49,7 @@ _LEGEND = (
 
 def check_view(result: Check) -> RenderableType:
     """The verdict of Theorem 4, clause by clause, with its evidence."""
-    table = _table("clause", "verdict", "evidence")
+    table = header_table("clause", "verdict", "evidence")
     table.show_lines = True
     table.columns[1].max_width = VERDICT_WIDTH
     rows = (
@@ -67,7 +67,7 @@ def check_view(result: Check) -> RenderableType:
 
 def partition_view(partition: Partition) -> RenderableType:
     """The cells with their rows and twists."""
-    table = _table("cell", "rows held", "v_x", "v_y", "omega", "area")
+    table = header_table("cell", "rows held", "v_x", "v_y", "omega", "area")
     for cell in partition.cells:
         for k, state in enumerate(cell.states):
             index, area = (str(cell.index), brief(cell.polygon.area)) if k == 0 else ("", "or")
@@ -85,7 +85,7 @@ def partition_view(partition: Partition) -> RenderableType:
 
 def scenes_view(descriptions: dict[str, str]) -> RenderableType:
     """The built-in scenes."""
-    table = _table("scene", "what it is")
+    table = header_table("scene", "what it is")
     for name, description in descriptions.items():
         table.add_row(Text(name, no_wrap=True), Text(description))
     return table
@@ -195,7 +195,8 @@ def verdict_text(verdict: str, *, bold: bool = False) -> Text:
     return Text(str(verdict), f"bold {style}" if bold else style)
 
 
-def _table(*header: str) -> Table:
+def header_table(*header: str) -> Table:
+    """A table with a header, its last column as wide as there is room."""
     table = Table(box=box.ROUNDED, header_style="bold")
     for k, name in enumerate(header):
         table.add_column(Text(name), overflow="fold", ratio=None if k < len(header) - 1 else 1)

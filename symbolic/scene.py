@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
+from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -114,7 +115,8 @@ class Check:
 class Scene:
     """A wheel array with everything a check needs; numbers live in one field.
 
-    ``source`` names where it came from (a file or a built-in name) for messages and reports.
+    ``source`` names where it came from (a file or a built-in name) for messages and reports; ``continuum`` is the
+    field that the array stands for, where its file gives one.
     """
 
     name: str
@@ -123,6 +125,7 @@ class Scene:
     contact: Contact
     check: Check
     source: str = ""
+    continuum: ContinuousField | None = None
 
     @property
     def origin(self) -> str:
@@ -142,10 +145,13 @@ class Scene:
         if loads is not None:
             rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
             loads = LoadTable(rows)
-        zero = self.field.zero
+        zero, continuum = self.field.zero, self.continuum
+        if continuum is not None:
+            continuum = replace(continuum, centre=(continuum.centre[0] - x, continuum.centre[1] - y))
         return replace(
             self,
             wheels=wheels,
+            continuum=continuum,
             contact=replace(self.contact, loads=loads),
             check=replace(self.check, equilibrium=(zero, zero)),
         )

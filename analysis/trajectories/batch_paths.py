@@ -8,6 +8,9 @@ so it is decided once.  Every other start (on an edge, tangent to one) is handed
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +34,7 @@ MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than
 DONE = -1
 
 Numbers = NDArray[np.int_]
+Report: TypeAlias = Callable[[int, int], None]
 
 
 class BatchPaths:
@@ -58,11 +62,13 @@ class BatchPaths:
             self.place[inside], near[inside] = k, False
         self._one_by_one(np.flatnonzero(near))
 
-    def run(self) -> None:
-        """Leg after leg."""
+    def run(self, report: Report | None = None) -> None:
+        """Leg after leg; ``report`` is told how many of all starts have ended."""
         for leg in range(MAX_LEGS):
             self._find_orbits(np.flatnonzero(self.place != DONE), anchor=leg & (leg - 1) == 0)
             going = np.flatnonzero(self.place != DONE)
+            if report is not None:
+                report(len(self.place) - len(going), len(self.place))
             if not len(going):
                 return
             groups, member = np.unique(

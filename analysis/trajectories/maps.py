@@ -6,7 +6,7 @@ starts together.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.switched_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_motion import Floats
-from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths
+from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, Report
 from nonsmooth.analysis.trajectories.result import EndReason
 
 
@@ -40,13 +40,50 @@ class SettleMap:
     ends: tuple[tuple[EndReason, str], ...]
     unique: NDArray[np.bool_]
 
+    @property
+    def settled(self) -> NDArray[np.bool_]:
+        """Whether the heading has a limit where c comes to rest or approaches an equilibrium."""
+        return self._ends_by(EndReason.REST, EndReason.APPROACH) & np.isfinite(self.theta)
+
+    @property
+    def arrived(self) -> NDArray[np.bool_]:
+        """Whether c comes to rest in finite time (theta may turn on)."""
+        return self._ends_by(EndReason.REST, EndReason.TURNING) & np.isfinite(self.arrival)
+
+    def _ends_by(self, *reasons: EndReason) -> NDArray[np.bool_]:
+        return np.array([reason in reasons for reason, _ in self.ends])[self.basin]
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """The share of the starts that has each kind of end."""
+        return tuple(float(np.mean(self.basin == k)) for k in range(len(self.ends)))
+
+    def seen_until(self, time: float) -> SettleMap:
+        """What is known at a time: a start that arrives later is still on its way, to nowhere known.
+
+        Ends that are never reached stay as they are.
+        """
+        late = np.isfinite(self.arrival) & (self.arrival > time)
+        if not late.any():
+            return self
+        basin, ends = np.where(late, len(self.ends), self.basin), (*self.ends, (EndReason.TIME, ""))
+        kept = np.unique(basin)
+        return replace(
+            self,
+            theta=np.where(late, np.nan, self.theta),
+            arrival=np.where(late, np.inf, self.arrival),
+            points=np.where(late[:, None], np.nan, self.points),
+            basin=np.searchsorted(kept, basin),
+            ends=tuple(ends[k] for k in kept),
+        )
+
     def record(self) -> dict[str, Any]:
         """JSON-ready; None for what is not finite."""
         return {
             "starts": self.starts.tolist(),
             "theta": _finite(self.theta),
             "arrival": _finite(self.arrival),
-            "points": self.points.tolist(),
+            "points": [_finite(point) for point in self.points],
             "basin": self.basin.tolist(),
             "ends": [{"reason": reason.value, "place": place} for reason, place in self.ends],
             "unique": self.unique.tolist(),
@@ -71,19 +108,20 @@ def grid_starts(field: ConstantField, count: int) -> Floats:
     return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
-def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0) -> SettleMap:
+def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0, report: Report | None = None) -> SettleMap:
     """Follow every start to its end.
 
     Args:
         field: constant twists on polygons (exact numbers are rounded).
         starts: (m, 2) positions inside the domain.
         theta: initial heading of all.
+        report: told from time to time how many of all starts have ended.
 
     Raises:
         ValueError: for a start outside the domain.
     """
     paths = BatchPaths(field.floats() if field.exact else field, np.array(starts, dtype=float), theta)
-    paths.run()
+    paths.run(report)
     kinds = dict.fromkeys(end for end in paths.ends if end is not None)
     numbers = {end: k for k, end in enumerate(kinds)}
     basin = np.array([DONE if end is None else numbers[end] for end in paths.ends], dtype=int)

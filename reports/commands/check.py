@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.reports.choices import RuleOrAll
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
-from nonsmooth.reports.options import At, CertificateFile, Json, NoPrune, Radius, RulesOption, SceneText
+from nonsmooth.reports.options import At, CertificateFile, Continuum, Json, NoPrune, Radius, RulesOption, SceneText
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+    from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system import SystemScene
 
 
@@ -20,6 +22,7 @@ def check(
     at: At = None,
     no_prune: NoPrune = False,
     certificate: CertificateFile = None,
+    continuum: Continuum = False,
     json: Json = False,
 ) -> int:
     """Check Theorem 4 clause by clause, or the stability of a plain switched system."""
@@ -33,8 +36,10 @@ def check(
     for name in [None] if rule is None else rule.rules:
         loaded = load_any(scene, rule=name, radius=radius, at=at)
         if not isinstance(loaded, Scene):
-            return _check_system(loaded, certificate, json=json)
+            _require_array(loaded, {"a certificate": certificate is not None, "--continuum": continuum})
+            return _check_system(loaded, json=json)
         scenes.append(loaded)
+    found = _predictions(scenes[0]) if continuum else None
     results = []
     for loaded in scenes:
         with refusals_named(loaded):
@@ -42,25 +47,61 @@ def check(
     if certificate is not None:
         _write_certificate(results, certificate)
     if json:
-        from nonsmooth.reports.records import check_record, checks_record
-
-        write_json(checks_record(results) if several else check_record(results[0]))
+        _write_records(results, found, several=several)
     else:
-        from nonsmooth.reports.terminal import check_view, legend
-
-        write_views([*(check_view(result) for result in results), legend()])
+        _write_views(results, found)
     statuses = [result.verdict.exit_status for result in results]
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
 
-def _check_system(scene: SystemScene, certificate: str | None, *, json: bool) -> int:
+def _write_records(
+    results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None, *, several: bool
+) -> None:
+    from nonsmooth.reports.records import check_record, checks_record
+
+    if found is None:
+        records = [check_record(result) for result in results]
+    else:
+        from nonsmooth.reports.continuum import continuum_record
+
+        records = [check_record(result, continuum_record(found, result)) for result in results]
+    write_json(checks_record(records) if several else records[0])
+
+
+def _write_views(results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None) -> None:
+    from nonsmooth.reports.terminal import check_view, legend
+
+    views = [check_view(result) for result in results]
+    if found is not None:
+        from nonsmooth.reports.continuum import continuum_view
+
+        views.append(continuum_view(found, results))
+    write_views([*views, legend()])
+
+
+def _predictions(scene: Scene) -> tuple[Prediction, ...]:
+    """The continuous idealization, refused where no field stands for the array."""
+    from nonsmooth.analysis.continuum.idealization import NoIdealizationError, predictions
+
+    try:
+        return predictions(scene)
+    except NoIdealizationError as error:
+        raise RefusedError(f"{scene.origin}: {error}") from None
+
+
+def _require_array(scene: SystemScene, asked: dict[str, bool]) -> None:
+    """Refuse what only an array of wheels has."""
+    wanted = next((name for name, given in asked.items() if given), None)
+    if wanted is not None:
+        raise RefusedError(f"{scene.origin}: required an array of wheels for {wanted}")
+
+
+def _check_system(scene: SystemScene, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.systems.system_stability import system_check
     from nonsmooth.proofs.verdicts import Translation
     from nonsmooth.proofs.verified import verified
 
-    if certificate is not None:
-        raise RefusedError(f"{scene.origin}: required an array of wheels for a certificate")
     result = verified(system_check(scene))
     if json:
         from nonsmooth.reports.system_views import system_record

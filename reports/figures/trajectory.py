@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from nonsmooth.symbolic.scene_error import one_line
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 SIZE = (9.6, 5.6)  # inches
 PATH = "#0072B2"
@@ -43,16 +45,17 @@ def build_figure(partition: Partition, trajectory: Trajectory) -> Figure:
     figure = Figure(figsize=SIZE, layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
     curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
-    _draw_curves(curves, trajectory)
+    draw_curves(curves, trajectory, LABELS)
     _draw_path(figure.add_subplot(grid[:, 1]), partition, trajectory)
     name = one_line(partition.scene.name)
     title = f"{name}: rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
     figure.suptitle(title, fontsize="medium", parse_math=False)
-    _explain(figure, trajectory)
+    explain(figure, trajectory)
     return figure
 
 
-def _draw_curves(curves: list[Axes], trajectory: Trajectory) -> None:
+def draw_curves(curves: Sequence[Axes], trajectory: Trajectory, labels: Sequence[str]) -> None:
+    """The states over time, one under the other, with the events marked."""
     times, states = _dense(trajectory)
     for k, axes in enumerate(curves):
         axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
@@ -60,13 +63,12 @@ def _draw_curves(curves: list[Axes], trajectory: Trajectory) -> None:
         for event in trajectory.events[:MOST_MARKS]:
             place = [float(event.t)], [float(event.state[k])]
             axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=5, fillstyle="none", linestyle="none")
-        axes.set_ylabel(LABELS[k])
+        axes.set_ylabel(labels[k])
         axes.margins(x=0.02, y=0.15)
-        if k < 2:
+        if axes is not curves[-1]:
             axes.tick_params(labelbottom=False)
-    curves[2].set_xlabel("t [time]")
-    curves[0].sharex(curves[2])
-    curves[1].sharex(curves[2])
+            axes.sharex(curves[-1])
+    curves[-1].set_xlabel("t [time]")
 
 
 def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -85,21 +87,26 @@ def _draw_path(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
         color = PALETTE[twists.index(cell.twists) % len(PALETTE)]
         axes.fill(xs, ys, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
         axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
+    draw_path(axes, trajectory)
+    axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+
+
+def draw_path(axes: Axes, trajectory: Trajectory) -> None:
+    """The path in the plane of the first two states, with the events marked."""
     _, path = _dense(trajectory)
     axes.plot(path[:, 0], path[:, 1], color=PATH, linewidth=1.8, zorder=3)
     axes.plot(*path[0, :2], marker=">", color=PATH, markersize=8, zorder=4)
     for event in trajectory.events[:MOST_MARKS]:
         place = [[float(event.state[0])], [float(event.state[1])]]
         axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4)
-    axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
 
 
-def _explain(figure: Figure, trajectory: Trajectory) -> None:
+def explain(figure: Figure, trajectory: Trajectory, others: Sequence[Line2D] = ()) -> None:
     """The legend of what occurs."""
     from matplotlib.lines import Line2D
 
     kinds = dict.fromkeys(event.kind for event in trajectory.events)
-    entries = [Line2D([], [], marker=">", color=PATH, linestyle="none", label="start")]
+    entries = [*others, Line2D([], [], marker=">", color=PATH, linestyle="none", label="start")]
     for kind in kinds:
         marker = MARKERS[kind]
         entries.append(Line2D([], [], label=str(kind), marker=marker, color=INK, fillstyle="none", linestyle="none"))

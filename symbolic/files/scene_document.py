@@ -9,6 +9,7 @@ from pydantic import PlainValidator, StrictStr
 
 from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
+from nonsmooth.symbolic.files.object_table import ObjectTable
 from nonsmooth.symbolic.files.scene_values import (
     Exact,
     ExactField,
@@ -105,5 +106,6 @@ class Document(Table):
     grid: Grid | None = None
     wheels: WheelFile | None = None
     field: AnyField | None = None
+    object: ObjectTable | None = None
     contact: ContactTable = ContactTable()
     check: CheckTable = CheckTable()

@@ -14,13 +14,16 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
+from nonsmooth.symbolic.files.object_table import build_footprint
 from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angles, field_of
+from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene
+from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel, dot
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 __all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "builtin_systems", "load_scene", "read_document"]
@@ -184,6 +187,7 @@ def _scene(data: dict[str, Any], file: str, path: Path) -> Scene:
         contact=_contact(document, numbers, len(wheels)),
         check=_check(document, numbers),
         source=file,
+        continuum=_continuum(document, numbers, wheels),
     )
 
 
@@ -207,7 +211,7 @@ def _layout(document: Document, file: str, path: Path) -> Layout:
 
 def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
-    for table in (document.friction, document.field, document.contact, document.check):
+    for table in (document.friction, document.field, document.object, document.contact, document.check):
         yield from angles(table)
 
 
@@ -227,6 +231,25 @@ def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
         for k, (a, b, c) in enumerate(rows, 1)
     )
     return Contact(table.rule, LoadTable(exact))
+
+
+def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> ContinuousField:
+    """The field that the wheels stand for."""
+    field, zero, one = document.field, numbers.field.zero, numbers.field.one
+    footprint = None if document.object is None else build_footprint(document.object, numbers)
+    if field is None:  # inward or outward, as the first wheel is, at its speed
+        first = wheels[0]
+        outward = dot(first.direction, first.position).sign() > 0
+        kind, pull = ("outward", one) if outward else ("radial", -one)
+        return ContinuousField(kind, ((pull, zero), (zero, pull)), first.speed, (zero, zero), footprint)
+    matrix = None
+    if field.kind in LINEAR_KINDS:
+        psi = field.psi(numbers, "field")
+        (a, c), (b, d) = psi((one, zero)), psi((zero, one))
+        matrix = ((a, b), (c, d))
+    speed = one if isinstance(field.speed, str) else numbers(field.speed, "field.speed")
+    given = None if field.speed == "magnitude" else speed
+    return ContinuousField(field.kind, matrix, given, (zero, zero), footprint)
 
 
 def _check(document: Document, numbers: Numbers) -> Check:

@@ -27,6 +27,11 @@ _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
 _RESERVED = {"pi", "sqrt", "sin", "cos", *SWITCHES}
 
 
+def is_state(value: object) -> bool:
+    """Whether a value can name a state."""
+    return isinstance(value, str) and _STATE.fullmatch(value) is not None and value not in _RESERVED
+
+
 def read_states(value: object) -> tuple[str, str]:
     """Two different names.
 
@@ -34,7 +39,7 @@ def read_states(value: object) -> tuple[str, str]:
         ValueError: for anything else.
     """
     names = value if isinstance(value, list) and len(value) == 2 else []
-    fit = [n for n in names if isinstance(n, str) and _STATE.fullmatch(n) and n not in _RESERVED]
+    fit = [name for name in names if is_state(name)]
     if len(set(fit)) != 2:
         raise ValueError('required two different names such as ["x", "y"] (only planar systems are supported)')
     return fit[0], fit[1]
@@ -119,8 +124,8 @@ def system_descriptions() -> dict[str, str]:
     return {name: read_document(name)[0]["description"] for name in builtin_systems()}
 
 
-def parse_lyapunov(text: object, states: tuple[str, str], file: str, key: str) -> PiecewiseExpression:
-    """V as a formula of the states.
+def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -> PiecewiseExpression:
+    """V, or a right-hand side, as a formula of the states.
 
     Raises:
         SceneError: for anything else.

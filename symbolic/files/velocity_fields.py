@@ -164,6 +164,7 @@ class Uniform(NamedTuple):
 AnyField = Annotated[Radial | Elliptic | Saddle | Squeeze | Spiral | Formulas, Field(discriminator="kind")]
 Heading: TypeAlias = Radial | Outward | Uniform
 
+LINEAR_KINDS = ("radial", "elliptic", "saddle", "spiral")  # Psi(p) = A p
 INWARD = Radial()
 OUTWARD = Outward()
 

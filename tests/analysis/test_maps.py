@@ -129,6 +129,29 @@ def test_turning_and_circling_have_no_final_heading() -> None:
     assert record["ends"][0]["reason"] == EndReason.CIRCLES.value
 
 
+def test_a_map_seen_early_forgets_late_arrivals_only() -> None:
+    """Closed orbits never arrive, whenever one looks; a kind of end that nobody has reached yet is not listed."""
+    field = built_in("four-wheel", Kinematics.LEADING)
+    ends = settle_map(field, np.array([[0.2, 0.1], [0.4, 0.3]]))
+    early, late = ends.seen_until(0.3), ends.seen_until(1.0)
+    assert late is ends
+    assert early.ends == ((EndReason.REST, "corner (0, 0)"), (EndReason.TIME, ""))
+    assert (early.arrived.tolist(), early.settled.tolist()) == ([True, False], [True, False])
+    assert early.shares == (0.5, 0.5)
+    assert ends.seen_until(0.01).ends == ((EndReason.TIME, ""),)
+    circling = settle_map(built_in("conveyor-3", Kinematics.EXACT), np.array([[0.1, 0.05]]))
+    assert circling.seen_until(0.01) is circling
+    assert not circling.arrived.any()
+
+
+def test_progress_counts_up_to_all_starts() -> None:
+    said: list[tuple[int, int]] = []
+    field = built_in("four-wheel", Kinematics.LEADING)
+    settle_map(field, grid_starts(field, 4), report=lambda done, total: said.append((done, total)))
+    assert said[-1] == (16, 16)
+    assert said == sorted(said)
+
+
 def test_exact_fields_are_rounded_and_input_is_checked(arrays: Arrays) -> None:
     field = array_field(build_nearest_partition(arrays.four_wheel()), Kinematics.LEADING, exact=True)
     assert settle_map(field, np.array([[0.2, 0.4]])).theta == pytest.approx([0.1], abs=FORMULA)

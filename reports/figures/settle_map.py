@@ -1,0 +1,143 @@
+"""A map of ends as a picture: heading theta_inf, time of arrival, and the kind and place of the end of every start."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.trajectories.maps import SettleMap
+from nonsmooth.reports.figures.cell_map import INK, PALETTE, figure_bytes, require_drawable
+from nonsmooth.reports.settle_maps import Basin, GridRun, basins
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+SIZE = (12.6, 6.0)  # inches, without the legend
+SCALE = 0.05  # height of a color scale, relative to its map
+LINE = 0.22  # inches for each line of the legend
+HEADING, TIME = "PuOr", "cividis"  # maps of colors that are safe for color-blind readers
+COLORS = PALETTE[:-1]  # grey is the veil's
+OTHERS = "#F2F2F2"  # color of all ends beyond the palette
+SHADE = 0.45  # opacity of the dark veil over starts with several solutions
+NOTHING: dict[str, Any] = {"facecolor": "0.85", "edgecolor": "0.6", "hatch": "///", "linewidth": 0.0}
+NO_NUMBER = "no limit of theta, or no arrival"
+
+
+def settle_map_figure(partition: Partition, run: GridRun, found: SettleMap, suffix: str) -> bytes:
+    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
+    require_drawable(partition)
+    return figure_bytes(lambda: build_figure(partition, run, found), suffix)
+
+
+def build_figure(partition: Partition, run: GridRun, found: SettleMap) -> Figure:
+    """The picture as a Matplotlib figure."""
+    from matplotlib.figure import Figure
+
+    entries = _legend(found)
+    lines = -(-len(entries) // 2)
+    figure = Figure(figsize=(SIZE[0], SIZE[1] + LINE * lines), layout="constrained")
+    rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
+    heading, arrival, ends = (figure.add_subplot(rows[0, k]) for k in range(3))
+    _draw_heading(heading, figure.add_subplot(rows[1, 0]), run, found)
+    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), run, found)
+    _draw_ends(ends, run, found)
+    for axes in (heading, arrival, ends):
+        _draw_cells(axes, partition)
+        axes.set(xlabel="x at the start [length]", aspect="equal")
+    for axes in (arrival, ends):
+        axes.tick_params(labelleft=False)
+    heading.set_ylabel("y at the start [length]")
+    name = one_line(partition.scene.name)
+    until = "" if run.until is None else f", seen at t = {run.until:.6g}"
+    title = f"{name}: rule {partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
+    figure.suptitle(title, fontsize="medium", parse_math=False)
+    figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def _draw_heading(axes: Axes, scale: Axes, run: GridRun, found: SettleMap) -> None:
+    from matplotlib.colors import CenteredNorm
+
+    values = np.where(found.settled, found.theta, np.nan)
+    turned = np.abs(values[found.settled] - run.theta)
+    norm = CenteredNorm(run.theta, float(turned.max(initial=0.0)) or 1.0)
+    axes.set_title(f"heading at rest (theta = {run.theta:.6g} at the start)")
+    _draw_numbers(axes, scale, run, found, values, "theta_inf [rad]", cmap=HEADING, norm=norm)
+
+
+def _draw_arrival(axes: Axes, scale: Axes, run: GridRun, found: SettleMap) -> None:
+    values = np.where(found.arrived, found.arrival, np.nan)
+    latest = float(values[found.arrived].max(initial=0.0)) or 1.0
+    axes.set_title("time of arrival")
+    _draw_numbers(axes, scale, run, found, values, "t [time]", cmap=TIME, vmin=0.0, vmax=latest)
+
+
+def _draw_numbers(
+    axes: Axes, scale: Axes, run: GridRun, found: SettleMap, values: NDArray[np.float64], label: str, **colors: Any
+) -> None:
+    """One number per start, with its scale; a hatched ground shows where there is none."""
+    from matplotlib.patches import Rectangle
+
+    left, right, low, high = extent = _extent(run, found)
+    axes.add_patch(Rectangle((left, low), right - left, high - low, zorder=0, **NOTHING))
+    axes.set(xlim=(left, right), ylim=(low, high))
+    if np.isnan(values).all():
+        scale.set_axis_off()
+        return
+    shown = np.ma.masked_invalid(values.reshape(run.count, run.count))
+    image = axes.imshow(shown, origin="lower", extent=extent, interpolation="nearest", zorder=1, **colors)
+    axes.figure.colorbar(image, cax=scale, label=label, orientation="horizontal")
+
+
+def _draw_ends(axes: Axes, run: GridRun, found: SettleMap) -> None:
+    """Ends by color; what is not unique is darker."""
+    from matplotlib.colors import to_rgb, to_rgba
+
+    grid, extent = (run.count, run.count), _extent(run, found)
+    colors = np.zeros((len(found.ends), 3))
+    for basin, color in _colored(found):
+        colors[list(basin.kinds)] = to_rgb(color)
+    axes.set_title("end")
+    axes.imshow(colors[found.basin].reshape(*grid, 3), origin="lower", extent=extent, interpolation="nearest")
+    veil = np.zeros((*grid, 4))
+    veil[~found.unique.reshape(grid)] = to_rgba(INK, SHADE)
+    axes.imshow(veil, origin="lower", extent=extent, interpolation="nearest")
+
+
+def _colored(found: SettleMap) -> list[tuple[Basin, str]]:
+    return [(basin, COLORS[k] if k < len(COLORS) else OTHERS) for k, basin in enumerate(basins(found))]
+
+
+def _legend(found: SettleMap) -> list[Patch]:
+    """An entry for each color, and for what else occurs."""
+    from matplotlib.patches import Patch
+
+    colored = _colored(found)
+    entries = [Patch(facecolor=color, label=basin.text) for basin, color in colored[: len(COLORS)]]
+    if len(colored) > len(COLORS):
+        label = f"{len(colored) - len(COLORS)} other ends"
+        entries.append(Patch(facecolor=OTHERS, edgecolor="0.6", label=label))
+    if not found.unique.all():
+        entries.append(Patch(facecolor=INK, alpha=SHADE, label="darker: several solutions, one of them is drawn"))
+    if not (found.settled & found.arrived).all():
+        entries.append(Patch(label=NO_NUMBER, **NOTHING))
+    return entries
+
+
+def _draw_cells(axes: Axes, partition: Partition) -> None:
+    for cell in partition.cells:
+        xs, ys = zip(*((float(x), float(y)) for x, y in cell.polygon.vertices), strict=True)
+        axes.fill(xs, ys, facecolor="none", edgecolor=INK, alpha=0.4, linewidth=0.5, zorder=2)
+
+
+def _extent(run: GridRun, found: SettleMap) -> tuple[float, float, float, float]:
+    """Border of the picture: half a step beyond the outermost starts."""
+    (left, low), (right, high) = found.starts.min(axis=0), found.starts.max(axis=0)
+    dx, dy = (right - left) / (run.count - 1) / 2, (high - low) / (run.count - 1) / 2
+    return float(left - dx), float(right + dx), float(low - dy), float(high + dy)

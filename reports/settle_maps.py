@@ -1,0 +1,147 @@
+"""The command ``simulate --grid``: where starts all over the square come to rest, as text, JSON or a table."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.switched_field import array_field
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
+from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.reports.console import json_text
+from nonsmooth.reports.progress import progress
+from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.scene_error import one_line
+
+SCHEMA = "nonsmooth-map/1"
+SHOWN = 12  # ends listed on a terminal
+PLACED = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)  # ends whose place is where the body stays
+
+
+@dataclass(frozen=True)
+class GridRun:
+    """What to map.
+
+    Attributes:
+        count: starts in a row and in a column.
+        theta: heading at the start (radian).
+        until: time at which the map is taken; None follows every start to its end.
+        kinematics: exact pose or leading order.
+    """
+
+    count: int
+    theta: float
+    until: float | None
+    kinematics: Kinematics
+
+
+@dataclass(frozen=True)
+class Basin:
+    """Kinds of ends that read the same: their numbers in the map, and the share of the starts that end so."""
+
+    text: str
+    kinds: tuple[int, ...]
+    share: float
+
+
+def build_map(partition: Partition, run: GridRun) -> SettleMap:
+    """Follow every start of the grid, with progress on a terminal."""
+    field = array_field(partition, run.kinematics)
+    with progress(f"{run.count} x {run.count} starts") as report:
+        found = settle_map(field, grid_starts(field, run.count), run.theta, report)
+    return found if run.until is None else found.seen_until(run.until)
+
+
+def basins(found: SettleMap) -> list[Basin]:
+    """The ends, largest share first; told apart by place only where the body stays there."""
+    kinds: dict[str, list[int]] = {}
+    for k, (reason, place) in enumerate(found.ends):
+        kinds.setdefault(f"{reason.value}: {place}" if reason in PLACED else reason.value, []).append(k)
+    found_basins = [Basin(text, tuple(own), sum(found.shares[k] for k in own)) for text, own in kinds.items()]
+    return sorted(found_basins, key=lambda basin: -basin.share)
+
+
+def map_record(partition: Partition, run: GridRun, found: SettleMap) -> dict[str, Any]:
+    """JSON with stable keys; starts run along x first."""
+    return {
+        "schema": SCHEMA,
+        "scene": partition.scene.name,
+        "rule": str(partition.rule),
+        "kinematics": str(run.kinematics),
+        "grid": run.count,
+        "theta_0": run.theta,
+        "until": run.until,
+        "summary": _summary_record(found),
+        **found.record(),
+    }
+
+
+def _summary_record(found: SettleMap) -> dict[str, Any]:
+    return {
+        "shares": list(found.shares),
+        "theta": _range(found.theta[found.settled]),
+        "latest_arrival": float(found.arrival[found.arrived].max()) if found.arrived.any() else None,
+        "arrived": float(found.arrived.mean()),
+        "unique": float(found.unique.mean()),
+    }
+
+
+def _range(values: Any) -> list[float] | None:
+    return [float(values.min()), float(values.max())] if len(values) else None
+
+
+def map_bytes(suffix: str, partition: Partition, run: GridRun, found: SettleMap) -> bytes:
+    """The file of a map: a table, JSON or a picture."""
+    match suffix:
+        case ".csv":
+            return map_table(found)
+        case ".json":
+            return json_text(map_record(partition, run, found)).encode()
+        case _:
+            from nonsmooth.reports.figures.settle_map import settle_map_figure
+
+            return settle_map_figure(partition, run, found, suffix)
+
+
+def map_table(found: SettleMap) -> bytes:
+    """One start per line as CSV; empty where there is no number."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(("x", "y", "theta", "arrival", "x_end", "y_end", "reason", "place", "unique"))
+    columns = zip(found.starts, found.theta, found.arrival, found.points, found.basin, found.unique, strict=True)
+    for start, theta, arrival, point, basin, unique in columns:
+        numbers = (repr(float(v)) if np.isfinite(v) else "" for v in (*start, theta, arrival, *point))
+        reason, place = found.ends[basin]
+        writer.writerow((*numbers, reason.value, place, "yes" if unique else "no"))
+    return stream.getvalue().encode()
+
+
+def map_view(partition: Partition, run: GridRun, found: SettleMap) -> RenderableType:
+    """The shares of the ends, the range of headings, the latest arrival and what is not unique."""
+    rows, summary, ends = two_columns(), _summary_record(found), basins(found)
+    for basin in ends[:SHOWN]:
+        rows.add_row(Text(_percent(basin.share)), Text(basin.text))
+    if len(ends) > SHOWN:
+        rows.add_row(Text(_percent(sum(basin.share for basin in ends[SHOWN:]))), Text(f"{len(ends) - SHOWN} others"))
+    theta, latest = summary["theta"], summary["latest_arrival"]
+    rows.add_row(Text("theta_inf"), Text("-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
+    rows.add_row(Text("latest arrival"), Text("-" if latest is None else f"t = {latest:.10g}"))
+    rows.add_row(Text("never arrive"), Text(_percent(1 - summary["arrived"])))
+    rows.add_row(Text("not unique"), Text(_percent(1 - summary["unique"])))
+    (left, low), (right, high) = found.starts.min(axis=0), found.starts.max(axis=0)
+    square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {run.theta:.6g}"
+    name, until = one_line(partition.scene.name), "" if run.until is None else f", seen at t = {run.until:.6g}"
+    head = f"{name}: rule {partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
+    return Group(Text(head), Text(square), rows)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.4g} %"

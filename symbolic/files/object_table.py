@@ -1,0 +1,120 @@
+"""``[object]`` of a scene file: the footprint of the body, for the continuous idealization of the array."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Annotated, Literal
+
+from pydantic import PlainValidator
+
+from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, OptionalExact, Table, read_pair
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.scene import Vector, cross
+from nonsmooth.symbolic.scene_error import Fact, SceneError
+
+MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
+_KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
+
+
+def read_vertices(value: object) -> tuple[tuple[Exact, Exact], ...]:
+    """Three or more points.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, list) or not 3 <= len(value) <= MAX_VERTICES:
+        raise ValueError(f"required 3 to {MAX_VERTICES} points [[x, y], ...]")
+    return tuple(read_pair(point) for point in value)
+
+
+class ObjectTable(Table):
+    """``[object]``: a disc, a rectangle (width along x at heading zero) or a polygon."""
+
+    shape: Literal["disc", "rectangle", "polygon"]
+    radius: OptionalExact = None
+    width: OptionalExact = None
+    height: OptionalExact = None
+    vertices: Annotated[tuple[tuple[Exact, Exact], ...] | None, PlainValidator(read_vertices)] = None
+
+
+def build_footprint(table: ObjectTable, numbers: Numbers) -> Footprint:
+    """The footprint, measured from its centroid.
+
+    Raises:
+        SceneError: for keys that do not fit the shape, and polygons that are not simple.
+    """
+    for key in ("radius", "width", "height", "vertices"):
+        wanted, given = key in _KEYS[table.shape], getattr(table, key) is not None
+        if wanted != given:
+            expected = f"{'a value' if wanted else 'no value'} for shape {table.shape}"
+            raise SceneError(numbers.file, f"object.{key}", expected, Fact("one" if given else "nothing"))
+    if table.radius is not None:
+        return Disc(numbers.positive(table.radius, "object.radius"))
+    if table.width is not None and table.height is not None:
+        width = numbers.positive(table.width, "object.width")
+        return rectangle(width / 2, numbers.positive(table.height, "object.height") / 2)
+    vertices = [
+        (numbers(x, f"object.vertices[{k}]"), numbers(y, f"object.vertices[{k}]"))
+        for k, (x, y) in enumerate(table.vertices or (), 1)
+    ]
+    return _polygon(vertices, numbers.file)
+
+
+def rectangle(half_width: Number, half_height: Number) -> PolygonShape:
+    """The rectangle ``|x| <= half_width, |y| <= half_height``."""
+    a, b = half_width, half_height
+    return PolygonShape(((-a, -b), (a, -b), (a, b), (-a, b)), "rectangle")
+
+
+def _polygon(vertices: list[Vector], file: str) -> PolygonShape:
+    if not _is_simple(vertices):
+        expected = "a polygon whose sides meet at its vertices only"
+        raise SceneError(file, "object.vertices", expected, Fact("sides that cross or touch"))
+    sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+    crosses = [cross(a, b) for a, b in sides]
+    twice = sum(crosses[1:], crosses[0])
+    x, y = (
+        sum(((a[k] + b[k]) * c for (a, b), c in zip(sides, crosses, strict=True)), twice * 0) / (3 * twice)
+        for k in (0, 1)
+    )
+    ordered = vertices if twice.sign() > 0 else vertices[::-1]
+    return PolygonShape(tuple((a - x, b - y) for a, b in ordered))
+
+
+def _is_simple(vertices: list[Vector]) -> bool:
+    """Whether sides share nothing but the vertex between neighbours."""
+    count = len(vertices)
+    sides = [(vertices[k], vertices[(k + 1) % count]) for k in range(count)]
+    if any(a == b for a, b in sides):
+        return False
+    for (i, first), (j, second) in combinations(enumerate(sides), 2):
+        if j - i in (1, count - 1):
+            shared = first[1] if j - i == 1 else first[0]
+            ends = [p for p in (*first, *second) if p != shared]
+            if len(ends) < 2 or _folds(shared, ends[0], ends[1]):
+                return False
+        elif _meet(first, second):
+            return False
+    return True
+
+
+def _folds(corner: Vector, a: Vector, b: Vector) -> bool:
+    """Whether two sides leave a corner in the same direction."""
+    u, v = (a[0] - corner[0], a[1] - corner[1]), (b[0] - corner[0], b[1] - corner[1])
+    return not cross(u, v) and sign(u[0] * v[0] + u[1] * v[1]) > 0
+
+
+def _meet(first: tuple[Vector, Vector], second: tuple[Vector, Vector]) -> bool:
+    """Whether two segments have a point in common."""
+    sides = [_side(*first, p) for p in second] + [_side(*second, p) for p in first]
+    if not any(sides):  # on one line
+        axis = 0 if first[0][0] != first[1][0] else 1
+        return max(min(p[axis] for p in s) for s in (first, second)) <= min(
+            max(p[axis] for p in s) for s in (first, second)
+        )
+    return sides[0] * sides[1] <= 0 and sides[2] * sides[3] <= 0
+
+
+def _side(a: Vector, b: Vector, p: Vector) -> int:
+    return cross((b[0] - a[0], b[1] - a[1]), (p[0] - a[0], p[1] - a[1])).sign()

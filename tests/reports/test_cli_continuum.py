@@ -1,0 +1,118 @@
+"""``check --continuum``: the continuous idealization beside the verdicts, and where there is none."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+HEADING = 1e-12
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any]:
+    status = run(app, ["check", *arguments, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+def test_the_elliptic_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    """The long side turns to the x axis, where the pull is weaker; the array may spin there instead."""
+    status, record = printed(capsys, "elliptic", "--continuum")
+    beside = record["continuum"]
+    assert (status, beside["proved"], beside["given"]) == (0, False, False)
+    assert beside["field"]["kind"] == "elliptic"
+    assert beside["field"]["exact"] == {"speed": "1", "centre": ["0", "0"]}
+    box, disc = beside["objects"]
+    assert (box["shape"], box["attracts"], box["offset"], box["rotation"]) == (
+        "rectangle",
+        True,
+        0,
+        "turns to certain headings",
+    )
+    assert [heading["theta"] for heading in box["headings"]] == pytest.approx([0, math.pi / 2], abs=HEADING)
+    assert [heading["stable"] for heading in box["headings"]] == [True, False]
+    assert (disc["shape"], disc["rotation"], disc["headings"]) == ("disc", "keeps every heading", [])
+    array = beside["array"]
+    assert array["drift"] == record["rotation"]["drift"]
+    assert [array[key] for key in ("equilibrium", "translation", "rotation")] == [
+        record[key]["verdict"] for key in ("equilibrium", "translation", "rotation")
+    ]
+
+
+def test_verdicts_do_not_depend_on_it(capsys: pytest.CaptureFixture[str]) -> None:
+    with_it, without = printed(capsys, "four-wheel", "--continuum"), printed(capsys, "four-wheel")
+    assert with_it[0] == without[0]
+    assert without[1]["continuum"] is None
+    for record in (with_it[1], without[1]):
+        del record["continuum"], record["seconds"]
+    assert with_it[1] == without[1]
+
+
+def test_every_rule_has_its_row(capsys: pytest.CaptureFixture[str]) -> None:
+    _, record = printed(capsys, "four-wheel", "--rule", "all", "--continuum")
+    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse"]
+    run(app, ["check", "four-wheel", "--rule", "all", "--continuum"])
+    out = capsys.readouterr().out
+    assert out.count("continuous idealization") == 1
+    assert [out.count(f"the array, rule {rule}") for rule in ("nearest", "box", "ellipse")] == [1, 1, 1]
+    assert "not in the verdict" in out
+
+
+def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "my.toml"
+    wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 4\ncolumns = 4\n'
+    law = '[field]\nkind = "elliptic"\na = 2\nb = 1\nspeed = "magnitude"\n'
+    file.write_text(f'{wheels}{law}[object]\nshape = "polygon"\nvertices = [[0, 0], [3, 0], [0, 1]]\n')
+    _, record = printed(capsys, str(file), "--continuum")
+    (triangle,) = record["continuum"]["objects"]
+    assert record["continuum"]["given"] is True
+    assert triangle["exact"]["vertices"][0] == ["-1", "-1/3"]
+    axis = math.atan2(-2 * 9 / 72, 27 / 36 - 3 / 36) / 2  # of the long principal axis; the weaker pull is along y
+    stable = next(heading["theta"] for heading in triangle["headings"] if heading["stable"])
+    assert stable == pytest.approx(math.pi / 2 - axis, abs=HEADING)
+
+
+@pytest.mark.parametrize("suffix", REPORT_FORMATS)
+def test_the_derivation_has_a_section(suffix: str) -> None:
+    text = render_report(derive_report(load_scene("elliptic"), "nonsmooth derive elliptic"), suffix)
+    assert "The continuous idealization" in text
+    assert "turns to certain headings" in text
+
+
+def test_no_section_without_a_field(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(
+        '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n[field]\nkind = "squeeze"\n'
+    )
+    titles = [section.title for section in derive_report(load_scene(file), "x").document.sections]
+    assert "The continuous idealization" not in titles
+    assert "What was left out, and why" in titles
+
+
+@pytest.mark.parametrize(
+    ("scene", "named"),
+    [
+        ('[grid]\nrows = 2\ncolumns = 2\n[field]\nkind = "squeeze"\n', "field.kind"),
+        ("[[wheel]]\nposition = [1, 0]\n[[wheel]]\nposition = [0, 1]\nspeed = 2\n", "wheel[2]"),
+        (None, "required an array of wheels for --continuum"),
+    ],
+)
+def test_no_field_is_one_line(
+    scene: str | None, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = "flower"
+    if scene is not None:
+        file = tmp_path / "my.toml"
+        file.write_text(f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n{scene}')
+        name = str(file)
+    assert run(app, ["check", name, "--continuum"]) == 2
+    captured = capsys.readouterr()
+    assert (captured.err.count("\n"), captured.out) == (1, "")
+    assert named in captured.err

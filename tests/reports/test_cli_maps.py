@@ -1,0 +1,155 @@
+"""Maps of ends through the command line: the four-wheel formula, what is seen at a time, and every format."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.reports import progress as progress_module
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+from nonsmooth.reports.progress import progress
+
+FORMULA = 1e-12
+KEYS = [
+    "schema", "scene", "rule", "kinematics", "grid", "theta_0", "until", "summary", "starts", "theta", "arrival",
+    "points", "basin", "ends", "unique",
+]  # fmt: skip
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
+    assert run(app, ["simulate", *arguments, "--json"]) == 0
+    captured = capsys.readouterr()
+    assert not captured.err
+    return json.loads(captured.out)
+
+
+def test_the_formula_of_the_four_wheel_array(capsys: pytest.CaptureFixture[str]) -> None:
+    """theta_inf = theta_0 + g ||y0| - |x0||/2 and T = (|x0| + |y0|)/sqrt2."""
+    record = printed(
+        capsys, "four-wheel", "--grid", "12", "--heading", "0.25", "--kinematics", "leading", "--radius", "1/4"
+    )
+    assert list(record) == KEYS
+    assert (record["schema"], record["grid"], record["theta_0"], record["until"]) == ("nonsmooth-map/1", 12, 0.25, None)
+    x, y = np.array(record["starts"]).T
+    assert (np.abs(x).max(), np.abs(y).max(), len(x)) == (0.25, 0.25, 144)
+    g = np.sign(x * y * (y**2 - x**2))
+    assert np.abs(np.array(record["theta"]) - 0.25 - g * np.abs(np.abs(y) - np.abs(x)) / 2).max() <= FORMULA
+    assert np.abs(np.array(record["arrival"]) - (np.abs(x) + np.abs(y)) / math.sqrt(2)).max() <= FORMULA
+    assert record["ends"] == [{"reason": "the body rests", "place": "corner (0, 0)"}]
+    summary = record["summary"]
+    assert (summary["shares"], summary["arrived"], summary["unique"]) == ([1.0], 1.0, 1.0)
+    assert summary["latest_arrival"] == pytest.approx(0.5 / math.sqrt(2), abs=FORMULA)
+    assert summary["theta"] == [min(record["theta"]), max(record["theta"])]
+
+
+def test_starts_that_are_late_are_on_their_way(capsys: pytest.CaptureFixture[str]) -> None:
+    record = printed(capsys, "four-wheel", "--grid", "10", "--kinematics", "leading", "--until", "0.4")
+    x, y = np.array(record["starts"]).T
+    late = (np.abs(x) + np.abs(y)) / math.sqrt(2) > 0.4
+    assert 0 < late.sum() < 100
+    reasons = [record["ends"][k]["reason"] for k in record["basin"]]
+    assert [reason == "the time is over" for reason in reasons] == late.tolist()
+    for key in ("theta", "arrival"):
+        assert [value is None for value in record[key]] == late.tolist()
+    assert [point == [None, None] for point in record["points"]] == late.tolist()
+    assert record["summary"]["arrived"] == pytest.approx(1 - late.mean())
+
+
+def test_a_table_holds_what_json_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, record_file = tmp_path / "map.csv", tmp_path / "map.json"
+    arguments = ["simulate", "conveyor-3", "--grid", "6"]
+    assert run(app, [*arguments, "-o", str(table)]) == 0
+    assert run(app, [*arguments, "-o", str(record_file)]) == 0
+    capsys.readouterr()
+    record = printed(capsys, "conveyor-3", "--grid", "6")
+    assert json.loads(record_file.read_text()) == record
+    rows = list(csv.DictReader(io.StringIO(table.read_text())))
+    assert [[float(row["x"]), float(row["y"])] for row in rows] == record["starts"]
+    assert [float(row["theta"]) if row["theta"] else None for row in rows] == record["theta"]
+    assert [record["ends"][k] for k in record["basin"]] == [{k: row[k] for k in ("reason", "place")} for row in rows]
+    assert [row["unique"] == "yes" for row in rows] == record["unique"]
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
+@pytest.mark.parametrize("scene", ["four-wheel-side", "conveyor-3", "saddle"])
+def test_pictures_are_whole_and_equal_for_equal_input(scene: str, suffix: str, tmp_path: Path) -> None:
+    """With starts that never arrive, starts that are not unique, and more ends than there are colors."""
+    files = [tmp_path / f"{name}{suffix}" for name in "ab"]
+    for file in files:
+        assert run(app, ["simulate", scene, "--grid", "7", "--until", "0.3", "-o", str(file)]) == 0
+    first, second = (file.read_bytes() for file in files)
+    assert first == second
+    assert len(first) > 5_000
+    if suffix == ".svg":
+        ET.fromstring(first)
+
+
+def test_the_summary_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(app, ["simulate", "four-wheel-side", "--grid", "6", "--kinematics", "leading"]) == 0
+    out = capsys.readouterr().out
+    for said in ("6 x 6 starts", "theta_inf", "-0.15 to 0.15", "latest arrival", "t = 0.7071067812", "never arrive"):
+        assert said in out
+    assert "33.33 %" in out.splitlines()[-2]  # 12 of the 36 starts lie on a diagonal, where both axes can be reached
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--grid", "1"], "2 to 500"),
+        (["--grid", "501"], "2 to 500"),
+        (["--grid", "5", "--from", "0,0,0"], "--from"),
+        (["--grid", "5", "--feedback"], "--feedback"),
+        (["--grid", "5", "--method", "hysteresis"], "--method"),
+        (["--grid", "5", "--heading", "inf"], "--heading"),
+        (["--grid", "5", "--until", "0"], "--until"),
+        (["--grid", "5", "--rule", "ellipse"], "contact.rule"),
+        (["--grid", "5", "-o", "map.txt"], ".csv, .json, .svg, .png or .pdf"),
+        (["--from", "0,0,0", "--heading", "1"], "--grid"),
+        ([], "--from"),
+    ],
+)
+def test_bad_input_ends_in_one_line(
+    arguments: list[str],
+    named: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(app, ["simulate", "four-wheel", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.err.count("\n") == 1
+    assert named in captured.err
+    assert not captured.out
+    assert not list(tmp_path.iterdir())
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_is_shown_on_a_terminal_and_only_when_it_lasts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    shown = {}
+    for patience in (0.0, 60.0):
+        stream = Terminal()
+        monkeypatch.setattr(sys, "stderr", stream)
+        monkeypatch.setattr(progress_module, "PATIENCE", patience)
+        with progress("counting starts") as report:
+            report(1, 2)
+            report(2, 2)
+        shown[patience] = "counting starts" in stream.getvalue()
+    assert shown == {0.0: True, 60.0: False}

@@ -1,0 +1,88 @@
+"""``[object]``: footprints from their centroid, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene_error import SceneError
+
+HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[object]\n'
+
+
+def footprint(folder: Path, text: str) -> Footprint:
+    file = folder / "my.toml"
+    file.write_text(HEAD + text)
+    continuum = load_scene(file).continuum
+    assert continuum is not None
+    assert continuum.footprint is not None
+    return continuum.footprint
+
+
+def texts(shape: Footprint) -> list[tuple[str, str]]:
+    assert isinstance(shape, PolygonShape)
+    return [(str(x), str(y)) for x, y in shape.vertices]
+
+
+def test_discs_and_rectangles(tmp_path: Path) -> None:
+    disc = footprint(tmp_path, 'shape = "disc"\nradius = "sqrt(2)/2"\n')
+    assert isinstance(disc, Disc)
+    assert str(disc.radius) == "sqrt(2)/2"
+    box = footprint(tmp_path, 'shape = "rectangle"\nwidth = "sin(pi/5)"\nheight = 0.5\n')
+    assert [y for _, y in texts(box)] == ["-1/4", "-1/4", "1/4", "1/4"]
+    assert isinstance(box, PolygonShape)
+    assert box.is_centrally_symmetric
+
+
+@pytest.mark.parametrize("vertices", ["[[0, 0], [3, 0], [0, 3]]", "[[0, 3], [3, 0], [0, 0]]"])
+def test_polygons_are_turned_counterclockwise_about_their_centroid(vertices: str, tmp_path: Path) -> None:
+    found = footprint(tmp_path, f'shape = "polygon"\nvertices = {vertices}\n')
+    assert set(texts(found)) == {("-1", "-1"), ("2", "-1"), ("-1", "2")}
+    assert isinstance(found, PolygonShape)
+    (a, b), (c, d), (e, f) = found.vertices
+    assert ((c - a) * (f - b) - (d - b) * (e - a)).sign() > 0
+    assert not found.is_centrally_symmetric
+
+
+def test_corners_of_half_a_turn_are_allowed(tmp_path: Path) -> None:
+    found = footprint(tmp_path, 'shape = "polygon"\nvertices = [[0,0],[1,0],[2,0],[2,2],[1,2],[0,2]]\n')
+    assert isinstance(found, PolygonShape)
+    assert found.is_centrally_symmetric
+    assert len(found.vertices) == 6
+
+
+CROSSED = "[[0, 0], [1, 1], [1, 0], [0, 1]]"
+TOUCHING = "[[0, 0], [2, 0], [2, 2], [1, 0], [0, 2]]"
+FOLDED = "[[0, 0], [2, 0], [1, 0], [1, 1]]"
+OVERLAPPING = "[[0, 0], [3, 0], [3, 1], [2, 1], [2, 0], [1, 0], [1, 1], [0, 1]]"
+REPEATED = "[[0, 0], [0, 0], [1, 0], [1, 1]]"
+FLAT = "[[0, 0], [1, 0], [2, 0]]"
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ('shape = "disc"\n', "object.radius"),
+        ('shape = "disc"\nradius = 0\n', "object.radius"),
+        ('shape = "disc"\nradius = 1\nwidth = 1\n', "object.width"),
+        ('shape = "rectangle"\nwidth = 1\n', "object.height"),
+        ('shape = "rectangle"\nwidth = 1\nheight = -1\n', "object.height"),
+        ('shape = "star"\n', "object.shape"),
+        ("radius = 1\n", "object.shape"),
+        ('shape = "disc"\nradios = 1\n', "object.radios"),
+        ('shape = "polygon"\nvertices = [[0, 0], [1, 0]]\n', "object.vertices"),
+        ('shape = "polygon"\nvertices = [[0, 0], [1, 0], [0, "x"]]\n', "object.vertices"),
+        *(
+            (f'shape = "polygon"\nvertices = {bad}\n', "object.vertices")
+            for bad in (CROSSED, TOUCHING, FOLDED, OVERLAPPING, REPEATED, FLAT)
+        ),
+    ],
+)
+def test_bad_objects_are_refused(text: str, key: str, tmp_path: Path) -> None:
+    with pytest.raises(SceneError) as caught:
+        footprint(tmp_path, text)
+    assert caught.value.key == key
+    assert "\n" not in str(caught.value)
