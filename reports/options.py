@@ -26,6 +26,10 @@ SceneText = Annotated[
     str,
     typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.", autocompletion=complete_scene),
 ]
+SceneTexts = Annotated[
+    list[str],
+    typer.Argument(metavar="SCENE...", help="Scene files (TOML) or built-in names.", autocompletion=complete_scene),
+]
 RuleOption = Annotated[Rule | None, _RULE]
 RulesOption = Annotated[RuleOrAll | None, _RULE]
 Radius = Annotated[

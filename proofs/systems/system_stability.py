@@ -95,6 +95,11 @@ class SystemResult:
         return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
 
     @property
+    def exit_status(self) -> int:
+        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
+        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
+
+    @property
     def witness(self) -> Refutation | None:
         """Where the scene's V fails."""
         return self.lyapunov.witness

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.choices import RuleOrAll
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
-from nonsmooth.reports.options import At, CertificateFile, Continuum, Json, NoPrune, Radius, RulesOption, SceneText
+from nonsmooth.reports.options import At, CertificateFile, Continuum, Json, NoPrune, Radius, RulesOption, SceneTexts
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
     from nonsmooth.symbolic.scene import Scene
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def check(
-    scene: SceneText,
+    scenes: SceneTexts,
     rule: RulesOption = None,
     radius: Radius = None,
     at: At = None,
@@ -25,38 +26,57 @@ def check(
     continuum: Continuum = False,
     json: Json = False,
 ) -> int:
-    """Check Theorem 4 clause by clause, or the stability of a plain switched system."""
+    """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table."""
+    from nonsmooth.symbolic.files.system_file import load_any
+    from nonsmooth.symbolic.system import SystemScene
+
+    rules = [None] if rule is None else rule.rules
+    loaded = [load_any(scene, rule=name, radius=radius, at=at) for scene in scenes for name in rules]
+    if len(scenes) > 1:
+        _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
+        return _check_many(loaded, prune=not no_prune, json=json)
+    if isinstance(loaded[0], SystemScene):
+        _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
+        return _check_system(loaded[0], json=json)
+    arrays = [scene for scene in loaded if not isinstance(scene, SystemScene)]
+    return _check_array(arrays, certificate, prune=not no_prune, continuum=continuum, json=json)
+
+
+def _check_many(scenes: Sequence[Scene | SystemScene], *, prune: bool, json: bool) -> int:
+    """Many scenes: one line each, the worst exit status."""
+    from nonsmooth.reports.summary import check_all, summary_view, worst_status
+
+    lines = check_all(scenes, prune=prune)
+    if json:
+        from nonsmooth.reports.records import checks_record
+
+        write_json(checks_record(line.record for line in lines))
+    else:
+        write_views([summary_view(lines)])
+    return worst_status(lines)
+
+
+def _check_array(scenes: list[Scene], certificate: str | None, *, prune: bool, continuum: bool, json: bool) -> int:
+    """One array, under one contact rule or all."""
     from nonsmooth.proofs.theorem4 import check_theorem4
     from nonsmooth.proofs.verified import verified
-    from nonsmooth.symbolic.files.system_file import load_any
-    from nonsmooth.symbolic.scene import Scene
 
-    several = rule is RuleOrAll.ALL
-    scenes = []
-    for name in [None] if rule is None else rule.rules:
-        loaded = load_any(scene, rule=name, radius=radius, at=at)
-        if not isinstance(loaded, Scene):
-            _require_array(loaded, {"a certificate": certificate is not None, "--continuum": continuum})
-            return _check_system(loaded, json=json)
-        scenes.append(loaded)
     found = _predictions(scenes[0]) if continuum else None
     results = []
-    for loaded in scenes:
-        with refusals_named(loaded):
-            results.append(verified(check_theorem4(loaded, prune=not no_prune)))
+    for scene in scenes:
+        with refusals_named(scene):
+            results.append(verified(check_theorem4(scene, prune=prune)))
     if certificate is not None:
         _write_certificate(results, certificate)
     if json:
-        _write_records(results, found, several=several)
+        _write_records(results, found)
     else:
         _write_views(results, found)
     statuses = [result.verdict.exit_status for result in results]
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
 
-def _write_records(
-    results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None, *, several: bool
-) -> None:
+def _write_records(results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None) -> None:
     from nonsmooth.reports.records import check_record, checks_record
 
     if found is None:
@@ -65,7 +85,7 @@ def _write_records(
         from nonsmooth.reports.continuum import continuum_record
 
         records = [check_record(result, continuum_record(found, result)) for result in results]
-    write_json(checks_record(records) if several else records[0])
+    write_json(checks_record(records) if len(records) > 1 else records[0])
 
 
 def _write_views(results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None) -> None:
@@ -89,6 +109,12 @@ def _predictions(scene: Scene) -> tuple[Prediction, ...]:
         raise RefusedError(f"{scene.origin}: {error}") from None
 
 
+def _require_one_scene(asked: dict[str, bool], count: int) -> None:
+    """Refuse what is made for one scene."""
+    for option in (name for name, given in asked.items() if given):
+        raise RefusedError(f"{option}: required one scene, received {count}")
+
+
 def _require_array(scene: SystemScene, asked: dict[str, bool]) -> None:
     """Refuse what only an array of wheels has."""
     wanted = next((name for name, given in asked.items() if given), None)
@@ -99,7 +125,6 @@ def _require_array(scene: SystemScene, asked: dict[str, bool]) -> None:
 def _check_system(scene: SystemScene, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.systems.system_stability import system_check
-    from nonsmooth.proofs.verdicts import Translation
     from nonsmooth.proofs.verified import verified
 
     result = verified(system_check(scene))
@@ -111,7 +136,7 @@ def _check_system(scene: SystemScene, *, json: bool) -> int:
         from nonsmooth.reports.system_views import system_view
 
         write_views([system_view(result)])
-    return {Translation.UNSTABLE: 1, Translation.UNDECIDED: UNDECIDED}.get(result.verdict, 0)
+    return result.exit_status
 
 
 def _write_certificate(results: list[CellCheck | EllipseCheck], target: str) -> None:

@@ -95,7 +95,7 @@ def load_any(
     if "system" not in data:
         return load_scene(source, rule=rule, radius=radius, at=at)
     if rule is not None:
-        raise SceneError(str(source), "contact.rule", "no contact rule for a plain switched system", rule)
+        raise SceneError(str(source), "contact.rule", "no contact rule for a plain switched system", str(rule))
     return load_system(source, radius=radius, at=at)
 
 

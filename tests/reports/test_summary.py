@@ -1,0 +1,102 @@
+"""``nonsmooth check`` for many scenes: one line each, all records, the worst exit status."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+
+TIPPING = """
+[check]
+radius = 5
+[contact]
+rule = "box"
+[friction]
+mu_roll = 1
+mu_side = "1/2"
+[ring]
+count = 3
+radius = 1
+"""
+
+
+def check(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    capsys.readouterr()
+    status = run(app, ["check", *arguments])
+    return status, *capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("scenes", "worst"),
+    [
+        (["four-wheel", "ring-3"], 0),
+        (["four-wheel", "eq-4", "flower"], 0),
+        (["four-wheel", "outward", "eq-3"], 1),
+        (["four-wheel", "off-center"], 1),
+    ],
+)
+def test_every_scene_has_its_line_and_the_worst_status_counts(
+    capsys: pytest.CaptureFixture[str], scenes: list[str], worst: int
+) -> None:
+    single = [check(capsys, scene)[0] for scene in scenes]
+    status, out, err = check(capsys, *scenes)
+    assert (status, err) == (worst, "")
+    assert status == max(single)
+    lines = [line.split("│")[1].strip() for line in out.splitlines() if line.startswith("│")]
+    assert [name for name in lines[1:] if name] == scenes
+
+
+def test_records_are_those_of_the_single_checks(capsys: pytest.CaptureFixture[str]) -> None:
+    scenes = ["four-wheel", "eq-4", "outward"]
+    status, out, _ = check(capsys, *scenes, "--json")
+    found = json.loads(out)
+    assert (status, found["schema"]) == (1, "nonsmooth-checks/1")
+    for record, scene in zip(found["checks"], scenes, strict=True):
+        alone = json.loads(check(capsys, scene, "--json")[1])
+        alone.pop("seconds", None)
+        record.pop("seconds", None)
+        assert record == alone
+
+
+def test_every_rule_of_every_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = check(capsys, "four-wheel-side", "ring-3", "--rule", "all", "--json")
+    records = json.loads(out)["checks"]
+    found = [(record["scene"], record["rule"]) for record in records]
+    assert found == [(scene, rule) for scene in ("four-wheel-side", "ring-3") for rule in ("nearest", "box", "ellipse")]
+    assert status in (1, 3)
+
+
+def test_a_refused_scene_stops_no_other(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    tipping = tmp_path / "tipping.toml"
+    tipping.write_text(TIPPING, encoding="utf-8")
+    alone = check(capsys, str(tipping))
+    status, out, err = check(capsys, "outward", str(tipping), "four-wheel", "--json")
+    records = json.loads(out)["checks"]
+    assert (status, err) == (2, "")
+    assert [record.get("theorem4", {}).get("verdict") for record in records] == ["fails", None, "holds"]
+    assert records[1]["refused"] in alone[2]
+    assert "support polygon" in records[1]["refused"]
+    assert "refused" in check(capsys, "outward", str(tipping))[1]
+
+
+def test_a_file_that_cannot_be_read_stops_all_before_the_work(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, err = check(capsys, "outward", "nowhere")
+    assert (status, out) == (2, "")
+    assert err.startswith("nonsmooth: nowhere: required a scene file or a built-in scene")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("option", [["--certificate", "c.json"], ["--continuum"]])
+def test_what_is_made_for_one_scene_is_refused_for_many(capsys: pytest.CaptureFixture[str], option: list[str]) -> None:
+    status, out, err = check(capsys, "four-wheel", "ring-3", *option)
+    assert (status, out, err) == (2, "", f"nonsmooth: {option[0]}: required one scene, received 2\n")
+
+
+def test_a_plain_system_has_no_contact_rule(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, err = check(capsys, "eq-3", "--rule", "box")
+    expected = "nonsmooth: eq-3: contact.rule: required no contact rule for a plain switched system, received 'box'\n"
+    assert (status, out, err) == (2, "", expected)
