@@ -218,6 +218,8 @@ def _feedback_record(result: Check) -> Record:
         "verdict": str(feedback.verdict),
         "law": feedback.law,
         **_rate_record(feedback),
+        "lyapunov": _control_lyapunov_record(feedback),
+        "none_serves": feedback.none_serves if isinstance(feedback, FeedbackResult) else None,
         "ranks": _ranks_record(result),
         "witness": _witness_record(feedback.witness, "theta"),
         "reason": feedback.reason,
@@ -246,6 +248,16 @@ def _rate_record(feedback: FeedbackResult | SampledFeedback) -> Record:
     if rate is None:
         return {"rate": None}
     return {"rate": float(2 * rate.kappa), "exact": {"rate": str(2 * rate.kappa)}}
+
+
+def _control_lyapunov_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
+    """``V = c^T P c + w theta^2`` of the law."""
+    if not isinstance(feedback, FeedbackResult) or feedback.law is None:
+        return None
+    (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
+    matrix = ((1 + e, f), (f, 1 - e))
+    exact = {"P": [[str(entry) for entry in row] for row in matrix], "w": str(w)}
+    return {"P": [[float(entry) for entry in row] for row in matrix], "w": float(w), "exact": exact}
 
 
 def _input_cell_record(data: InputCell) -> Record:
