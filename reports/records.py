@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from fractions import Fraction
 from typing import Any, TypeAlias
 
 from flint import arb
@@ -220,6 +221,7 @@ def _feedback_record(result: Check) -> Record:
         **_rate_record(feedback),
         "lyapunov": _control_lyapunov_record(feedback),
         "none_serves": feedback.none_serves if isinstance(feedback, FeedbackResult) else None,
+        "margin": _margin_record(feedback),
         "ranks": _ranks_record(result),
         "witness": _witness_record(feedback.witness, "theta"),
         "reason": feedback.reason,
@@ -255,9 +257,30 @@ def _control_lyapunov_record(feedback: FeedbackResult | SampledFeedback) -> Reco
     if not isinstance(feedback, FeedbackResult) or feedback.law is None:
         return None
     (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
-    matrix = ((1 + e, f), (f, 1 - e))
-    exact = {"P": [[str(entry) for entry in row] for row in matrix], "w": str(w)}
-    return {"P": [[float(entry) for entry in row] for row in matrix], "w": float(w), "exact": exact}
+    field = feedback.cells[0].cell.twists[0].omega.field
+    return with_exact({"P": ((field(1 + e), field(f)), (field(f), field(1 - e))), "w": field(w)})
+
+
+def _margin_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
+    """The error in c, as a part of |c|, up to which one input serves; side by side, and over all."""
+    margin = feedback.margin if isinstance(feedback, FeedbackResult) else None
+    if margin is None:
+        return None
+    sides = [
+        {
+            "cells": list(side.cells),
+            **_root_record(side.squared),
+            "witness": _witness_record(side.witness, "theta"),
+        }
+        for side in margin.sides
+    ]
+    return {**_root_record(margin.squared), "is_exact": margin.is_exact, "sides": sides}
+
+
+def _root_record(squared: Any) -> Record:
+    """``sqrt(squared)``."""
+    text = str(squared) if isinstance(squared, Fraction) else real_text(squared)
+    return {"relative": float(squared) ** 0.5, "exact": {"relative": f"sqrt({text})"}}
 
 
 def _input_cell_record(data: InputCell) -> Record:

@@ -20,7 +20,9 @@ from dataclasses import dataclass
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Demand, find_shapes, shape_regions
+from nonsmooth.proofs.clauses.fan import build_fan
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
+from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
 from nonsmooth.proofs.clauses.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
@@ -114,6 +116,7 @@ class FeedbackResult:
         rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
         lyapunov: V; the witness of a failure is about ``|c|^2 + theta^2``.
         none_serves: whether no ``c^T P c + w theta^2`` at all is a control Lyapunov function.
+        margin: how far the contact state may be in doubt (stabilizable).
     """
 
     verdict: Feedback
@@ -124,6 +127,7 @@ class FeedbackResult:
     rate: FeedbackRate | None = None
     lyapunov: ControlLyapunov = SQUARES
     none_serves: bool = False
+    margin: InputMargin | None = None
 
     @property
     def law(self) -> str | None:
@@ -147,7 +151,8 @@ class FeedbackResult:
         if self.verdict is Feedback.STABILIZABLE:
             signs = all(data.lever is not None and data.demand.sign(self.lyapunov) for data in local)
             decreasing = signs and self.lyapunov.is_positive
-            return genuine and decreasing and (self.rate is None or self.rate.check(self.lyapunov))
+            sound = self.margin is None or self.margin.check(self.lyapunov)
+            return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
         if not genuine or self.witness is None or not any(_is_idle(data, self.witness) for data in local):
             return False
         return not self.none_serves or not shape_regions([data.demand for data in local])
@@ -173,7 +178,8 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
         if stall is not None:
             return _shaped(partition, cells, local, data, stall)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
-    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition))
+    margin = build_margin(build_fan(partition), SQUARES)
+    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition), margin=margin)
 
 
 def _shaped(
@@ -184,16 +190,15 @@ def _shaped(
     found = []
     for shape in find_shapes(demands):
         lyapunov = balanced(partition, shape)
-        rate = certified_rate(partition, lyapunov)
-        if rate is not None:
-            found.append((rate.kappa, rate, lyapunov))
+        found.append((certified_rate(partition, lyapunov), lyapunov))
     if found:
-        _, rate, lyapunov = max(found, key=lambda entry: entry[0])
+        rate, lyapunov = max(found, key=lambda entry: 0 if entry[0] is None else entry[0].kappa)
         reason = (
             "c^T P d_i has one strict sign on every closed cell at the equilibrium, "
             f"while c . d_i vanishes in cell {data.cell.index}"
         )
-        return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov)
+        margin = build_margin(build_fan(partition), lyapunov)
+        return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin)
     theta = dot(stall, turned(data.nearest.position))
     witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
     none_serves = not shape_regions(demands)

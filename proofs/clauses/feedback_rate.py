@@ -25,6 +25,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from flint import arb
+
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Shape
@@ -40,7 +42,8 @@ _BISECTIONS = 60
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposal too large
 _TRIES = 40
 SLACK = Fraction(1, 100)  # eta
-_LARGEST_EXPONENT = 64  # of the weight
+_LARGEST_EXPONENT = 64  # of the weight, in the square of the array's own length
+_FLOAT_RANGE = 10**300
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,8 @@ def squared_reach(lyapunov: ControlLyapunov) -> Fraction | None:
 def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) -> FeedbackRate | None:
     """The largest rate found for a centred partition of rule ``nearest`` with a stabilizing law; None if none is."""
     cones = _build_cones(partition, lyapunov)
-    proposal = _proposal(cones, float(1 / lyapunov.weight))
+    floats, unit = _in_floats(cones)
+    proposal = _proposal(floats, _lightness(lyapunov.weight, unit))
     if proposal <= 0:
         return None
     kappa = _rounded_down(proposal / float(1 + SLACK) if any(lyapunov.shape) else proposal)
@@ -103,13 +107,13 @@ def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) ->
 
 def balanced(partition: Partition, shape: Shape) -> ControlLyapunov:
     """V with the smallest power of two as w that gives at least half the rate that any w can give."""
-    cones = _build_cones(partition, ControlLyapunov(shape))
-    enough = _proposal(cones, 0.0) / 2
+    floats, unit = _in_floats(_build_cones(partition, ControlLyapunov(shape)))
+    enough = _proposal(floats, 0.0) / 2
     low, high = -_LARGEST_EXPONENT, _LARGEST_EXPONENT
     while low < high:
         middle = (low + high) // 2
-        low, high = (low, middle) if _proposal(cones, 2.0**-middle) >= enough else (middle + 1, high)
-    return ControlLyapunov(shape, Fraction(2) ** low)
+        low, high = (low, middle) if _proposal(floats, 2.0**-middle) >= enough else (middle + 1, high)
+    return ControlLyapunov(shape, Fraction(2) ** (low - 2 * unit))
 
 
 def _build_cones(partition: Partition, lyapunov: ControlLyapunov) -> tuple[ConeRate, ...]:
@@ -145,21 +149,41 @@ def _schur(cone: ConeRate, kappa: Any, lightness: Any) -> tuple[Number, Number, 
     return corner * m11 - m13 * m13, corner * m12 - m13 * m23, corner * m22 - m23 * m23, corner
 
 
-def _proposal(cones: Sequence[ConeRate], lightness: float) -> float:
+def _in_floats(cones: Sequence[ConeRate]) -> tuple[list[ConeRate], int]:
+    """The same forms with floats for numbers, whatever the unit of length.
+
+    Rays have entries up to one, and rotation rates are multiples of ``2^unit``, about the largest of them.
+    """
+    unit = max((_exponent(field[2]) for cone in cones for field in cone.fields if field[2]), default=0)
+    floats = []
+    for cone in cones:
+        sizes = [max(abs(x), abs(y)) for x, y in cone.rays]
+        rays: Any = tuple((float(x / size), float(y / size)) for (x, y), size in zip(cone.rays, sizes, strict=True))
+        fields: Any = tuple((float(x), float(y), float(w * Fraction(2) ** -unit)) for x, y, w in cone.fields)
+        floats.append(replace(cone, rays=rays, fields=fields))
+    return floats, unit
+
+
+def _exponent(value: Any) -> int:
+    """About log2 of the size of a nonzero number, also beyond the range of floats."""
+    ball = value.ball if isinstance(value, Lazy) else value.ball()
+    return round(float(abs(ball).log() / arb(2).log()))
+
+
+def _lightness(weight: Fraction, unit: int) -> float:
+    """``1/w`` in the unit of the rotation rates; too large for a float in enormous units."""
+    light = 1 / (weight * Fraction(2) ** (2 * unit))
+    return float(light) if light < _FLOAT_RANGE else float("inf")
+
+
+def _proposal(floats: Sequence[ConeRate], lightness: float) -> float:
     """Largest kappa' of all cones in floats."""
-    return min((_largest(_in_floats(cone), lightness) for cone in cones), default=0.0)
-
-
-def _in_floats(cone: ConeRate) -> Any:
-    """The same form with floats for numbers."""
-    rays: Any = tuple((float(r[0]), float(r[1])) for r in cone.rays)
-    fields: Any = tuple(tuple(float(x) for x in field) for field in cone.fields)
-    return replace(cone, rays=rays, fields=fields)
+    return min((_largest(cone, lightness) for cone in floats), default=0.0)
 
 
 def _largest(cone: ConeRate, lightness: float) -> float:
-    """Largest kappa' of one cone, by bisection in floats; at most ``2 sum |g|^2``, since P is at most 2."""
-    low, high = 0.0, 2.0 * sum(float(x) ** 2 for field in cone.fields for x in field)
+    """Largest kappa' of one cone, by bisection in floats; at most ``2 sum |g_v|^2``, since P is at most 2."""
+    low, high = 0.0, 2.0 * sum(float(x) ** 2 for field in cone.fields for x in field[:2])
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
         s11, s12, s22, corner = _schur(cone, middle, lightness)

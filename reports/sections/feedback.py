@@ -5,6 +5,7 @@ from __future__ import annotations
 from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.clauses.input_margin import InputMargin
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.document import Block, Entry, Math, Paragraph, Table, display, matrix, number, point, table
@@ -40,12 +41,21 @@ def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
         bound = f"-{float(2 * kappa):.4g}"
         formula = Math(rf"\dot V \le {bound}\, k V", f"V' <= {bound} k V")
         blocks.append(paragraph("Certified on every closed cone at the equilibrium: {}.", formula))
+    if feedback.margin is not None:
+        blocks += _margin_blocks(feedback.margin)
     if feedback.cells:
         blocks.append(_cell_table(feedback))
     failing = ", ".join(str(index) for index in feedback.printed_sign_fails)
     if failing:
         blocks.append(paragraph("The paper's `u_j = -k theta` (sec. 3.3) has the wrong sign in the cells {}.", failing))
     return blocks
+
+
+def _margin_blocks(margin: InputMargin) -> list[Block]:
+    """Side by side, up to which error in c one input serves both cells."""
+    header = ("side of the cells", "one input serves both within this part of the distance")
+    rows = [(f"{side.cells[0]}, {side.cells[1]}", f"{float(side.squared) ** 0.5:.4g}") for side in margin.sides]
+    return [paragraph("{}.", str(margin).capitalize()), table(header, rows, (2, 4))]
 
 
 def _sample_blocks(feedback: SampledFeedback) -> list[Block]:
