@@ -245,11 +245,12 @@ def _ranks_record(result: Check) -> Record | None:
 
 
 def _rate_record(feedback: FeedbackResult | SampledFeedback) -> Record:
-    """The certified rate: ``V' <= -rate k V`` near the equilibrium."""
+    """The certified rate: ``V' <= -rate k V`` near the equilibrium, within ``rate_reach`` where that is bounded."""
     rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
-    if rate is None:
-        return {"rate": None}
-    return {"rate": float(2 * rate.kappa), "exact": {"rate": str(2 * rate.kappa)}}
+    if not isinstance(feedback, FeedbackResult) or rate is None:
+        return {"rate": None, "rate_reach": None}
+    field = feedback.cells[0].cell.twists[0].omega.field
+    return with_exact({"rate": field(2 * rate.kappa), "rate_reach": None if rate.reach is None else field(rate.reach)})
 
 
 def _control_lyapunov_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:

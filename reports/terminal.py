@@ -175,7 +175,9 @@ def _feedback_evidence(result: Check) -> list[str]:
     if isinstance(feedback, FeedbackResult) and feedback.law is not None:
         lines.append(feedback.law)
     if isinstance(feedback, FeedbackResult) and feedback.rate is not None:
-        lines.append(f"near c*: V' <= -{float(2 * feedback.rate.kappa):.4g} k V (certified)")
+        reach = feedback.rate.reach
+        where = "near c*" if reach is None else f"where |c| <= {decimal_text(result.scene.field(reach), 3)}"
+        lines.append(f"{where}: V' <= -{float(2 * feedback.rate.kappa):.4g} k V (certified)")
         lines.append(f"V = {feedback.lyapunov}")
     if isinstance(feedback, FeedbackResult) and feedback.margin is not None:
         lines.append(str(feedback.margin))

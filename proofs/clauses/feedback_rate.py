@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import isqrt
 from typing import Any
 
 from flint import arb
@@ -78,16 +79,22 @@ class FeedbackRate:
     kappa: Fraction
     cones: tuple[ConeRate, ...]
 
+    @property
+    def reach(self) -> Fraction | None:
+        """The rate holds within this distance of c*, in the cells there; None where they alone bound it."""
+        (e, f), weight = self.cones[0].lyapunov.shape, self.cones[0].lyapunov.weight
+        if not e and not f:
+            return None
+        rho = root_above(e * e + f * f)
+        square = SLACK**2 * (1 - rho) * weight / ((1 + SLACK) * rho**2)
+        shift = max(0, 32 - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
+        scaled = square * 4**shift  # at least 2^62
+        return Fraction(isqrt(scaled.numerator // scaled.denominator), 2**shift)
+
     def check(self, lyapunov: ControlLyapunov = SQUARES) -> bool:
         """Re-verify the inequality on every cone, with the given V."""
         about_it = bool(self.cones) and all(cone.lyapunov == lyapunov for cone in self.cones)
         return about_it and self.kappa > 0 and all(cone.holds(self.kappa) for cone in self.cones)
-
-
-def squared_reach(lyapunov: ControlLyapunov) -> Fraction | None:
-    """Within this squared distance of c* (and in the cells there) the certified rate holds; None without bound."""
-    rho = root_above(lyapunov.shape[0] ** 2 + lyapunov.shape[1] ** 2)
-    return SLACK**2 * (1 - rho) * lyapunov.weight / ((1 + SLACK) * rho**2) if any(lyapunov.shape) else None
 
 
 def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) -> FeedbackRate | None:
