@@ -25,6 +25,7 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.checker import SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.rotation import drift_at_rest
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
@@ -97,7 +98,7 @@ def _document(result: CellCheck) -> Record:
         "equilibrium": {"verdict": str(result.equilibrium.verdict), "separator": _separator(partition)},
         "translation": {"verdict": str(result.translation.verdict), "squared_radius": disc.squared_radius},
         "rotation": {"verdict": str(result.rotation.verdict), **_drift(here), "shape": _shape(result)},
-        "feedback": {"verdict": str(result.feedback.verdict)},
+        "feedback": {"verdict": str(result.feedback.verdict), "shape": _control_shape(result)},
         "theorem4": str(result.verdict),
         "notes": _notes(result),
     }
@@ -179,6 +180,13 @@ def _shape(result: CellCheck) -> Sequence[Fraction] | None:
     """The quadratic V whose decay bounds the rotation, where it is not ``|c|^2``."""
     quadratic = result.translation.quadratic
     return quadratic.shape if quadratic is not None and result.rotation.verdict is Rotation.NEUTRAL else None
+
+
+def _control_shape(result: CellCheck) -> Sequence[Fraction] | None:
+    """The control Lyapunov function of the feedback clause, where it is not ``|c|^2 + theta^2``; any weight serves."""
+    feedback = result.feedback
+    shaped = isinstance(feedback, FeedbackResult) and feedback.law is not None and any(feedback.lyapunov.shape)
+    return feedback.lyapunov.shape if isinstance(feedback, FeedbackResult) and shaped else None
 
 
 def _notes(result: CellCheck) -> Record:

@@ -291,16 +291,19 @@ class Checker:
             (a, b, shift, scale), shares = self.field.vector(multipliers, 4), self.field.vector(weights, len(twists))
             x, y, omega, whole = (_dot(shares, [v[k] for v in twists]) for k in range(4))
             tight = not any(_signs((x, y, shift * whole - scale * omega * side)))  # at omega/whole = side shift/scale
-            above = [_dot((a, b, scale * -side, shift), v) for v in twists]
+            above = (_dot((a, b, scale * -side, shift), v) for v in twists)
             convex = min(_signs([*shares, *above])) >= 0 < min(_signs((whole, scale)))
             _require(tight and convex, "rotation: weights and multipliers of the drift")
             ends.append(omega.sign())
-        a, b = self.field.vector(["0", "0"] if shape is None else shape, 2)  # V = (1 + a) x^2 + 2 b x y + (1 - a) y^2
-        pairs = [(v, p) for k, _, v, *_ in self.here if any(_signs(v[:3])) for p in self.cells[k][1]]
-        rates = [_dot(v, p) + a * (v[0] * p[0] - v[1] * p[1]) + b * (v[0] * p[1] + v[1] * p[0]) for v, p in pairs]
-        calm = max(_signs(rates), default=-1) < 0 < (self.one - a * a - b * b).sign()
-        calm = calm or not any(v[2].sign() for _, _, v, *_ in self.motions)
+        rates = [_dot(v, q) for k, _, v, *_ in self.here for q in self._bent(shape, k) if any(_signs(v[:3]))]
+        calm = max(_signs(rates), default=-1) < 0 or not any(v[2].sign() for _, _, v, *_ in self.motions)
         return "holds", UNSTABLE if any(ends) else "stable, not attractive" if calm else UNDECIDED
+
+    def _bent(self, shape: Any, cell: int) -> list[Vector]:
+        """``P p`` for a cell's corners, with ``P = [[1 + a, b], [b, 1 - a]]`` positive definite; P = I for no shape."""
+        a, b = self.field.vector(["0", "0"] if shape is None else shape, 2)
+        _require((self.one - a * a - b * b).sign() > 0, "shape: a positive definite P")
+        return [(x + a * x + b * y, y + b * x - a * y) for x, y in self.cells[cell][1]]
 
     def _translation(self, squared: Any) -> str:
         """By V = |c|^2 on the closed cells at the point; what it leaves open by the fan of their cones."""
@@ -323,13 +326,11 @@ class Checker:
         """Escapes along a velocity, slides along a ray, full turns: 0 all lead inward, 1 rest, 2 open, 3 outward."""
         worst, points = [0], self.points
         fan = [(a, b, [v for k, _, v, *_ in self.here if k == cell]) for cell, (a, b) in self.rays.items()]
-        for start, end, twists in fan:
-            for v in twists:
-                leaving = _cross(points[start], v).sign(), _cross(v, points[end]).sign()
-                bend = [(v[2] * _dot(points[k][:2], v)).sign() for k in (start, end)]
-                stays = start < 0 or (leaving[0] or bend[0]) >= 0 <= (leaving[1] or -bend[1])
-                rests = not any(_signs(v[:2]))
-                worst.append((2 if v[2].sign() else 1) if rests else 3 if stays else 0)
+        for start, end, v in ((a, b, v) for a, b, twists in fan for v in twists):
+            leaving = _cross(points[start], v).sign(), _cross(v, points[end]).sign()
+            bend = [(v[2] * _dot(points[k][:2], v)).sign() for k in (start, end)]
+            stays = start < 0 or (leaving[0] or bend[0]) >= 0 <= (leaving[1] or -bend[1])
+            worst.append((3 if stays else 0) if any(_signs(v[:2])) else 2 if v[2].sign() else 1)
         fan = [cone for cone in fan if cone[0] >= 0]
         after = {start: twists for start, _, twists in fan}
         for ray, pool in ((points[end][:2], [*twists, *after[end]]) for _, end, twists in fan):
@@ -345,26 +346,25 @@ class Checker:
                 worst.append((2, 3, 0)[(gains[0] - gains[1]).sign()])
         return TRANSLATION[max(worst)]
 
-    def _feedback(self) -> str:
-        """Whether c . d_i has one strict sign on each closed cell at the point, and two rims act."""
+    def _feedback(self, shape: Any) -> str:
+        """Whether c^T P d_i has one strict sign on each closed cell at the point, and two rims act."""
         held = {row[1:] for _, rows, *_ in self.here for row in (self.rows if self.box else rows)}
         if any((self.friction["S" + n] - self.friction["R" + n]).sign() >= 0 for n in held):
-            return "not applicable"
-        near = [(t, [_dot(self.rows[i], p).sign() for p in self.cells[k][1]]) for k, (i, _, t, *_), *_ in self.here]
-        strict = all(third[0] == "R" and abs(sum(signs)) == len(signs) for third, signs in near)
+            return "not applicable" if shape is None else UNDECIDED
+        near = [(t, self.rows[i], self._bent(shape, k)) for k, (i, _, t, *_), *_ in self.here]
+        strict = all(t[0] == "R" and abs(sum(_signs(_dot(row, q) for q in at))) == len(at) for t, row, at in near)
         return UNDECIDED if self.box else "stabilizable" if strict else "no certificate"
 
     def check(self) -> None:
         """Compare each verdict with what its evidence shows; ``undecided`` claims nothing."""
-        keys = ("verdict separator", "verdict squared_radius", "verdict lowest highest shape", "verdict")
+        keys = ("verdict separator", "verdict squared_radius", "verdict lowest highest shape", "verdict shape")
         clauses = [_take(*pair) for pair in zip(self.clauses, keys, strict=False)]
         equilibrium, rotation = self._drift(clauses[0][1], clauses[2][1:3], clauses[2][3])
-        shown = (equilibrium, self._translation(clauses[1][1]), rotation, self._feedback())
+        shown = (equilibrium, self._translation(clauses[1][1]), rotation, self._feedback(clauses[3][1]))
         for name, (said, *_), found in zip(KEYS.split()[9:], clauses, shown, strict=False):
             _require(said in (found, UNDECIDED), f"{name}: {found}, received {said!r:.60}")
-        fails = clauses[1][0] == UNSTABLE or clauses[2][0] == "stable, not attractive"
         verdict = "holds" if {said for said, *_ in clauses}.isdisjoint((UNDECIDED, "no certificate")) else UNDECIDED
-        verdict = "fails" if fails else verdict
+        verdict = "fails" if clauses[1][0] == UNSTABLE or clauses[2][0] == "stable, not attractive" else verdict
         verdict = "hypotheses not met" if clauses[0][0] == "fails" else verdict
         _require(self.clauses[4] == verdict, f"theorem4: {verdict}")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from fractions import Fraction
 from typing import Any, TypeAlias
 
 from flint import arb
@@ -218,6 +219,9 @@ def _feedback_record(result: Check) -> Record:
         "verdict": str(feedback.verdict),
         "law": feedback.law,
         **_rate_record(feedback),
+        "lyapunov": _control_lyapunov_record(feedback),
+        "none_serves": feedback.none_serves if isinstance(feedback, FeedbackResult) else None,
+        "margin": _margin_record(feedback),
         "ranks": _ranks_record(result),
         "witness": _witness_record(feedback.witness, "theta"),
         "reason": feedback.reason,
@@ -241,11 +245,43 @@ def _ranks_record(result: Check) -> Record | None:
 
 
 def _rate_record(feedback: FeedbackResult | SampledFeedback) -> Record:
-    """The certified rate: ``V' <= -rate k V`` near the equilibrium."""
+    """The certified rate: ``V' <= -rate k V`` near the equilibrium, within ``rate_reach`` where that is bounded."""
     rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
-    if rate is None:
-        return {"rate": None}
-    return {"rate": float(2 * rate.kappa), "exact": {"rate": str(2 * rate.kappa)}}
+    if not isinstance(feedback, FeedbackResult) or rate is None:
+        return {"rate": None, "rate_reach": None}
+    field = feedback.cells[0].cell.twists[0].omega.field
+    return with_exact({"rate": field(2 * rate.kappa), "rate_reach": None if rate.reach is None else field(rate.reach)})
+
+
+def _control_lyapunov_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
+    """``V = c^T P c + w theta^2`` of the law."""
+    if not isinstance(feedback, FeedbackResult) or feedback.law is None:
+        return None
+    (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
+    field = feedback.cells[0].cell.twists[0].omega.field
+    return with_exact({"P": ((field(1 + e), field(f)), (field(f), field(1 - e))), "w": field(w)})
+
+
+def _margin_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
+    """The error in c, as a part of |c|, up to which one input serves; side by side, and over all."""
+    margin = feedback.margin if isinstance(feedback, FeedbackResult) else None
+    if margin is None:
+        return None
+    sides = [
+        {
+            "cells": list(side.cells),
+            **_root_record(side.squared),
+            "witness": _witness_record(side.witness, "theta"),
+        }
+        for side in margin.sides
+    ]
+    return {**_root_record(margin.squared), "is_exact": margin.is_exact, "sides": sides}
+
+
+def _root_record(squared: Any) -> Record:
+    """``sqrt(squared)``."""
+    text = str(squared) if isinstance(squared, Fraction) else real_text(squared)
+    return {"relative": float(squared) ** 0.5, "exact": {"relative": f"sqrt({text})"}}
 
 
 def _input_cell_record(data: InputCell) -> Record:

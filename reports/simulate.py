@@ -11,6 +11,7 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -28,7 +29,7 @@ GAIN = 1.0
 SHOWN = 12  # events listed on a terminal
 POSE = ("x", "y", "theta")
 
-LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law, Law.GRADIENT: gradient_law}
+LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law}
 
 
 @dataclass(frozen=True)
@@ -60,12 +61,22 @@ def follow(partition: Partition, run: Run) -> Trajectory:
     """
     field: Any = array_field(partition, run.kinematics)
     if run.law is not None:
-        field = feedback_field(partition, LAWS[run.law](GAIN), run.kinematics)
+        field = feedback_field(partition, _speeds(partition, run.law), run.kinematics)
     if run.method is Method.HYSTERESIS:
         from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 
         return simulate_hysteresis(field, run.start, run.until, run.width)
     return simulate(field, run.start, run.until)
+
+
+def _speeds(partition: Partition, law: Law) -> SpeedLaw:
+    """The law in every cell; the gradient law is that of ``check``, with the V found there."""
+    if law is not Law.GRADIENT:
+        return LAWS[law](GAIN)
+    from nonsmooth.proofs.clauses.feedback import decide_feedback
+
+    lyapunov = decide_feedback(partition).lyapunov
+    return gradient_law(GAIN, (float(lyapunov.shape[0]), float(lyapunov.shape[1])), float(lyapunov.weight))
 
 
 def trajectory_record(partition: Partition, run: Run, trajectory: Trajectory) -> dict[str, Any]:

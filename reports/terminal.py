@@ -175,7 +175,12 @@ def _feedback_evidence(result: Check) -> list[str]:
     if isinstance(feedback, FeedbackResult) and feedback.law is not None:
         lines.append(feedback.law)
     if isinstance(feedback, FeedbackResult) and feedback.rate is not None:
-        lines.append(f"near c*: V' <= -{float(2 * feedback.rate.kappa):.4g} k V, V = |c|^2 + theta^2 (certified)")
+        reach = feedback.rate.reach
+        where = "near c*" if reach is None else f"where |c| <= {decimal_text(result.scene.field(reach), 3)}"
+        lines.append(f"{where}: V' <= -{float(2 * feedback.rate.kappa):.4g} k V (certified)")
+        lines.append(f"V = {feedback.lyapunov}")
+    if isinstance(feedback, FeedbackResult) and feedback.margin is not None:
+        lines.append(str(feedback.margin))
     if isinstance(feedback, FeedbackResult) and feedback.printed_sign_fails:
         lines.append(f"the paper's u_j = -k theta has the wrong sign in {_cells(feedback.printed_sign_fails)}")
     if isinstance(feedback, SampledFeedback):

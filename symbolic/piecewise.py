@@ -24,6 +24,7 @@ MAX_DEPTH = 60  # nested operations
 MAX_DEGREE = 16  # of a smooth piece
 
 SWITCHES = ("sign", "Abs")
+NUMBERS = ("pi", "sqrt", "sin", "cos")
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
 SignOf: TypeAlias = Callable[[Polynomial], int]
@@ -56,8 +57,8 @@ class PiecewiseExpression:
                 yield turn_of(node.args[0], self.text)
 
     def is_constant(self, node: ast.expr) -> bool:
-        """Whether a part mentions no state and switches nothing."""
-        return not any(isinstance(n, ast.Name) and n.id in {*self.states, *SWITCHES} for n in ast.walk(node))
+        """Whether a part mentions no name but those of numbers."""
+        return not any(isinstance(n, ast.Name) and n.id not in NUMBERS for n in ast.walk(node))
 
 
 def parse_piecewise(value: object, states: Collection[str]) -> PiecewiseExpression:

@@ -12,9 +12,9 @@ from functools import cached_property
 from typing import TypeAlias
 
 from nonsmooth.symbolic.continuum import ContinuousField
-from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.rule import Rule
 
 Vector: TypeAlias = tuple[Number, Number]
@@ -103,12 +103,18 @@ class Contact:
 class Check:
     """What is checked: the equilibrium ``c*`` and the square ``|x - x*|, |y - y*| <= radius``.
 
-    ``lyapunov`` is V as a formula in the displacement ``(x, y)`` from ``c*``; None means ``x**2 + y**2``.
+    ``lyapunov`` is the V that an audit judges, a formula in the displacement ``(x, y)`` from ``c*``, if the scene
+    names one; the clauses of Theorem 4 find their own.
     """
 
     equilibrium: Vector
     radius: Number
-    lyapunov: Expression | None = None
+    lyapunov: PiecewiseExpression | None = None
+
+    @property
+    def named_lyapunov(self) -> str | None:
+        """The V that the scene names."""
+        return None if self.lyapunov is None else self.lyapunov.text
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,19 @@ PLANE = ("x", "y")
 class SystemCheck:
     """What is checked: the equilibrium ``c*``, and the square ``|x - x*|, |y - y*| <= radius`` about it.
 
-    ``lyapunov`` is V in the displacement from ``c*``, written with the states' names.
+    ``lyapunov`` is V in the displacement from ``c*``, written with the states' names; ``is_default`` where the scene
+    names none, so that it is the sum of their squares.
     """
 
     equilibrium: Vector
     radius: Number
     lyapunov: PiecewiseExpression
+    is_default: bool = False
+
+    @property
+    def named_lyapunov(self) -> str | None:
+        """The V that the scene names."""
+        return None if self.is_default else self.lyapunov.text
 
 
 @dataclass(frozen=True)

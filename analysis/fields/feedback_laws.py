@@ -3,7 +3,7 @@
 With ``V = |c|^2 + theta^2`` (c from the equilibrium at the origin) and ``xi = g_i u_i + g_j u_j`` the rate is
 ``V'/2 = a u_i + b u_j`` with ``a = (c, theta) . g_i``, ``b = (c, theta) . g_j``.
 
-- *gradient*: ``u = -k (a, b)``, so ``V' = -2k (a^2 + b^2)`` (Jurdjevic & Quinn 1978, "L_g V");
+- *gradient*: ``u = -k (a, b)``, so ``V' = -2k (a^2 + b^2)`` (Jurdjevic & Quinn 1978, "L_g V"); also for other V;
 - *printed*: ``u_j = -k theta, u_i = |u_j| + k|c|`` as Murphey & Burdick print it in sec. 3.3; it turns the body the
   wrong way where the torque of wheel j has the other sign;
 - *corrected*: ``u_j = -g k theta`` with g the sign of that torque.
@@ -21,14 +21,26 @@ from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 
 
-def gradient_law(gain: float) -> Law:
-    """``u_w = -k (c, theta) . g_w`` for every wheel that acts; ``gain`` is k (1/time, for lengths of unit one)."""
+def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> Law:
+    """``u_w = -k (P c, w theta + P c . J c) . g_w`` for every wheel that acts.
+
+    That is half the rate of ``V = c^T P c + w theta^2`` by u_w, under exact kinematics.
+
+    Args:
+        gain: k (1/time, for lengths of unit one).
+        shape: (e, f) of ``P = [[1 + e, f], [f, 1 - e]]``.
+        weight: w.
+    """
+    matrix = np.array([[1 + shape[0], shape[1]], [shape[1], 1 - shape[0]]])
 
     def prepare(state: ContactState) -> Speeds:
         fields = {wheel: np.array([float(x) for x in g]) for wheel, g in state.control_fields.items()}
 
         def speeds(pose: Vector) -> Mapping[int, float]:
-            return {wheel: -gain * float(g @ pose) for wheel, g in fields.items()}
+            x, y = pose[:2]
+            slope = matrix @ (x, y)
+            covector = (*slope, weight * pose[2] + slope[1] * x - slope[0] * y)
+            return {wheel: -gain * float(g @ covector) for wheel, g in fields.items()}
 
         return speeds
 

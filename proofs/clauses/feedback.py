@@ -7,18 +7,22 @@ In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i
 so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``,
 ``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the
 L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero
-c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  With a side row third only
+c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  Where this V fails, all
+``c^T P c + w theta^2`` are searched (:mod:`nonsmooth.proofs.clauses.control_lyapunov`).  With a side row third only
 ``u_i`` acts and V' vanishes on a plane.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, certified_rate
+from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Demand, find_shapes, shape_regions
+from nonsmooth.proofs.clauses.fan import build_fan
+from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
+from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
 from nonsmooth.proofs.clauses.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
@@ -28,6 +32,10 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
 
 LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
+SHAPED_LAW = (
+    "u_i = -k a, u_j = -k b with b = (w theta - P c.J(p_i - c))/(d_j.J(p_j - p_i)), a = P c.d_i - (d_i.d_j) b, "
+    "P = [[{}, {}], [{}, {}]], w = {}"
+)
 
 
 @dataclass(frozen=True)
@@ -54,6 +62,12 @@ class InputCell:
     def torque_sign(self) -> int:
         """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
         return 0 if self.lever is None else self.lever.sign()
+
+    @property
+    def demand(self) -> Demand:
+        """What a control Lyapunov function must satisfy in the cell."""
+        vertices = tuple(vertex for vertex in self.cell.polygon.vertices if any(vertex))
+        return Demand(vertices, self.nearest.direction)
 
     def coefficients(self, point: Point, theta: Number) -> tuple[Number, ...]:
         """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
@@ -100,6 +114,9 @@ class FeedbackResult:
         witness: a nonzero c with its theta (the value) at which no input changes V.
         reason: one sentence for people.
         rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
+        lyapunov: V; the witness of a failure is about ``|c|^2 + theta^2``.
+        none_serves: whether no ``c^T P c + w theta^2`` at all is a control Lyapunov function.
+        margin: how far the contact state may be in doubt (stabilizable).
     """
 
     verdict: Feedback
@@ -108,11 +125,17 @@ class FeedbackResult:
     witness: Witness | None
     reason: str
     rate: FeedbackRate | None = None
+    lyapunov: ControlLyapunov = SQUARES
+    none_serves: bool = False
+    margin: InputMargin | None = None
 
     @property
     def law(self) -> str | None:
         """The stabilizing law, where there is one."""
-        return LAW if self.verdict is Feedback.STABILIZABLE else None
+        if self.verdict is not Feedback.STABILIZABLE:
+            return None
+        (e, f), w = self.lyapunov.shape, self.lyapunov.weight
+        return LAW if self.lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
 
     @property
     def printed_sign_fails(self) -> tuple[int, ...]:
@@ -126,9 +149,13 @@ class FeedbackResult:
         local = [data for data in self.cells if _is_local(data.cell)]
         genuine = bool(local) and all(data == _input_cell(data.cell, data.state) for data in local)
         if self.verdict is Feedback.STABILIZABLE:
-            decreasing = all(data.lever is not None and _one_strict_sign(data) for data in local)
-            return genuine and decreasing and (self.rate is None or self.rate.check())
-        return genuine and self.witness is not None and any(_is_idle(data, self.witness) for data in local)
+            signs = all(data.lever is not None and data.demand.sign(self.lyapunov) for data in local)
+            decreasing = signs and self.lyapunov.is_positive
+            sound = self.margin is None or self.margin.check(self.lyapunov)
+            return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
+        if not genuine or self.witness is None or not any(_is_idle(data, self.witness) for data in local):
+            return False
+        return not self.none_serves or not shape_regions([data.demand for data in local])
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
@@ -149,16 +176,38 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     for data in cells:
         stall = data.stall() if data.cell.index in local else None
         if stall is not None:
-            theta = dot(stall, turned(data.nearest.position))
-            witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
-            reason = (
-                f"in cell {data.cell.index} V' = 0 for every input at c = "
-                f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
-                "|c|^2 + theta^2 is no control Lyapunov function"
-            )
-            return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
+            return _shaped(partition, cells, local, data, stall)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
-    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition))
+    margin = build_margin(build_fan(partition), SQUARES)
+    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition), margin=margin)
+
+
+def _shaped(
+    partition: Partition, cells: tuple[InputCell, ...], local: frozenset[int], data: InputCell, stall: Point
+) -> FeedbackResult:
+    """The best ``c^T P c + w theta^2`` where ``|c|^2 + theta^2`` stalls in a cell, or why there is none."""
+    demands = [data.demand for data in cells if data.cell.index in local]
+    found = []
+    for shape in find_shapes(demands):
+        lyapunov = balanced(partition, shape)
+        found.append((certified_rate(partition, lyapunov), lyapunov))
+    if found:
+        rate, lyapunov = max(found, key=lambda entry: 0 if entry[0] is None else entry[0].kappa)
+        reason = (
+            "c^T P d_i has one strict sign on every closed cell at the equilibrium, "
+            f"while c . d_i vanishes in cell {data.cell.index}"
+        )
+        margin = build_margin(build_fan(partition), lyapunov)
+        return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin)
+    theta = dot(stall, turned(data.nearest.position))
+    witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
+    none_serves = not shape_regions(demands)
+    reason = (
+        f"in cell {data.cell.index} V' = 0 for every input at c = "
+        f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
+        "|c|^2 + theta^2 is no control Lyapunov function"
+    ) + (", and no other c^T P c + w theta^2 is one" if none_serves else "")
+    return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason, none_serves=none_serves)
 
 
 def _single_input(partition: Partition) -> Witness | None:
@@ -214,13 +263,3 @@ def _is_idle(data: InputCell, witness: Witness) -> bool:
         and data.cell.polygon.contains(witness.point)
         and not any(data.coefficients(witness.point, witness.value))
     )
-
-
-def _pairs(data: InputCell) -> Iterator[tuple[Number, Point]]:
-    return zip(data.projections, data.cell.polygon.vertices, strict=True)
-
-
-def _one_strict_sign(data: InputCell) -> bool:
-    """``c . D_i`` has one strict sign at the nonzero vertices (and so on the closed cell without 0)."""
-    signs = {p.sign() for p, vertex in _pairs(data) if any(vertex)}
-    return signs in ({1}, {-1})

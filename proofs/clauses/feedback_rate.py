@@ -1,26 +1,38 @@
 """How fast the feedback clause's law decreases V: the largest certified rate on the cones at the equilibrium.
 
-With ``u = -k (a, b)`` and ``V = |c|^2 + theta^2`` one has ``V' = -2 k (a^2 + b^2)``, where a and b are linear in
-(c, theta).  So ``V' <= -2 k kappa V`` near the equilibrium iff on every cone ``c = s r_1 + t r_2`` (s, t >= 0, theta
-free) ::
+With ``u = -k (a, b)`` and ``V = c^T P c + w theta^2`` one has ``V' = -2 k (a^2 + b^2)``, where a and b are linear in
+(c, tau), ``tau = w theta + c^T P J c``.  So ``V' <= -2 k kappa V`` near the equilibrium if on every cone ``c = s r_1 +
+t r_2`` (s, t >= 0, tau free) ::
 
-    (s, t, theta) M (s, t, theta)^T >= 0,     M = A A^T + B B^T - kappa G
+    (s, t, tau) M (s, t, tau)^T >= 0,     M = A A^T + B B^T - kappa' G
 
-with A, B the coefficients of a, b and G the Gram matrix of V.  Theta is free, so its entry must be positive and the
-Schur complement copositive on the quadrant: ``S_11, S_22 >= 0`` and ``S_12 >= -sqrt(S_11 S_22)`` (the S-procedure for a
-cone of two rays is exact).  Floats bisect for kappa; a rational below it is verified exactly.
+with A, B the coefficients of a, b and G the Gram matrix of ``c^T P c + tau^2/w``.  Tau is free, so its entry must be
+positive and the Schur complement copositive on the quadrant: ``S_11, S_22 >= 0`` and ``S_12 >= -sqrt(S_11 S_22)`` (the
+S-procedure for a cone of two rays is exact).  Floats bisect for kappa; a rational below it is verified exactly.
+
+For ``P = I`` tau is ``w theta``, and kappa' = kappa.  Otherwise ``|c^T P J c| <= rho |c|^2`` with
+``rho^2 = e^2 + f^2``; so
+``kappa' = (1 + eta) kappa`` suffices where ``|c|^2 <= eta^2 (1 - rho) w/((1 + eta) rho^2)``, a disc about c*.
+
+The rate grows with w (a larger w lets theta count more in the law) up to that of ``tau^2/w = 0``; the weight taken is
+the smallest power of two that gives at least half of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import isqrt
 from typing import Any
+
+from flint import arb
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Shape
 from nonsmooth.proofs.clauses.fan import CellCone, build_fan
+from nonsmooth.proofs.clauses.quadratic import root_above
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -30,6 +42,9 @@ DIGITS = 4  # significant digits of the certified rate
 _BISECTIONS = 60
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposal too large
 _TRIES = 40
+SLACK = Fraction(1, 100)  # eta
+_LARGEST_EXPONENT = 64  # of the weight, in the square of the array's own length
+_FLOAT_RANGE = 10**300
 
 
 @dataclass(frozen=True)
@@ -40,15 +55,18 @@ class ConeRate:
         cell: number of the cell.
         rays: ``r_1, r_2``.
         fields: the control vector fields ``g_i, g_j``.
+        lyapunov: V.
     """
 
     cell: int
     rays: tuple[Point, Point]
     fields: tuple[Triple, ...]
+    lyapunov: ControlLyapunov = SQUARES
 
     def holds(self, kappa: Fraction) -> bool:
-        """Whether ``a^2 + b^2 >= kappa (|c|^2 + theta^2)`` on the closed cone, exactly."""
-        s11, s12, s22, corner = _schur(self.rays, self.fields, kappa)
+        """Whether ``a^2 + b^2 >= kappa V`` on the closed cone near the equilibrium, exactly."""
+        inner = kappa * (1 + SLACK) if any(self.lyapunov.shape) else kappa
+        s11, s12, s22, corner = _schur(self, inner, 1 / self.lyapunov.weight)
         if corner.sign() <= 0 or s11.sign() < 0 or s22.sign() < 0:
             return False
         return s12.sign() >= 0 or sign(s11 * s22 - s12 * s12) >= 0
@@ -61,23 +79,32 @@ class FeedbackRate:
     kappa: Fraction
     cones: tuple[ConeRate, ...]
 
-    def check(self) -> bool:
-        """Re-verify the inequality on every cone."""
-        return self.kappa > 0 and bool(self.cones) and all(cone.holds(self.kappa) for cone in self.cones)
+    @property
+    def reach(self) -> Fraction | None:
+        """The rate holds within this distance of c*, in the cells there; None where they alone bound it."""
+        (e, f), weight = self.cones[0].lyapunov.shape, self.cones[0].lyapunov.weight
+        if not e and not f:
+            return None
+        rho = root_above(e * e + f * f)
+        square = SLACK**2 * (1 - rho) * weight / ((1 + SLACK) * rho**2)
+        shift = max(0, 32 - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
+        scaled = square * 4**shift  # at least 2^62
+        return Fraction(isqrt(scaled.numerator // scaled.denominator), 2**shift)
+
+    def check(self, lyapunov: ControlLyapunov = SQUARES) -> bool:
+        """Re-verify the inequality on every cone, with the given V."""
+        about_it = bool(self.cones) and all(cone.lyapunov == lyapunov for cone in self.cones)
+        return about_it and self.kappa > 0 and all(cone.holds(self.kappa) for cone in self.cones)
 
 
-def certified_rate(partition: Partition) -> FeedbackRate | None:
+def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) -> FeedbackRate | None:
     """The largest rate found for a centred partition of rule ``nearest`` with a stabilizing law; None if none is."""
-    late = len(partition.scene.field.radicands) > FEW_ROOTS
-    cones = tuple(
-        _cone_rate(cone, tuple(state.control_fields.values()), late=late)
-        for cone in build_fan(partition)
-        for state in cone.cell.states
-    )
-    proposal = min((_largest(cone) for cone in cones), default=0.0)
+    cones = _build_cones(partition, lyapunov)
+    floats, unit = _in_floats(cones)
+    proposal = _proposal(floats, _lightness(lyapunov.weight, unit))
     if proposal <= 0:
         return None
-    kappa = _rounded_down(proposal)
+    kappa = _rounded_down(proposal / float(1 + SLACK) if any(lyapunov.shape) else proposal)
     for _ in range(_TRIES):
         if all(cone.holds(kappa) for cone in cones):
             return FeedbackRate(kappa, cones)
@@ -85,38 +112,88 @@ def certified_rate(partition: Partition) -> FeedbackRate | None:
     return None
 
 
-def _cone_rate(cone: CellCone, fields: tuple[Triple, ...], *, late: bool) -> ConeRate:
+def balanced(partition: Partition, shape: Shape) -> ControlLyapunov:
+    """V with the smallest power of two as w that gives at least half the rate that any w can give."""
+    floats, unit = _in_floats(_build_cones(partition, ControlLyapunov(shape)))
+    enough = _proposal(floats, 0.0) / 2
+    low, high = -_LARGEST_EXPONENT, _LARGEST_EXPONENT
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if _proposal(floats, 2.0**-middle) >= enough else (middle + 1, high)
+    return ControlLyapunov(shape, Fraction(2) ** (low - 2 * unit))
+
+
+def _build_cones(partition: Partition, lyapunov: ControlLyapunov) -> tuple[ConeRate, ...]:
+    late = len(partition.scene.field.radicands) > FEW_ROOTS
+    return tuple(
+        _cone_rate(cone, tuple(state.control_fields.values()), lyapunov, late=late)
+        for cone in build_fan(partition)
+        for state in cone.cell.states
+    )
+
+
+def _cone_rate(cone: CellCone, fields: tuple[Triple, ...], lyapunov: ControlLyapunov, *, late: bool) -> ConeRate:
     """The form of one cone; over many square roots its numbers are evaluated late, since products of four occur."""
 
     def entry(value: Any) -> Any:
         return Lazy.of(value) if late and isinstance(value, Number) else value
 
     start, end = ((entry(ray[0]), entry(ray[1])) for ray in (cone.start, cone.end))
-    return ConeRate(cone.cell.index, (start, end), tuple((entry(x), entry(y), entry(w)) for x, y, w in fields))
+    entries = tuple((entry(x), entry(y), entry(w)) for x, y, w in fields)
+    return ConeRate(cone.cell.index, (start, end), entries, lyapunov)
 
 
-def _schur(
-    rays: tuple[Point, Point], fields: Sequence[Triple], kappa: Fraction
-) -> tuple[Number, Number, Number, Number]:
-    """Schur complement with respect to theta (times the corner entry), and the corner entry."""
-    (p, q), zero = rays, fields[0][2] * 0
-    m11, m12, m22 = (-kappa * dot(*pair) for pair in ((p, p), (p, q), (q, q)))
-    m13, m23, corner = zero, zero, zero - kappa
-    for x, y, turn in fields:
-        along_p, along_q = p[0] * x + p[1] * y, q[0] * x + q[1] * y
+def _schur(cone: ConeRate, kappa: Any, lightness: Any) -> tuple[Number, Number, Number, Number]:
+    """Schur complement with respect to tau (times the corner entry), and the corner entry; ``lightness = 1/w``."""
+    (p, q), zero = cone.rays, cone.fields[0][2] * 0
+    slope_p, slope_q = cone.lyapunov.slope(p), cone.lyapunov.slope(q)
+    m11, m12, m22 = (dot(*pair) * -kappa for pair in ((p, slope_p), (p, slope_q), (q, slope_q)))
+    m13, m23, corner = zero, zero, zero - kappa * lightness
+    for x, y, turn in cone.fields:
+        along_p, along_q = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
         m11, m12, m22 = m11 + along_p * along_p, m12 + along_p * along_q, m22 + along_q * along_q
         m13, m23, corner = m13 + along_p * turn, m23 + along_q * turn, corner + turn * turn
     return corner * m11 - m13 * m13, corner * m12 - m13 * m23, corner * m22 - m23 * m23, corner
 
 
-def _largest(cone: ConeRate) -> float:
-    """Largest kappa of one cone, by bisection in floats (a proposal)."""
-    rays = tuple((float(r[0]), float(r[1])) for r in cone.rays)
-    fields = [tuple(float(x) for x in field) for field in cone.fields]
-    low, high = 0.0, sum(x * x for field in fields for x in field)
+def _in_floats(cones: Sequence[ConeRate]) -> tuple[list[ConeRate], int]:
+    """The same forms with floats for numbers, whatever the unit of length.
+
+    Rays have entries up to one, and rotation rates are multiples of ``2^unit``, about the largest of them.
+    """
+    unit = max((_exponent(field[2]) for cone in cones for field in cone.fields if field[2]), default=0)
+    floats = []
+    for cone in cones:
+        sizes = [max(abs(x), abs(y)) for x, y in cone.rays]
+        rays: Any = tuple((float(x / size), float(y / size)) for (x, y), size in zip(cone.rays, sizes, strict=True))
+        fields: Any = tuple((float(x), float(y), float(w * Fraction(2) ** -unit)) for x, y, w in cone.fields)
+        floats.append(replace(cone, rays=rays, fields=fields))
+    return floats, unit
+
+
+def _exponent(value: Any) -> int:
+    """About log2 of the size of a nonzero number, also beyond the range of floats."""
+    ball = value.ball if isinstance(value, Lazy) else value.ball()
+    return round(float(abs(ball).log() / arb(2).log()))
+
+
+def _lightness(weight: Fraction, unit: int) -> float:
+    """``1/w`` in the unit of the rotation rates; too large for a float in enormous units."""
+    light = 1 / (weight * Fraction(2) ** (2 * unit))
+    return float(light) if light < _FLOAT_RANGE else float("inf")
+
+
+def _proposal(floats: Sequence[ConeRate], lightness: float) -> float:
+    """Largest kappa' of all cones in floats."""
+    return min((_largest(cone, lightness) for cone in floats), default=0.0)
+
+
+def _largest(cone: ConeRate, lightness: float) -> float:
+    """Largest kappa' of one cone, by bisection in floats; at most ``2 sum |g_v|^2``, since P is at most 2."""
+    low, high = 0.0, 2.0 * sum(float(x) ** 2 for field in cone.fields for x in field[:2])
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
-        s11, s12, s22, corner = _schur(rays, fields, middle)  # type: ignore[arg-type]  # the same formula in floats
+        s11, s12, s22, corner = _schur(cone, middle, lightness)
         good = corner > 0 and s11 >= 0 and s22 >= 0 and (s12 >= 0 or s12 * s12 <= s11 * s22)
         low, high = (middle, high) if good else (low, middle)
     return low

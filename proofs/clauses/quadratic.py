@@ -10,7 +10,7 @@ much, so ``V* <= -m |c|`` on the region; since P has trace 2, the body arrives w
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isqrt
@@ -55,7 +55,7 @@ class QuadraticCertificate:
 
     def value(self, c: Point) -> Number:
         """``c^T P c``."""
-        return dot(c, self._times(c))
+        return dot(c, shaped(self.shape, c))
 
     def check(self) -> bool:
         """Re-verify that P is positive definite, the decay on every ray, and that the region stays in the fan."""
@@ -72,20 +72,16 @@ class QuadraticCertificate:
         """
         level = min(self.least_on(p, q) for p, q in _rim(self.cones))
         fastest = max(abs(twist.omega) for cone in self.cones for twist in cone.twists)
-        r = _root_above(self.shape[0] ** 2 + self.shape[1] ** 2)
+        r = root_above(self.shape[0] ** 2 + self.shape[1] ** 2)
         if not fastest or not r:
             return level
         turning = (1 - r) * self.decay * self.decay / (4 * r * r) / (fastest * fastest)
         return min(level, turning)
 
-    def _times(self, c: Point) -> Vector:
-        a, b = self.shape
-        return (1 + a) * c[0] + b * c[1], b * c[0] + (1 - a) * c[1]
-
     def least_on(self, start: Point, end: Point) -> Number:
         """Least value of V on a segment."""
         along = (end[0] - start[0], end[1] - start[1])
-        curvature, slope = self.value(along), -dot(start, self._times(along))
+        curvature, slope = self.value(along), -dot(start, shaped(self.shape, along))
         if sign(slope) <= 0:
             return self.value(start)
         if sign(slope - curvature) >= 0:
@@ -95,9 +91,10 @@ class QuadraticCertificate:
 
 def find_quadratic(cones: tuple[CellCone, ...]) -> QuadraticCertificate | None:
     """Search P for the fan; None where the search or the exact verification fails."""
-    shape = _propose(cones)
-    if shape is None:
+    proposal = propose_shape(_pairs(cones))
+    if proposal is None:
         return None
+    shape = (_rounded(proposal[0]), _rounded(proposal[1]))
     trial = QuadraticCertificate(shape, Fraction(0), cones[0].start[0].field.one, cones)
     decay = Fraction(1)
     for _ in range(_DECAY_STEPS):
@@ -109,13 +106,22 @@ def find_quadratic(cones: tuple[CellCone, ...]) -> QuadraticCertificate | None:
     return None
 
 
-def _propose(cones: tuple[CellCone, ...]) -> tuple[Fraction, Fraction] | None:
-    """The P whose worst ray decreases fastest, from a second-order cone program."""
+def shaped(shape: tuple[Fraction, Fraction], c: Point) -> Vector:
+    """``P c`` with ``P = [[1 + a, b], [b, 1 - a]]``."""
+    a, b = shape
+    return (1 + a) * c[0] + b * c[1], b * c[0] + (1 - a) * c[1]
+
+
+def propose_shape(pairs: Iterable[tuple[Point, Vector]]) -> tuple[float, float] | None:
+    """The (a, b) for which the largest ``r^T P v`` of all pairs (r, v) of directions is lowest; None unless negative.
+
+    A second-order cone program in floats: its answer is a proposal.
+    """
     import cvxpy as cp
 
     shape, margin = cp.Variable(2), cp.Variable()
     constraints: list[cp.Constraint] = [cp.SOC(cp.Constant(_INSIDE), shape)]
-    for ray, velocity in _pairs(cones):
+    for ray, velocity in pairs:
         r, v = _direction(ray), _direction(velocity)
         if r is None or v is None:
             return None
@@ -125,11 +131,15 @@ def _propose(cones: tuple[CellCone, ...]) -> tuple[Fraction, Fraction] | None:
     cp.Problem(cp.Maximize(margin), constraints).solve()
     if shape.value is None or margin.value is None or not float(margin.value) > 0:
         return None
-    a, b = (Fraction(round(float(x) * DENOMINATOR), DENOMINATOR) for x in shape.value)
+    a, b = (float(x) for x in shape.value)
     return a, b
 
 
-def _root_above(square: Fraction) -> Fraction:
+def _rounded(value: float) -> Fraction:
+    return Fraction(round(value * DENOMINATOR), DENOMINATOR)
+
+
+def root_above(square: Fraction) -> Fraction:
     """A rational at least the square root, below one for squares below one."""
     scaled = square * DENOMINATOR**4
     root = Fraction(isqrt(scaled.numerator // scaled.denominator) + 1, DENOMINATOR**2)
@@ -144,7 +154,7 @@ def _direction(vector: Point) -> NDArray[np.float64] | None:
 
 def _falls(certificate: QuadraticCertificate, ray: Point, velocity: Vector, decay: Fraction) -> bool:
     """``r^T P v <= -m |r|`` and negative, without taking the root."""
-    slope = dot(ray, certificate._times(velocity))
+    slope = dot(ray, shaped(certificate.shape, velocity))
     return sign(slope) < 0 and sign(slope * slope - decay * decay * dot(ray, ray)) >= 0
 
 

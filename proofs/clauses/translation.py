@@ -121,7 +121,7 @@ class TranslationResult:
         if radius is None or radius.sign() <= 0:
             return False
         segments = (s for d in self.derivatives for s in _violating_segments(d, strict=strict))
-        return all(_squared_distance(*segment) >= radius * radius for segment in segments)
+        return all(squared_distance(*segment) >= radius * radius for segment in segments)
 
     def _is_attained(self, witness: Witness) -> bool:
         """Whether the positive value is V* of some cell near the equilibrium whose closure holds the point."""
@@ -241,7 +241,7 @@ def _region_radius(partition: Partition, derivatives: tuple[CellDerivative, ...]
     nearest = radius * radius
     for derivative in derivatives:
         for start, end in _violating_segments(derivative, strict=strict):
-            nearest = min(nearest, _squared_distance(start, end))
+            nearest = min(nearest, squared_distance(start, end))
     return radius if nearest == radius * radius else nearest.sqrt()
 
 
@@ -262,7 +262,7 @@ def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator
         yield start, part.vertices[(k + 1) % len(part.vertices)]
 
 
-def _squared_distance(start: Point, end: Point) -> Number:
+def squared_distance(start: Point, end: Point) -> Number:
     """Squared distance of the origin from a segment."""
     along = (end[0] - start[0], end[1] - start[1])
     length, shift = dot(along, along), -dot(start, along)

@@ -6,13 +6,18 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import refusals_named, write_json, write_views
+from nonsmooth.reports.console import RefusedError, refusals_named, write_json, write_views
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
+
+Lyapunov = Annotated[
+    str | None,
+    typer.Option("--lyapunov", metavar="EXPR", help="V in x and y, Abs and sign allowed; replaces the scene's."),
+]
 
 
 def audit(
     scene: SceneText,
-    lyapunov: Annotated[str, typer.Option("--lyapunov", metavar="EXPR", help="V in x and y; Abs and sign allowed.")],
+    lyapunov: Lyapunov = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
@@ -24,8 +29,11 @@ def audit(
     from nonsmooth.symbolic.files.system_file import load_any
 
     loaded = load_any(scene, rule=rule, radius=radius, at=at)
+    function = loaded.check.named_lyapunov if lyapunov is None else lyapunov
+    if function is None:
+        raise RefusedError(f"{loaded.source}: required V as --lyapunov or as check.lyapunov, received neither")
     with refusals_named(loaded):
-        result = verified(audit_function(loaded, lyapunov))
+        result = verified(audit_function(loaded, function))
     if json:
         from nonsmooth.reports.system_views import audit_record
 

@@ -7,19 +7,19 @@ from typing import Annotated, TypeAlias
 
 from pydantic import PlainValidator, StrictStr
 
-from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.object_table import ObjectTable
 from nonsmooth.symbolic.files.scene_values import (
+    PLANE,
     Exact,
     ExactField,
     OptionalExact,
     PairField,
     Table,
     read_exact,
-    read_in_plane,
 )
 from nonsmooth.symbolic.files.velocity_fields import AnyField
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import Rule
 
 MAX_NAME = 200  # characters
@@ -41,14 +41,13 @@ def read_loads(value: object) -> LoadRows | None:
     return tuple((read_exact(a), read_exact(b), read_exact(c)) for a, b, c in rows)
 
 
-def read_lyapunov(value: object) -> Expression | None:
-    """A formula in x and y; None for the default ``x**2 + y**2``.
+def read_lyapunov(value: object) -> PiecewiseExpression:
+    """A formula in x and y, with ``sign`` and ``Abs``.
 
     Raises:
         ExpressionError: for anything else.
     """
-    formula = read_in_plane(value)
-    return None if formula.text.replace(" ", "") == "x**2+y**2" else formula
+    return parse_piecewise(value, PLANE)
 
 
 def read_name(value: object) -> str:
@@ -92,7 +91,7 @@ class CheckTable(Table):
 
     equilibrium: PairField = (Fraction(0), Fraction(0))
     radius: ExactField = Fraction(1, 2)
-    lyapunov: Annotated[Expression | None, PlainValidator(read_lyapunov)] = None
+    lyapunov: Annotated[PiecewiseExpression | None, PlainValidator(read_lyapunov)] = None
 
 
 class Document(Table):

@@ -25,6 +25,7 @@ from nonsmooth.symbolic.expression import (
 )
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene import Vector
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
@@ -103,7 +104,7 @@ PlaneFormula = Annotated[Expression, PlainValidator(read_in_plane)]
 def angles(value: object) -> Iterator[Fraction]:
     """Every turn ``t`` of an angle ``pi * t`` inside a table, list or formula."""
     match value:
-        case Expression():
+        case Expression() | PiecewiseExpression():
             yield from value.turns()
         case Angle():
             yield value.turn

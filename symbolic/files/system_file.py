@@ -18,13 +18,13 @@ from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import builtin_systems, load_scene, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, PairField, Table, angles, field_of, requirement
-from nonsmooth.symbolic.piecewise import SWITCHES, PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 from nonsmooth.symbolic.system import SystemCheck, SystemScene
 
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
-_RESERVED = {"pi", "sqrt", "sin", "cos", *SWITCHES}
+_RESERVED = {*NUMBERS, *SWITCHES}
 
 
 def is_state(value: object) -> bool:
@@ -149,7 +149,7 @@ def _system(data: dict[str, Any], file: str, path: Path) -> SystemScene:
     turns = [turn for formula in (first, second, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)], file))
     x, y = (numbers(value, "check.equilibrium") for value in check.equilibrium)
-    checked = SystemCheck((x, y), numbers.positive(check.radius, "check.radius"), lyapunov)
+    checked = SystemCheck((x, y), numbers.positive(check.radius, "check.radius"), lyapunov, check.lyapunov is None)
     scene = SystemScene(document.name or path.stem, numbers.field, table.states, (first, second), checked, file)
     for sign in (1, -1):  # two of the smooth pieces: the rest is looked at where it is used
         _try_pieces(scene, sign)

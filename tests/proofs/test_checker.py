@@ -27,6 +27,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.checker import check_certificate, check_file
+from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback import decide_feedback, side_friction_rules
 from nonsmooth.proofs.clauses.rotation import decide_rotation
@@ -476,7 +477,10 @@ CLAUSE_FORGERIES: dict[str, Forge] = {
     "multipliers of no scale": lambda c: c["rotation"]["lowest"].update(multipliers=["0"] * 4),
     "a separator as well": lambda c: c["equilibrium"].update(separator=["1", "0"]),
     "no weights for the equilibrium": lambda c: c["rotation"].update(lowest=None, highest=None),
-    "an indefinite shape": lambda c: c["rotation"].update(shape=["2"]),
+    "a shape of one number": lambda c: c["rotation"].update(shape=["2"]),
+    "an indefinite shape": lambda c: c["rotation"].update(shape=["1", "1"]),
+    "an indefinite shape of the law": lambda c: c["feedback"].update(shape=["1", "0"]),
+    "a shape that stalls": lambda c: c["feedback"].update(shape=["7/10", "7/10"]),
 }
 
 
@@ -499,9 +503,8 @@ def test_weights_may_be_scaled(four_wheel: Record) -> None:
         (("four-wheel", "nearest"), ["1/100", "0"], "stable, not attractive"),
         (("ring-5", "nearest"), ["99/100", "0"], "undecided"),
         (("four-wheel-side", "nearest"), None, "undecided"),
-        (("four-wheel", "nearest"), ["1", "1"], "undecided"),
     ],
-    ids=["|c|^2", "another V", "a V that grows", "a V that rests", "no V"],
+    ids=["|c|^2", "another V", "a V that grows", "a V that rests"],
 )
 def test_decay_bounds_the_rotation(
     certificates: dict[tuple[str, str], Record], subject: tuple[str, str], shape: list[str] | None, word: str
@@ -620,7 +623,7 @@ def assert_still_true(certificate: Record) -> None:
         "equilibrium": str(decide_equilibrium(partition).verdict),
         "translation": str(translation.verdict),
         "rotation": str(decide_rotation(partition, translation).verdict),
-        "feedback": ("not applicable" if blocked else "undecided") if box else str(decide_feedback(partition).verdict),
+        "feedback": "not applicable" if blocked else _feedback_word(certificate, partition, decode),
     }
     for clause, word in words.items():
         assert certificate[clause]["verdict"] in (word, "undecided")
@@ -630,6 +633,24 @@ def assert_still_true(certificate: Record) -> None:
     if translation.region_radius is not None:
         assert decode.number(squared) <= translation.region_radius * translation.region_radius
     assert_same_cells(certificate, partition, decode)
+
+
+def _feedback_word(certificate: Record, partition: Partition, decode: Decoder) -> str:
+    """What the clause shows with the shape that stands there: ``no certificate`` speaks of that V alone."""
+    if partition.rule is Rule.BOX:
+        return "undecided"
+    result, shape = decide_feedback(partition), certificate["feedback"]["shape"]
+    if shape is None:
+        return "no certificate" if result.lyapunov != SQUARES else str(result.verdict)
+    if certificate["feedback"]["verdict"] == "stabilizable":
+        e, f = (decode.number(entry) for entry in shape)
+        assert e * e + f * f < 1
+        for data in result.cells:
+            if data.cell.index in result.local:
+                (x, y), vertices = data.nearest.direction, [v for v in data.cell.polygon.vertices if any(v)]
+                d = ((1 + e) * x + f * y, f * x + (1 - e) * y)
+                assert {(d[0] * p + d[1] * q).sign() for p, q in vertices} in ({1}, {-1})
+    return str(result.verdict)
 
 
 def concluded(words: dict[str, str]) -> str:
@@ -727,6 +748,26 @@ def test_every_mutant_is_rejected_or_still_true(certificates: dict[tuple[str, st
     rejected, accepted = count_mutants(certificates, MUTANTS, seed=4)
     print(f"{rejected} mutants rejected, {accepted} still true")
     assert accepted > 0  # reordered sums, far frictions, scaled points: the second half is tested too
+
+
+def test_the_shape_of_the_control_lyapunov_function_is_load_bearing(arrays: Arrays) -> None:
+    """Arrays on which ``|c|^2 + theta^2`` fails and another V serves."""
+    rng, accepted = np.random.default_rng(5), 0
+    for seed in (0, 9, 14):
+        original = build_certificate(check_cells(arrays.cocircular(seed, (1, Fraction(1, 2)))))
+        assert check_certificate(original) == ""
+        assert_still_true(original)
+        e, f = (Fraction(entry) for entry in original["feedback"]["shape"])
+        for shape in (None, [str(-e), str(-f)], ["1", "0"], ["0", "0"], [str(e)]):
+            forged = copy.deepcopy(original)
+            forged["feedback"]["shape"] = shape
+            assert check_certificate(forged)
+        for _ in range(MUTANTS // 3):
+            forged = {**original, "feedback": mutant(original["feedback"], rng)}
+            if forged != original and not check_certificate(forged):
+                assert_still_true(forged)
+                accepted += 1
+    assert 0 < accepted < MUTANTS // 2
 
 
 @pytest.mark.parametrize("subject", SUBJECTS, ids=" ".join)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell, decide_feedback
 from nonsmooth.proofs.clauses.translation import Witness
 from nonsmooth.proofs.verdicts import Feedback
@@ -74,7 +75,10 @@ def test_the_formulas_for_a_and_b_are_v_dot_along_the_control_fields(arrays: Arr
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_under_the_law_v_falls_off_the_equilibrium_in_every_closed_cell(arrays: Arrays, seed: int) -> None:
-    """With ``u = -(a, b)``, ``V'/2 = -(a^2 + b^2) < 0`` at vertices, sides and centres, for theta on both sides."""
+    """With ``u = -(a, b)``, ``V'/2 = -(a^2 + b^2) < 0`` at vertices, sides and centres, for theta on both sides.
+
+    Also at the theta at which b vanishes, under exact kinematics.
+    """
     scene = arrays.cocircular(seed, ROLL)
     result = decide(scene)
     if result.verdict is not Feedback.STABILIZABLE:
@@ -83,8 +87,9 @@ def test_under_the_law_v_falls_off_the_equilibrium_in_every_closed_cell(arrays: 
         vertices = data.cell.polygon.vertices
         middles = [((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pairwise(vertices)]
         for point in (*vertices, *middles, data.cell.polygon.centre):
-            for theta in (dot(point, turned(data.nearest.position)), scene.field.one, -scene.field.one):
-                a, b = data.coefficients(point, theta)
+            stalling = result.lyapunov.stalling_theta(point, data.nearest.position)
+            for theta in (stalling, scene.field.one, -scene.field.one):
+                a, b = result.lyapunov.coefficients(tuple(data.state.control_fields.values()), point, theta)
                 assert a * a + b * b > 0 or (not any(point) and not theta)
 
 
@@ -103,17 +108,18 @@ def input_matrix(data: InputCell) -> NDArray[np.float64]:
     return np.linalg.inv(np.array(rows)).T[np.array(unit)]
 
 
-def smallest_response(data: InputCell) -> float:
+def smallest_response(data: InputCell, shape: tuple[float, float] = (0.0, 0.0)) -> float:
     """min over the cell's directions c and over all theta of ``sqrt(a^2 + b^2)/|(c, theta)|``; 0 at a sign change.
 
     For one direction c it is the smallest singular value of the map (|c|, theta) -> (a, b); a sign change of its
-    determinant between neighbouring directions is a zero in between.
+    determinant between neighbouring directions is a zero in between.  To first order in c, for ``w = 1``.
     """
     g = input_matrix(data)
     if len(g) < 2:
         return 0.0
     angles = directions(data)
-    along = g[:, :2] @ np.array([np.cos(angles), np.sin(angles)])
+    p = np.array([[1 + shape[0], shape[1]], [shape[1], 1 - shape[0]]])
+    along = g[:, :2] @ p @ np.array([np.cos(angles), np.sin(angles)])
     responses = np.stack([along.T, np.broadcast_to(g[:, 2], along.T.shape)], axis=2)
     determinants = np.linalg.det(responses)
     if (determinants[:-1] * determinants[1:] < 0).any():
@@ -140,8 +146,13 @@ def directions(data: InputCell) -> NDArray[np.float64]:
 def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed, ROLL)
     result = decide(scene)
-    response = min(smallest_response(data) for data in local_cells(result, scene))
-    assert (result.verdict is Feedback.STABILIZABLE) == (response > ZERO)
+    cells = local_cells(result, scene)
+    response = min(smallest_response(data) for data in cells)
+    if result.lyapunov == SQUARES:
+        assert (result.verdict is Feedback.STABILIZABLE) == (response > ZERO)
+    else:
+        e, f = (float(x) for x in result.lyapunov.shape)
+        assert response <= ZERO < min(smallest_response(data, (e, f)) for data in cells)
 
 
 def test_the_random_arrays_show_both_verdicts(arrays: Arrays) -> None:

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
+import z3
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -371,7 +372,6 @@ def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[in
 @settings(RANDOM, max_examples=50)
 @given(st.data(), st.sampled_from(SENSES), st.booleans(), st.booleans())
 def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: bool) -> None:
-    z3: Any = pytest.importorskip("z3", reason="z3-solver is not installed: pip install z3-solver for this cross-check")
     form = data.draw(forms(PLANE, (2, 3) if bounded else (3,), roots=False))
     region = data.draw(polygons(form.field) if bounded else cones(form.field))
     outcome = prove(sense, form, region, except_origin=apex)

@@ -64,6 +64,37 @@ def test_audits(scene: str, function: str, verdict: str, expected: int, capsys: 
     assert run(app, ["audit", scene, "--lyapunov", function]) == expected
 
 
+WHEELS = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\nradius = "sqrt(2)"\nphase = "pi/4"\n'
+SYSTEM = '[system]\nstates = ["p", "q"]\nrhs = ["-sign(p)", "-sign(q)"]\n'
+
+
+@pytest.mark.parametrize(
+    ("scene", "function", "expected"),
+    [(WHEELS, "x**2 + 3*y**2", 0), (WHEELS, "Abs(x) - Abs(y)", 1), (SYSTEM, "Abs(p) + 2*Abs(q)", 0)],
+)
+def test_the_function_of_the_scene_is_audited_unless_one_is_given(
+    scene: str, function: str, expected: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(f'{scene}[check]\nlyapunov = "{function}"\n')
+    status, record = printed(capsys, "audit", str(path))
+    assert (status, record["V"]) == (expected, function)
+    assert (status, record) == printed(capsys, "audit", str(path), "--lyapunov", function)
+    other = "-x**2" if scene == WHEELS else "-p**2"
+    status, record = printed(capsys, "audit", str(path), "--lyapunov", other)
+    assert (status, record["V"]) == (1, other)
+
+
+def test_no_function_at_all_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "scene.toml"
+    for scene in (WHEELS, SYSTEM):
+        path.write_text(scene)
+        assert run(app, ["audit", str(path)]) == 2
+        message = capsys.readouterr().err
+        assert message.count("\n") == 1
+        assert "required V as --lyapunov or as check.lyapunov, received neither" in message
+
+
 def test_a_certificate_is_written_and_verified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "four-wheel.json"
     assert run(app, ["check", "four-wheel", "--certificate", str(target)]) == 0

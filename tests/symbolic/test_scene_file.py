@@ -251,7 +251,7 @@ def test_defaults(load: Load) -> None:
     assert (scene.contact.rule, scene.contact.loads) == (Rule.NEAREST, None)
     assert scene.check.equilibrium == exact(0, 0)
     assert scene.check.radius == Fraction(1, 2)
-    assert scene.check.lyapunov is None
+    assert scene.check.named_lyapunov is None
 
 
 def test_check_and_name(load: Load) -> None:
@@ -262,12 +262,14 @@ def test_check_and_name(load: Load) -> None:
     assert scene.check.equilibrium == exact(Fraction(1, 3), Fraction(-1, 2))
     assert scene.check.radius**2 == 2
     assert scene.check.lyapunov is not None
-    at = {"x": scene.field(2), "y": scene.field(3)}
-    assert scene.check.lyapunov.value(scene.field, at) == 22
+    assert scene.check.named_lyapunov == "x**2 + 2*y**2"
 
 
-def test_default_lyapunov_function_may_be_written_out(load: Load) -> None:
-    assert load(f'{FRICTION}{TWO}[check]\nlyapunov = "x**2+y**2"\n').check.lyapunov is None
+def test_a_lyapunov_function_may_switch_and_brings_its_angles(load: Load) -> None:
+    text = "Abs(x) + cos(pi/5)*Abs(y - sign(x))"
+    scene = load(f'{FRICTION}{TWO}[check]\nlyapunov = "{text}"\n')
+    assert scene.check.named_lyapunov == text
+    assert float(scene.field.cos_pi(Fraction(1, 5))) == pytest.approx(math.cos(math.pi / 5), abs=FLOAT_ERROR)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,223 @@
+"""How far the contact state may be in doubt: up to which distance from a cell's side one common input still serves.
+
+Let V be a control Lyapunov function and let c be known to within ``sigma |c|``, so that any cell within this distance
+may be the true one.  A common input (one speed for each wheel) lowers V in several cells iff zero is not in the hull of
+their covectors ``alpha`` (``V'/2 = alpha . u``; Gordan).  Near the equilibrium all sets are cones, so one number sigma
+says it all: the law survives an error eps in c wherever ``|c| > eps/sigma``.
+
+Cells with one nearest wheel i never conflict: only (i, k) acts through wheel k, so zero in the hull needs b = 0, and
+then every alpha is ``P c . d_i`` times the input of wheel i.  Cells (i, j) and (j, i) hold both roll rows R_i, R_j.
+Mixtures of their twists satisfy these and a mixture of S_i and S_j, so the covectors of V that are orthogonal to
+all of them are mixtures ``lambda S_j(m) S_i + (1 - lambda) S_i(m) S_j``, with m the twist on which R_i and R_j vanish;
+``S_i(m) S_j(m)`` has the sign of ``-Delta_ij Delta_ji``.  Hence a common input exists at c for every theta iff ::
+
+    (c^T P d_i) (c^T P d_j) Delta_ij Delta_ji < 0
+
+On the side's ray r it holds or not; from there it lasts until ``c^T P d_i`` or ``c^T P d_j`` vanishes, at the angle
+whose sine is ``|r^T P d|/(|r| |P d|)``: there the law of the neighbouring cell has no input left.  The same is true of
+all cells of two neighbouring wheels together, unless both have cells with the same third wheel; and where all rims
+point at one point, of all cells together: there m is one twist for all pairs, the speeds of a rigid motion ``xi`` give
+``V'/2 = (eta - (eta . m)/S_i(m) S_i) . xi`` in the cells of wheel i, with eta the covector of V, and some motion in the
+plane serves all of them iff ``c^T P d_i/S_i(m)`` has one sign.  So the least of these sines is the margin, exactly,
+unless three nearest wheels or two cells with the same third wheel come within reach before that and the rims do not
+meet: then what is reported is a lower bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.control_lyapunov import ControlLyapunov
+from nonsmooth.proofs.clauses.fan import CellCone
+from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.inequalities.forms import surd_sign
+from nonsmooth.symbolic.constraints import independent
+from nonsmooth.symbolic.numbers.lazy import divided
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.scene import Wheel, cross, dot, turned
+
+DIGITS = 10**4  # denominator of a rational lower bound
+NO_COMMON = "no common input lowers V in both cells at this c and theta (read c as a direction)"
+
+
+@dataclass(frozen=True)
+class SideMargin:
+    """A side through the equilibrium between cells (i, j) and (j, i).
+
+    Attributes:
+        cones: the cells' cones, the clockwise one first.
+        squared: square of the largest sine; 0 where already the side itself has no common input for some theta.
+        witness: (c, theta) at that distance at which there is none.
+    """
+
+    cones: tuple[CellCone, CellCone]
+    squared: Any
+    witness: Witness
+
+    @property
+    def cells(self) -> tuple[int, int]:
+        """Numbers of the cells."""
+        return self.cones[0].cell.index, self.cones[1].cell.index
+
+    def check(self, lyapunov: ControlLyapunov) -> bool:
+        """Re-verify that the witness lies at that distance and that no input lowers V in both cells there."""
+        c, theta, ray = self.witness.point, self.witness.value, self.cones[0].end
+        aside = cross(ray, c)
+        placed = not aside * aside - self.squared * dot(ray, ray) * dot(c, c) and sign(dot(ray, c)) >= 0
+        return placed and _opposed(*(_covector(cone, lyapunov, c, theta) for cone in self.cones))
+
+
+@dataclass(frozen=True)
+class InputMargin:
+    """The margin of a control Lyapunov function.
+
+    Attributes:
+        fan: the cones at the equilibrium.
+        sides: every side at which the nearest wheel changes.
+        squared: square of the margin sigma, or of a lower bound.
+        is_exact: whether no larger sigma serves.
+    """
+
+    fan: tuple[CellCone, ...]
+    sides: tuple[SideMargin, ...]
+    squared: Any
+    is_exact: bool
+
+    def __str__(self) -> str:
+        if not self.squared:
+            side = next(side for side in self.sides if not side.squared)
+            return f"margin 0: on the side of the cells {side.cells[0]} and {side.cells[1]} no input serves both"
+        bound = "" if self.is_exact else " at least"
+        return f"margin{bound} {self.value:.4g}: one input serves all cells within {self.value:.4g} |c| of c"
+
+    @property
+    def value(self) -> float:
+        """Sigma, for reading."""
+        return float(self.squared) ** 0.5
+
+    def check(self, lyapunov: ControlLyapunov) -> bool:
+        """Re-verify the witnesses, and the margin itself from the fan."""
+        return all(side.check(lyapunov) for side in self.sides) and self == build_margin(self.fan, lyapunov)
+
+
+def build_margin(fan: tuple[CellCone, ...], lyapunov: ControlLyapunov) -> InputMargin:
+    """The margin for a fan with both rows of one wheel and the roll row of another in each cone, and a V for it."""
+    sides = tuple(_side_margin(pair, lyapunov) for pair in _neighbours(fan) if _nearest(pair[0]) != _nearest(pair[1]))
+    least = min(side.squared for side in sides)
+    bounds = [] if _meet(fan) else [gap for gap in _conflicts(fan) if _half_sine_sign(gap, least) < 0]
+    if not bounds:
+        return InputMargin(fan, sides, least, is_exact=True)
+    return InputMargin(fan, sides, _lower_bound(bounds), is_exact=False)
+
+
+# ---- one side --------------------------------------------------------------------------------------
+
+
+def _side_margin(cones: tuple[CellCone, CellCone], lyapunov: ControlLyapunov) -> SideMargin:
+    """The nearer of the two directions in which an input vanishes, or the side itself."""
+    wheels, ray = (_nearest(cones[0]), _nearest(cones[1])), cones[0].end
+    i, j = wheels
+    signs = [sign(dot(lyapunov.slope(ray), wheel.direction)) for wheel in wheels]
+    if signs[0] * signs[1] * sign(_lever(i, j)) * sign(_lever(j, i)) >= 0:
+        return SideMargin(cones, i.speed * 0, Witness(ray, _conflict(ray, i, j, lyapunov), NO_COMMON))
+    sines = [_squared_sine(ray, lyapunov.slope(wheel.direction)) for wheel in wheels]
+    k = 0 if sign(sines[0] - sines[1]) <= 0 else 1
+    x, y = turned(lyapunov.slope(wheels[k].direction))
+    point = (x, y) if sign(dot(ray, (x, y))) >= 0 else (-x, -y)
+    return SideMargin(cones, sines[k], Witness(point, lyapunov.stalling_theta(point, wheels[k].position), NO_COMMON))
+
+
+def _squared_sine(ray: Point, normal: Point) -> Any:
+    """Of the angle between a ray and the line at right angles to a normal (its cosine to the normal itself)."""
+    along = dot(ray, normal)
+    return divided(along * along, dot(ray, ray) * dot(normal, normal))
+
+
+def _lever(i: Wheel, j: Wheel) -> Number:
+    """``D_j . J(p_j - p_i)``."""
+    return dot(j.direction, turned((j.position[0] - i.position[0], j.position[1] - i.position[1])))
+
+
+def _conflict(ray: Point, i: Wheel, j: Wheel, lyapunov: ControlLyapunov) -> Any:
+    """The theta with ``(P c, w theta + P c . J c) = x S_i + y S_j`` on a side without a common input.
+
+    ``P c = x J D_i + y J D_j`` gives x and y; ``S_i = (J D_i, D_i . p_i)``.  (Parallel rims never conflict.)
+    """
+    slope, both = lyapunov.slope(ray), cross(i.direction, j.direction)
+    x, y = dot(slope, j.direction), -dot(slope, i.direction)
+    turning = x * dot(i.direction, i.position) + y * dot(j.direction, j.position)
+    return (divided(turning, both) - dot(slope, turned(ray))) / lyapunov.weight
+
+
+def _covector(cone: CellCone, lyapunov: ControlLyapunov, c: Point, theta: Any) -> dict[int, Any]:
+    """``alpha`` by wheel."""
+    fields = cone.cell.states[0].control_fields
+    return dict(zip(fields, lyapunov.coefficients(tuple(fields.values()), c, theta), strict=True))
+
+
+def _opposed(first: dict[int, Any], second: dict[int, Any]) -> bool:
+    """Whether zero lies in the hull of two covectors: parallel, and not in one direction."""
+    wheels = sorted({*first, *second})
+    pairs = [(first.get(wheel, 0), second.get(wheel, 0)) for wheel in wheels]
+    parallel = all(not sign(a * d - b * c) for a, b in pairs for c, d in pairs)
+    return parallel and sign(sum(a * b for a, b in pairs)) <= 0
+
+
+# ---- what else comes within reach ------------------------------------------------------------------
+
+
+def _meet(fan: Sequence[CellCone]) -> bool:
+    """Whether the rims of all wheels in the fan point at one point: their roll rows have rank two."""
+    wheels = {wheel.index: wheel for cone in fan for wheel in (_nearest(cone), _second(cone))}.values()
+    rows = [(*wheel.direction, dot(wheel.direction, turned(wheel.position))) for wheel in wheels]
+    return len(independent(rows)) < 3
+
+
+def _neighbours(fan: Sequence[CellCone]) -> Iterator[tuple[CellCone, CellCone]]:
+    """Each cone with the next one, counterclockwise."""
+    yield from zip(fan, (*fan[1:], fan[0]), strict=True)
+
+
+def _conflicts(fan: Sequence[CellCone]) -> Iterator[tuple[Point, Point]]:
+    """Angles of less than a half turn, of which both ends in reach would bring in cells that the theorem leaves open.
+
+    Between the cells of the wheels before and after a third one, and between (i, k) and (j, k).
+    """
+    for k, first in enumerate(fan):
+        for step in range(2, len(fan)):
+            second = fan[(k + step) % len(fan)]
+            if sign(cross(first.end, second.start)) <= 0:
+                break
+            between = [_nearest(fan[(k + n) % len(fan)]) for n in range(step + 1)]
+            changes = sum(a != b for a, b in pairwise(between))
+            if changes > 1 or (changes and _second(first) == _second(second)):
+                yield first.end, second.start
+                break
+
+
+def _half_sine_sign(gap: tuple[Point, Point], squared: Any) -> int:
+    """Sign of ``sin^2(gap/2) - squared``, by ``2 sin^2(gap/2) = 1 - cos gap``."""
+    a, b = gap
+    return surd_sign(-dot(a, b), 1 - 2 * squared, dot(a, a) * dot(b, b))
+
+
+def _lower_bound(gaps: Sequence[tuple[Point, Point]]) -> Fraction:
+    """Square of a rational just below the smallest half sine."""
+    cosines = [sign(dot(a, b)) * float(_squared_sine(a, b)) ** 0.5 for a, b in gaps]
+    numerator = int(((1 - max(cosines)) / 2) ** 0.5 * DIGITS)
+    while any(_half_sine_sign(gap, Fraction(numerator, DIGITS) ** 2) < 0 for gap in gaps):
+        numerator -= 1
+    return Fraction(numerator, DIGITS) ** 2
+
+
+def _nearest(cone: CellCone) -> Wheel:
+    return cone.cell.states[0].rows[0].wheel
+
+
+def _second(cone: CellCone) -> Wheel:
+    return cone.cell.states[0].rows[2].wheel
