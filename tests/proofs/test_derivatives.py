@@ -27,7 +27,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.system import SystemScene
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=150)
+RANDOM = settings(max_examples=150)
 SOLVER_ERROR = 1e-7  # HiGHS, on numbers of size 10
 FIELD = NumberField()
 

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.piecewise import parse_piecewise
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=120)
+RANDOM = settings(max_examples=120)
 FLOAT_ERROR = 1e-9  # of a float evaluation, relative to the sum of the absolute terms
 SENSES = list(Sense)
 
@@ -343,7 +343,7 @@ def test_polynomials_on_polygons_and_cones(data: st.DataObject, sense: Sense, ap
     check_outcome(prove(sense, form, region, except_origin=apex), list(samples(region)))
 
 
-@settings(RANDOM, max_examples=60)
+@settings(max_examples=60)
 @given(st.data(), st.sampled_from(SENSES))
 def test_quadratics_on_polygons_are_always_decided(data: st.DataObject, sense: Sense) -> None:
     form = data.draw(forms(PLANE, (0, 1)))
@@ -354,7 +354,7 @@ def test_quadratics_on_polygons_are_always_decided(data: st.DataObject, sense: S
         check_outcome(outcome, list(samples(region)))
 
 
-@settings(RANDOM, max_examples=60)
+@settings(max_examples=60)
 @given(st.data(), st.sampled_from(SENSES), st.sampled_from([(1,), (2,), (0, 1, 2)]))
 def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[int, ...]) -> None:
     form = data.draw(forms(EXTENDED, degrees, roots=False))
@@ -368,7 +368,7 @@ def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[in
 # ---- Z3 ----------------------------------------------------------------------------------------
 
 
-@settings(RANDOM, max_examples=50)
+@settings(max_examples=50)
 @given(st.data(), st.sampled_from(SENSES), st.booleans(), st.booleans())
 def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: bool) -> None:
     z3: Any = pytest.importorskip("z3", reason="z3-solver is not installed: pip install z3-solver for this cross-check")

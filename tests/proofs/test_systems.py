@@ -34,7 +34,7 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.system import PLANE, SystemScene
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+RANDOM = settings(max_examples=60)
 Load = Callable[..., SystemScene]
 
 

@@ -416,7 +416,7 @@ OPTIONS = st.lists(st.tuples(st.sampled_from(["--radius", "--at", "--rule"]), WO
 COMMANDS = st.sampled_from(["check", "partition", "scenes", "chec"])
 
 
-@settings(derandomize=True, database=None, deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(COMMANDS, st.sampled_from(["four-wheel", "ring-3", "off-center", "nope"]), OPTIONS)
 def test_any_arguments_end_in_json_or_one_line(name: str, scene: str, options: list[tuple[str, str]]) -> None:
     out, err = StringIO(), StringIO()

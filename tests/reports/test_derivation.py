@@ -30,7 +30,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 SCENES = ("four-wheel", "four-wheel-side", "ring-5", "off-center", "conveyor-3", "saddle")
 COMMAND = "nonsmooth derive test"
 HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=80)
+RANDOM = settings(max_examples=80)
 
 
 @pytest.fixture(scope="module", params=SCENES)

@@ -40,7 +40,7 @@ EXACT = ("four-wheel", "rectangle", "ring-3", "ring-5", "elliptic", "off-center"
 RADICAL = ("four-wheel", "rectangle", "off-center")  # SymPy decides sums of square roots by expanding
 SEEDS = range(6)
 ROUNDING = 1e-12  # relative, for floats of SymPy against floats of the field
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+RANDOM = settings(max_examples=60)
 
 
 def zero(expression: sympy.Expr) -> bool:

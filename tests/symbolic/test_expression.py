@@ -17,7 +17,7 @@ from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_v
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=200)
+RANDOM = settings(max_examples=200)
 DIGITS = 40
 
 

@@ -16,7 +16,6 @@ from nonsmooth.symbolic.scene import Scene
 
 Strategy: TypeAlias = st.SearchStrategy[Any]
 
-RANDOM = settings(derandomize=True, database=None, deadline=None)
 LONGEST_LINE = 500  # characters
 
 TEXTS = st.one_of(
@@ -122,7 +121,7 @@ def outcome(path: Path, **overrides: str) -> Scene | SceneError:
         return error
 
 
-@settings(RANDOM, max_examples=600)
+@settings(max_examples=600)
 @given(document=DOCUMENTS, overrides=OVERRIDES | st.just({}))
 def test_random_documents(folder: Path, document: dict[str, object], overrides: dict[str, str]) -> None:
     (folder / "random.toml").write_text(toml_document(document), encoding="utf-8")
@@ -142,7 +141,7 @@ def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> Non
     scenes: list[Scene] = []
     keys: set[str] = set()
 
-    @settings(RANDOM, max_examples=300)
+    @settings(max_examples=300)
     @given(document=DOCUMENTS)
     def sample(document: dict[str, object]) -> None:
         (folder / "sample.toml").write_text(toml_document(document), encoding="utf-8")
@@ -157,14 +156,14 @@ def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> Non
     assert {"wheel", "ring", "grid", "friction", "field", "contact", "check"} <= keys
 
 
-@settings(RANDOM, max_examples=300)
+@settings(max_examples=300)
 @given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_random_bytes(folder: Path, data: bytes) -> None:
     (folder / "bytes.toml").write_bytes(data)
     assert isinstance(outcome(folder / "bytes.toml"), SceneError)
 
 
-@settings(RANDOM, max_examples=300)
+@settings(max_examples=300)
 @given(header=HEADERS, rows=st.lists(st.lists(CELLS, min_size=2, max_size=4).map(",".join), max_size=4))
 def test_random_wheel_tables(folder: Path, header: str, rows: list[str]) -> None:
     text = '[friction]\nmu_roll = 1\nmu_side = 1\n[wheels]\nfile = "table.csv"\n'
