@@ -17,6 +17,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Check, Contact, Friction, Scene, Wheel
+from tests.four_wheel import CORNERS, ROLL, SIDE
 
 Rational: TypeAlias = int | Fraction
 Pair: TypeAlias = tuple[Rational, Rational]
@@ -27,7 +28,7 @@ settings.register_profile("repeatable", derandomize=True, database=None, deadlin
 settings.load_profile("repeatable")
 
 HALF = Fraction(1, 2)
-FRICTIONS: dict[str, Pair] = {"side<roll": (1, HALF), "side>roll": (HALF, 1), "side=roll": (1, 1)}
+FRICTIONS: dict[str, Pair] = {"side<roll": ROLL, "side>roll": SIDE, "side=roll": (1, 1)}
 
 
 class WheelData(NamedTuple):
@@ -73,8 +74,12 @@ class Arrays:
 
     def four_wheel(self, friction: Pair = (1, HALF), turn: Pair = (1, 0), radius: Rational = HALF) -> Scene:
         """The paper's array: wheels at (+-1, +-1), rims to the origin (turned by ``turn``)."""
-        corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
-        return self.scene(self.inward(corners, turn), friction, radius)
+        return self.scene(self.inward(CORNERS, turn), friction, radius)
+
+    def pushed(self, x: Rational, y: Rational) -> Scene:
+        """Wheels at the corners with rims along ``(x p_x, y p_y)``: (1, 1) outward, (1, -1) a saddle."""
+        wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in self.inward(CORNERS)]
+        return self.scene(wheels)
 
     def grid(self, rows: int, columns: int, friction: Pair = (1, HALF), radius: Rational = HALF) -> Scene:
         """Unit pitch, centred on the origin, rims inward; a wheel at the origin points along x."""

@@ -19,14 +19,13 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, dot, turned
+from tests.four_wheel import CORNERS, ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 Rational: TypeAlias = int | Fraction
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
 SEEDS = range(40)
 ANGLES = 3000
 # Smallest singular value of a 2 x 2 matrix with entries of order 1: rounding 1e-15; where the criterion holds it stays
@@ -267,7 +266,7 @@ def test_one_slippery_wheel_at_the_equilibrium_ends_it(arrays: Arrays) -> None:
 
 def test_a_slippery_wheel_that_only_acts_far_away_does_not_matter(arrays: Arrays) -> None:
     """Feedback is about the equilibrium: wheel 5 owns cells of the square, but none that meets there."""
-    near = arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    near = arrays.inward(CORNERS)
     for turn, expected in (((1, 0), Feedback.STABILIZABLE), ((1, 1), Feedback.NO_CERTIFICATE)):
         near = arrays.inward([w.position for w in near], turn)
         far = arrays.inward([(2, 0)])[0]._replace(friction=SIDE)

@@ -14,6 +14,7 @@ from nonsmooth.proofs.clauses.feedback import decide_feedback
 from nonsmooth.proofs.clauses.feedback_rate import ConeRate, FeedbackRate, certified_rate
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.four_wheel import ROLL
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -52,7 +53,7 @@ def test_four_wheel_rate_in_closed_form(arrays: Arrays) -> None:
 
 @pytest.mark.parametrize("seed", range(25))
 def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays, seed: int) -> None:
-    partition = build_nearest_partition(arrays.cocircular(seed, (1, Fraction(1, 2))))
+    partition = build_nearest_partition(arrays.cocircular(seed, ROLL))
     feedback = decide_feedback(partition)
     if feedback.verdict is Feedback.STABILIZABLE:
         assert feedback.rate is not None

@@ -15,6 +15,7 @@ from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadra
 from nonsmooth.proofs.clauses.rotation import decide_rotation
 from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
 from nonsmooth.proofs.verdicts import Translation
+from tests.four_wheel import SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -64,7 +65,7 @@ def test_forged_certificates_are_refused(arrays: Arrays, seed: int) -> None:
 
 
 def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
-    for scene in (arrays.four_wheel((Fraction(1, 2), 1)), arrays.four_wheel(turn=(-1, 0))):
+    for scene in (arrays.four_wheel(SIDE), arrays.four_wheel(turn=(-1, 0))):
         partition = build_nearest_partition(scene)
         fan = decide_translation(partition).fan
         assert fan is not None

@@ -20,22 +20,14 @@ from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4,
 from nonsmooth.symbolic.contact_states import possible_triples
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
-CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 SEEDS = range(12)
-
-
-def pushed(arrays: Arrays, x: int, y: int) -> Scene:
-    """Wheels at the corners with rims along (x p_x, y p_y)."""
-    wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in arrays.inward(CORNERS)]
-    return arrays.scene(wheels, ROLL)
 
 
 def off_center(arrays: Arrays) -> Scene:
@@ -49,8 +41,8 @@ KNOWN: dict[str, tuple[Build, Theorem4]] = {
     "four-wheel, side": (lambda arrays: arrays.four_wheel(SIDE), Theorem4.HOLDS),
     "four-wheel, tie": (lambda arrays: arrays.four_wheel((1, 1)), Theorem4.HOLDS),
     "off center": (off_center, Theorem4.HYPOTHESES_NOT_MET),
-    "outward": (lambda arrays: pushed(arrays, 1, 1), Theorem4.FAILS),
-    "saddle": (lambda arrays: pushed(arrays, 1, -1), Theorem4.FAILS),
+    "outward": (lambda arrays: arrays.pushed(1, 1), Theorem4.FAILS),
+    "saddle": (lambda arrays: arrays.pushed(1, -1), Theorem4.FAILS),
     "facing pair": (lambda arrays: arrays.scene(arrays.inward([(1, 0), (-1, 0)])), Theorem4.FAILS),
     "3 x 3 grid": (lambda arrays: arrays.grid(3, 3), Theorem4.HYPOTHESES_NOT_MET),
 }
@@ -303,7 +295,7 @@ def test_exit_statuses(verdict: Theorem4, status: int) -> None:
     assert verdict.exit_status == status
 
 
-@pytest.mark.parametrize(("friction", "weakly"), [((1, Fraction(1, 2)), True), ((Fraction(1, 2), 1), False)])
+@pytest.mark.parametrize(("friction", "weakly"), [(ROLL, True), (SIDE, False)])
 def test_strong_and_weak_stability_of_theta_are_told_apart(
     arrays: Arrays, friction: tuple[Fraction, Fraction], weakly: bool
 ) -> None:

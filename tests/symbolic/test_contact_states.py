@@ -32,12 +32,11 @@ from nonsmooth.symbolic.contact_states import (
 )
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-ROLL = (1, Fraction(1, 2))  # mu_S < mu_R: the third row is a roll row
-SIDE = (Fraction(1, 2), 1)  # mu_S > mu_R: the third row is a side row
 RINGS = range(3, 13)
 SEEDS = range(8)
 
