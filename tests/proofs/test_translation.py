@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.filippov import filippov_twists, upper_derivative_at
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.proofs.clauses.translation import TranslationResult, Witness, decide_translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.verdicts import Translation
@@ -30,6 +30,7 @@ SEEDS = range(30)
 BOUNDED_SEEDS = [8, 58, 66, 79, 83, 92, 95, 98]
 
 BESIDE = Fraction(1, 10**9)  # shorter than any cell
+BESIDE_RAY = 1e-7  # likewise, and the slope changes by less than the tolerance on the way
 # Rates are sums of a few products of numbers below 100.
 ROUNDING = 1e-9
 
@@ -43,6 +44,19 @@ def literal_rate(scene: Scene, point: NDArray[np.float64]) -> float:
     place = scene.field(Fraction(point[0])), scene.field(Fraction(point[1]))
     velocities = [[float(x) for x in s.twist.velocity] for s in nearest_states(scene, place)]
     return float(max(2 * np.array(velocities) @ point))
+
+
+def middle_of_ray(polygon: Polygon, along: NDArray[np.float64]) -> float | None:
+    """Distance to the middle of what a ray from the origin has in common with a closed polygon."""
+    low, high = 0.0, math.inf
+    for side in polygon.sides:
+        slack = float(side.offset)  # at the origin
+        rate = float(side.normal[0]) * along[0] + float(side.normal[1]) * along[1]
+        if abs(rate) > ROUNDING:
+            low, high = (low, min(high, slack / rate)) if rate > 0 else (max(low, slack / rate), high)
+        elif slack < -ROUNDING:
+            return None
+    return (low + high) / 2 if high > max(low, ROUNDING) else None
 
 
 def disc_points(seed: int, inner: float, outer: float, count: int) -> NDArray[np.float64]:
@@ -145,7 +159,7 @@ def test_all_verdicts_of_this_file_occur(arrays: Arrays) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_worst_rate_bounds_v_everywhere_and_is_attained(arrays: Arrays, seed: int) -> None:
-    """``V* <= worst |c|`` on the square, with equality on some closed cell along the worst direction."""
+    """``V* <= worst |c|`` on the square; beside the worst direction the literal rule comes as near as one likes."""
     scene = arrays.cocircular(seed)
     partition = build_nearest_partition(scene)
     result = decide_translation(partition)
@@ -154,9 +168,13 @@ def test_the_worst_rate_bounds_v_everywhere_and_is_attained(arrays: Arrays, seed
     rng = np.random.default_rng(seed)
     for point in rng.uniform(-corner, corner, (100, 2)):
         assert literal_rate(scene, point) <= worst * np.hypot(*point) + ROUNDING
-    slopes = [2 * dot(d.twist.velocity, result.worst.direction) for d in result.derivatives]
-    assert max(slopes) >= 2 * dot(result.worst.velocity, result.worst.direction)
-    assert any(d.twist.velocity == result.worst.velocity for d in result.derivatives)
+    direction = np.array([float(v) for v in result.worst.direction])
+    along = direction / np.hypot(*direction)
+    middles = [m * along for cell in partition.cells if (m := middle_of_ray(cell.polygon, along)) is not None]
+    around = BESIDE_RAY * np.array([(math.cos(t), math.sin(t)) for t in np.linspace(0.1, 6.3, 24)])
+    beside = [m + step for m in (*middles, direction) for step in around]  # it may be a vertex that the ray touches
+    beside = [p for p in beside if np.abs(p).max() <= corner]
+    assert max(literal_rate(scene, p) / np.hypot(*p) for p in beside) == pytest.approx(worst, abs=1e-4)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
