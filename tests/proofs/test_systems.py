@@ -106,13 +106,40 @@ def test_formulas_that_are_no_polynomials(text: str) -> None:
         smooth(text, 1)
 
 
-@RANDOM
-@given(st.text(alphabet="xy0129+-*/(). signAbsqrt", max_size=30))
-def test_random_text_is_a_formula_or_refused(text: str) -> None:
-    try:
-        smooth(text, 1)
-    except ExpressionError:
-        return
+FORMULAS = st.recursive(
+    st.sampled_from(["x", "y", "2", "0.1", "1/3", "sqrt(2)"]),
+    lambda part: st.one_of(
+        st.tuples(part, st.sampled_from("+-*"), part).map("({0[0]} {0[1]} {0[2]})".format),
+        part.map("sign({})".format),
+        part.map("Abs({})".format),
+        part.map("-{}".format),
+    ),
+    max_leaves=6,
+)
+
+
+def test_random_text_is_refused_or_has_the_value_that_python_gives_it() -> None:
+    field, read, refused = NumberField(), 0, 0
+    point = {"x": Fraction(2, 3), "y": Fraction(-5, 7)}
+    there = tuple(map(field, point.values()))
+    names = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt, **{name: float(value) for name, value in point.items()}}
+    values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
+
+    @settings(max_examples=300)
+    @given(st.text(alphabet="xy0129+-*/(). signAbsqrt", max_size=30) | FORMULAS)
+    def sample(text: str) -> None:
+        nonlocal read, refused
+        try:
+            found = parse_piecewise(text, PLANE).polynomial(values, lambda surface: surface(there).sign())
+        except ExpressionError:
+            refused += 1
+            return
+        read += 1
+        expected = eval(text.strip(), {"__builtins__": {}}, names)  # noqa: S307 - the parser has read it
+        assert float(found(there)) == pytest.approx(float(expected), rel=1e-9, abs=1e-9)
+
+    sample()
+    assert min(read, refused) > 50
 
 
 # ---- surfaces ----------------------------------------------------------------------------------
