@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -34,21 +33,10 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.system import PLANE, SystemScene
 
+if TYPE_CHECKING:
+    from tests.proofs.conftest import Load
+
 RANDOM = settings(max_examples=60)
-Load = Callable[..., SystemScene]
-
-
-@pytest.fixture
-def load(tmp_path: Path) -> Load:
-    """A system from its right-hand sides; further keys of [check] as TOML values."""
-
-    def load_system_text(first: str, second: str, **check: str) -> SystemScene:
-        keys = "".join(f"{key} = {value}\n" for key, value in check.items())
-        text = f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n[check]\n{keys}'
-        (tmp_path / "my.toml").write_text(text, encoding="utf-8")
-        return load_system(tmp_path / "my.toml")
-
-    return load_system_text
 
 
 def float_field(scene: SystemScene, x: float, y: float) -> tuple[float, float]:
