@@ -164,9 +164,3 @@ class Arrays:
 def arrays() -> Arrays:
     """Builders of test arrays."""
     return Arrays()
-
-
-@pytest.fixture(params=FRICTIONS)
-def friction(request: pytest.FixtureRequest) -> Pair:
-    """(mu_R, mu_S) in each of the three orders."""
-    return FRICTIONS[request.param]

@@ -40,10 +40,6 @@ def _few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("nonsmooth.proofs.clauses.sampled_feedback.STATES", dict.fromkeys(Rule, 2))
 
 
-def with_rule(scene: Scene, rule: Rule) -> Scene:
-    return replace(scene, contact=replace(scene.contact, rule=rule))
-
-
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_each_built_in_scene_has_a_valid_certificate(name: str, rule: str) -> None:
