@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -52,6 +53,13 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
     lever = dot(e, turned((q[0] - p[0], q[1] - p[1])))
     b = (theta - dot(point, turned(p))) / lever
     return dot(point, d) - dot(d, e) * b, b
+
+
+def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
+    results = [decide(arrays.cocircular(seed, ROLL)) for seed in SEEDS]
+    seen = Counter(result.verdict for result in results)
+    assert seen == {Feedback.STABILIZABLE: 27, Feedback.NO_CERTIFICATE: 13}
+    assert Counter(data.lever is not None for result in results for data in result.cells) == {True: 592, False: 2}
 
 
 @pytest.mark.parametrize("seed", SEEDS)
