@@ -67,7 +67,7 @@ class Field:
     def parse(self, data: Any) -> Number:
         """A number: a rational as text, or a list of ``[rational, generator, generator, ...]`` to be multiplied."""
         out = Number(self, {})
-        for text, *factors in map(_items, [[data]] if type(data) is str else _items(data)):
+        for text, *factors in map(_items, [[data]] if type(data) is str else _items(data) or [data]):  # [] is none
             powers = tuple(map(factors.count, range(self.count)))
             known = all(0 <= k < len(self.generators) and powers[k] < len(self.generators[k][0]) - 1 for k in factors)
             _require(known and RATIONAL.fullmatch(text), "numbers of the field")

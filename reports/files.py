@@ -69,9 +69,9 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def _either(names: Collection[str]) -> str:
-    """``a, b or c``."""
+    """``a, b or c``; a single name alone."""
     *first, last = names
-    return f"{', '.join(first)} or {last}"
+    return f"{', '.join(first)} or {last}" if first else last
 
 
 def _unusable(path: Path, error: Exception) -> OutputError:

@@ -1,7 +1,8 @@
 """V* over convex hulls by CVXPY: the independent numerical way.
 
 At a point the maximum runs over convex weights of the cells that meet there, on a cell over the polygon's
-half-planes.  Used to cross-check the exact evaluation; the answers carry the solver's tolerance.
+half-planes.  This is the slow literal definition, with which the tests and the study ``precision`` compare the exact
+evaluation; no verdict uses it, and its answers carry the solver's tolerance.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Twists and V* at points, in floats.
 
 Rule ``nearest`` the slow literal way (wheel distances, greedy rows and a 3 x 3 solve at every sample) is the oracle
-of the exact cells: it knows nothing of cells, bisectors or fields.  Rule ``ellipse`` is evaluated by the numerical
-minimizer.  A sampled maximum is a lower bound of the true one; it is reported as sampled, never as proved.
+of the exact cells, with which the tests and the study ``precision`` compare them: it knows nothing of cells, bisectors
+or fields, and no verdict uses it.  Rule ``ellipse`` is evaluated by the numerical minimizer.  A sampled maximum is a
+lower bound of the true one; it is reported as sampled, never as proved.
 """
 
 from __future__ import annotations

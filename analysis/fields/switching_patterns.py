@@ -3,6 +3,9 @@
 The cells of :mod:`nonsmooth.analysis.fields.switched_cells` are cut only where a formula asks for a sign; here every
 cell is cut by every surface, so that each mode has the signs of all of them.  Between lines, only patterns of open
 cells are met; beside a curve a pattern is kept unless the coefficients of its surfaces exclude it.
+
+This is the slow literal definition of a switched system, with which the tests and the study ``precision`` compare the
+cells; no verdict uses it.
 """
 
 from __future__ import annotations

@@ -7,6 +7,8 @@ independent, and of the second-nearest wheel j one row at least completes them (
 ordered pair (i, j) alone and its cells are the ordered order-2 Voronoi cells, cut exactly by bisectors.
 
 Floats only propose which wheels can be among the two nearest; the margin keeps every doubtful one.
+``nearest_states`` at the end is the slow literal definition of the rule, with which the tests and the study
+``precision`` compare the cells; no verdict uses it.
 """
 
 from __future__ import annotations

@@ -119,7 +119,9 @@ def _require_array(scene: SystemScene, asked: dict[str, bool]) -> None:
     """Refuse what only an array of wheels has."""
     wanted = next((name for name, given in asked.items() if given), None)
     if wanted is not None:
-        raise RefusedError(f"{scene.origin}: required an array of wheels for {wanted}")
+        raise RefusedError(
+            f"{scene.origin}: required an array of wheels for {wanted}, received a plain switched system"
+        )
 
 
 def _check_system(scene: SystemScene, *, json: bool) -> int:

@@ -15,6 +15,6 @@ def verify(file: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A fi
 
     status, message = check_file(file)
     if status == BAD_INPUT:
-        raise RefusedError(message)
+        raise RefusedError(f"{file}: required a certificate, received a file that is {message}")
     write(f"{message}\n")
     return status

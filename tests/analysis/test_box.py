@@ -11,7 +11,7 @@ from flint import arb
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.partitions.box import build_box_partition, rest_cells
-from nonsmooth.analysis.partitions.loads import LoadError, load_regions, value_at
+from nonsmooth.analysis.partitions.loads import load_regions, value_at
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import AREA_ROOTS, Partition, RefusalError
 from nonsmooth.analysis.partitions.point_location import PointLocator
@@ -22,6 +22,8 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+from tests.four_wheel import CORNERS
+from tests.hulls import stands
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 # Relative to D: the linear program's own feasibility tolerance is 1e-7 absolute, its optimum is a vertex and so
 # accurate to rounding.
 OPTIMUM_AGREEMENT = 1e-9
+# Of 40 random arrays those that stand on their wheels; where the others tip, test_load_regions.py says.
+STANDING = [0, 2, 3, 4, 5, 6, 7, 8, 9, 10, 13, 16, 17, 18, 19, 22, 24, 26, 28, 29, 31, 32, 33, 35, 36, 37, 39]
 
 
 def weights_at(scene: Scene, point: Point) -> list[Number]:
@@ -120,19 +124,31 @@ def test_grids_against_a_linear_program(arrays: Arrays, rows: int, radius: Fract
     assert check_cells(arrays, scene, np.random.default_rng(rows)).area_error == 0
 
 
-@pytest.mark.parametrize("seed", range(40))
+def random_scene(arrays: Arrays, seed: int, count: int = 0) -> Scene:
+    """So many wheels, by default four to seven, and a square small enough that most bodies stand."""
+    scene = arrays.random(seed, count or int(np.random.default_rng(seed).integers(4, 8)))
+    return replace(scene, check=replace(scene.check, radius=scene.field(1) / (16 if count else 8)))
+
+
+@pytest.mark.parametrize("seed", STANDING)
 def test_random_arrays_against_a_linear_program(arrays: Arrays, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    scene = arrays.random(seed, int(rng.integers(4, 8)))
-    scene = replace(scene, check=replace(scene.check, radius=scene.field(1) / 8))
-    try:
-        load_regions(scene)
-    except LoadError:
-        return
-    partition = check_cells(arrays, scene, rng, most=15)
-    if isinstance(partition.area_error, arb):  # a ball around zero, where exact quotients would take too long
-        assert len(scene.field.radicands) > AREA_ROOTS
-        assert float(partition.area_error.rad()) < 1e-50
+    scene = random_scene(arrays, seed)
+    assert check_cells(arrays, scene, np.random.default_rng(seed), most=15).area_error == 0
+
+
+def test_the_seeds_are_those_of_arrays_that_stand(arrays: Arrays) -> None:
+    assert [seed for seed in range(40) if stands(random_scene(arrays, seed))] == STANDING
+
+
+@pytest.mark.parametrize(("seed", "count"), [(1, 8), (2, 9), (1, 10)])
+def test_over_many_roots_the_area_is_a_small_ball_around_zero(arrays: Arrays, seed: int, count: int) -> None:
+    """There exact quotients would take too long; that the cells tile is decided all the same."""
+    scene = random_scene(arrays, seed, count)
+    area_error = check_cells(arrays, scene, np.random.default_rng(seed), most=15).area_error
+    assert len(scene.field.radicands) > AREA_ROOTS
+    assert isinstance(area_error, arb)
+    assert area_error.contains(0)
+    assert float(area_error.rad()) < 1e-50
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -205,7 +221,7 @@ def test_extreme_scales_change_nothing(arrays: Arrays, scale: Fraction) -> None:
 def test_wheels_that_almost_coincide(arrays: Arrays) -> None:
     """Rows that differ by 1e-12: floats decide nothing about them."""
     corner = arrays.inward([(1 + Fraction(1, 10**12), 1)])
-    wheels = arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    wheels = arrays.inward(CORNERS)
     scene = arrays.scene([*wheels, *corner], (1, Fraction(1, 5)))
     check_cells(arrays, scene, np.random.default_rng(0))
 

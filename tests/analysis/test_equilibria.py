@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.equilibria import Equilibrium, Place, find_equilibria, shared_sides
@@ -15,6 +14,8 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Twist
+from tests.four_wheel import ROLL, SIDE
+from tests.hulls import hull_holds_zero
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -22,13 +23,7 @@ if TYPE_CHECKING:
 
 def holds_zero(partition: Partition, point: Point) -> bool:
     """0 in the hull of the velocities at a point, by an independent linear program."""
-    rates = [t.pose_rate(point) for cell in partition.cells_at(point) for t in cell.twists]
-    columns = np.array([[float(x), float(y)] for x, y in rates]).T
-    scale = np.abs(columns).max() or 1.0
-    result = linprog(
-        np.zeros(columns.shape[1]), A_eq=np.vstack([columns / scale, np.ones(columns.shape[1])]), b_eq=[0, 0, 1]
-    )
-    return bool(result.status == 0)
+    return hull_holds_zero(t.pose_rate(point) for cell in partition.cells_at(point) for t in cell.twists)
 
 
 def places(found: tuple[Equilibrium, ...]) -> set[tuple[str, frozenset[tuple[str, str]]]]:
@@ -41,7 +36,7 @@ def test_four_wheel_rests_at_the_origin_alone(arrays: Arrays) -> None:
 
 
 def test_with_side_friction_first_both_axes_are_equilibria(arrays: Arrays) -> None:
-    found = find_equilibria(build_nearest_partition(arrays.four_wheel((Fraction(1, 2), 1))))
+    found = find_equilibria(build_nearest_partition(arrays.four_wheel(SIDE)))
     ends = [("1/2", "0"), ("-1/2", "0"), ("0", "1/2"), ("0", "-1/2")]
     assert places(found) == {("segment", frozenset({("0", "0"), end})) for end in ends}
 
@@ -113,19 +108,24 @@ def opposed_rates(first: Twist, second: Twist, point: np.ndarray) -> tuple[float
 def test_equilibria_on_sides_against_a_scan(arrays: Arrays, seed: int) -> None:
     """Where two velocities become parallel along a side, the point is listed iff they oppose each other."""
     rng = np.random.default_rng(seed)
-    scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), (1, Fraction(1, 2)))
+    scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), ROLL)
     partition = build_nearest_partition(scene)
     found = [np.array([float(x) for x in e.points[0]]) for e in find_equilibria(partition) if e.place is Place.SIDE]
+    crossings = opposed = 0
     for side in shared_sides(partition):
         a, b = side.first.twists[0], side.second.twists[0]
         start, end = (np.array([float(x) for x in p]) for p in (side.start, side.end))
         at_start, at_end = (opposed_rates(a, b, p)[0] for p in (start, end))
         if at_start * at_end >= 0 or max(abs(at_start), abs(at_end)) < 1e-9:  # no zero between, or zero throughout
             continue
+        crossings += 1
         point = start + (end - start) * at_start / (at_start - at_end)
         cross, product = opposed_rates(a, b, point)
         assert abs(cross) < 1e-9 * max(1, abs(at_start), abs(at_end))  # linear along the side
         assert any(np.hypot(*(point - p)) < 1e-9 for p in found) == (product < 0)
+        opposed += product < 0
+    assert crossings > 0
+    assert opposed == len(found)
 
 
 # ---- verdicts of their own -----------------------------------------------------------------------
@@ -144,9 +144,10 @@ def test_each_isolated_equilibrium_is_judged_about_its_own_point(arrays: Arrays)
 @pytest.mark.parametrize("seed", range(12))
 def test_judged_verdicts_equal_a_check_at_the_point(arrays: Arrays, seed: int) -> None:
     scene = arrays.random(seed, 5)
-    for judged in check_cells(scene).others or ():
-        if judged.translation is not None:
-            x, y = judged.found.points[0]
-            at = (scene.check.equilibrium[0] + x, scene.check.equilibrium[1] + y)
-            there = check_cells(replace(scene, check=replace(scene.check, equilibrium=at)))
-            assert (judged.translation, judged.rotation) == (there.translation.verdict, there.rotation.verdict)
+    isolated = [judged for judged in check_cells(scene).others or () if judged.translation is not None]
+    assert isolated
+    for judged in isolated:
+        x, y = judged.found.points[0]
+        at = (scene.check.equilibrium[0] + x, scene.check.equilibrium[1] + y)
+        there = check_cells(replace(scene, check=replace(scene.check, equilibrium=at)))
+        assert (judged.translation, judged.rotation) == (there.translation.verdict, there.rotation.verdict)

@@ -28,12 +28,11 @@ from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, squ
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene, dot
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
 SEEDS = range(8)
 
 # CVXPY hands these to CLARABEL, whose default accuracy is 1e-8 relative; numbers here are below 100.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +20,7 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from tests.four_wheel import ROLL
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -88,10 +88,7 @@ def test_a_relay_keeps_the_period_of_its_width() -> None:
 
 
 def test_paths_end_at_the_border_of_the_domain(arrays: Arrays) -> None:
-    scene = arrays.scene(
-        [w._replace(direction=w.position) for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])]
-    )
-    field = array_field(build_nearest_partition(scene), Kinematics.LEADING)
+    field = array_field(build_nearest_partition(arrays.pushed(1, 1)), Kinematics.LEADING)
     path = simulate_hysteresis(field, (0.2, 0.1, 0), 5, 1e-3)
     assert path.end.reason is EndReason.OUTSIDE
     assert max(abs(v) for v in path.end.state[:2]) == pytest.approx(0.5, abs=2e-3)
@@ -99,7 +96,7 @@ def test_paths_end_at_the_border_of_the_domain(arrays: Arrays) -> None:
 
 @pytest.mark.parametrize(("width", "step"), [(0, None), (-1, None), (math.nan, None), (1e-2, 0)])
 def test_widths_and_steps_are_positive(arrays: Arrays, width: float, step: float | None) -> None:
-    field = array_field(build_nearest_partition(arrays.four_wheel((1, Fraction(1, 2)))), Kinematics.LEADING)
+    field = array_field(build_nearest_partition(arrays.four_wheel(ROLL)), Kinematics.LEADING)
     with pytest.raises(ValueError, match="positive"):
         simulate_hysteresis(field, START, 1, width, step)
     if step is None:

@@ -14,12 +14,13 @@ from nonsmooth.analysis.partitions.loads import LoadError, load_regions, value_a
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable
+from tests.four_wheel import CORNERS
 
 Floats = NDArray[np.float64]
 
 ROUNDING = 1e-12  # of loads of order 1
 CONE_PROGRAM = 1e-4  # Clarabel minimizes |N| to 1e-8, which leaves N its square root
-FOUR = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], float)
+FOUR = np.array(CORNERS, float)
 
 
 def array(positions: Floats, table: Floats | None = None) -> ContactModel:

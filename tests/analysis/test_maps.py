@@ -20,6 +20,7 @@ from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -93,7 +94,7 @@ def assert_same_as_one_by_one(field: ConstantField, ends: SettleMap) -> None:
 @pytest.mark.parametrize("seed", range(16))
 def test_maps_of_random_arrays_against_single_paths(arrays: Arrays, seed: int, kinematics: Kinematics) -> None:
     rng = np.random.default_rng(seed)
-    friction = ((1, Fraction(1, 2)), (Fraction(1, 2), 1))[seed % 2]
+    friction = (ROLL, SIDE)[seed % 2]
     scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), friction)
     field = array_field(build_nearest_partition(scene), kinematics)
     low, high = (np.array([float(v) for v in p]) for p in (field.cells.points[0], field.cells.points[0]))

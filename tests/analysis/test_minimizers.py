@@ -22,10 +22,11 @@ from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.four_wheel import CORNERS
 
 Floats = NDArray[np.float64]
 
-FOUR = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)], float)
+FOUR = np.array(CORNERS, float)
 SAME_VALUE = 1e-9  # relative: what the least exact minimizer reaches
 SAME_TWIST = 1e-5  # relative to the speeds: the reference solvers know D to 1e-11, a twist to its square root
 ROUNDING = 1e-10  # of twists and forces of order 1 by the exact minimizers

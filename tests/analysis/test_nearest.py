@@ -19,14 +19,13 @@ from nonsmooth.symbolic.constraints import Row, Twist, independent, roll_row, si
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, Wheel
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
 TIE = (1, 1)
 
 

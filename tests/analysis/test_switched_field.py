@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
@@ -15,7 +16,7 @@ from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, l
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
-from nonsmooth.analysis.fields.smooth_field import Vector, affine_surface, smooth_surface
+from nonsmooth.analysis.fields.smooth_field import affine_surface, smooth_surface
 from nonsmooth.analysis.fields.switched_field import array_field, flow_of, piecewise_constant
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge
@@ -23,6 +24,7 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, square
 from nonsmooth.symbolic.numbers.number import sign
+from tests.hulls import hull_holds_zero
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -150,21 +152,24 @@ def test_feedback_moves_the_body_by_its_control_fields(arrays: Arrays) -> None:
         assert field.members[0].velocity(0, pose) == pytest.approx(expected, abs=1e-15)
 
 
-def holds_zero(vectors: Vector) -> bool:
-    system = np.vstack([vectors.T, np.ones(len(vectors))])
-    right = np.append(np.zeros(vectors.shape[1]), 1)
-    return bool(linprog(np.zeros(len(vectors)), A_eq=system, b_eq=right).status == 0)
+def random_vectors(rng: np.random.Generator) -> NDArray[np.float64]:
+    count, dimension = int(rng.integers(1, 9)), int(rng.integers(1, 4))
+    return rng.integers(-2, 3, (count, dimension)).astype(float)
+
+
+def test_about_half_of_the_random_hulls_hold_zero() -> None:
+    assert sum(hull_holds_zero(random_vectors(np.random.default_rng(seed))) for seed in range(40)) == 27
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_basic_weights_against_linear_programs(seed: int) -> None:
     """They exist iff the hull holds zero, and they attain the extremes of any linear form over all solutions."""
     rng = np.random.default_rng(seed)
-    count, dimension = int(rng.integers(1, 9)), int(rng.integers(1, 4))
-    vectors = rng.integers(-2, 3, (count, dimension)).astype(float)
+    vectors = random_vectors(rng)
+    count, dimension = vectors.shape
     weights = basic_weights(vectors)
-    assert bool(len(weights)) == holds_zero(vectors)
-    if not len(weights):
+    if not hull_holds_zero(vectors):
+        assert not len(weights)
         return
     assert weights.min() >= 0
     assert weights.sum(axis=1) == pytest.approx(1)

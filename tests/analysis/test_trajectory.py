@@ -26,6 +26,7 @@ from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationErro
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -65,7 +66,7 @@ def quad(request: pytest.FixtureRequest, arrays: Arrays) -> Callable[[int], Cons
     """The four-wheel array with leading-order kinematics, eq. (3) or (4), in four forms."""
 
     def build(equation: int) -> ConstantField | SmoothField:
-        friction = (1, Fraction(1, 2)) if equation == 4 else (Fraction(1, 2), 1)
+        friction = ROLL if equation == 4 else SIDE
         partition = build_nearest_partition(arrays.four_wheel(friction, radius=1))
         match request.param:
             case "plain system":
@@ -119,7 +120,7 @@ def test_exact_mode_gives_exact_numbers(arrays: Arrays) -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_exact_and_float_paths_agree(arrays: Arrays, seed: int) -> None:
-    scene = arrays.with_friction(arrays.random(seed, 5), (1, Fraction(1, 2)))
+    scene = arrays.with_friction(arrays.random(seed, 5), ROLL)
     partition = build_nearest_partition(scene)
     x, y = scene.check.equilibrium
     start = (x + scene.check.radius / 3, y - scene.check.radius / 5, 0)
@@ -207,7 +208,7 @@ def test_accumulating_switches_end_at_their_limit() -> None:
     path = simulate(field, (1, 0, 0))
     time, rotation = gain * 4, gain * (2 + 3 + 5 + 7)
     assert (path.end.t, path.end.state) == (time / (1 - gain), (0, 0, rotation / (1 - gain)))
-    assert path.end.reason is EndReason.TURNING or path.end.reason is EndReason.REST
+    assert path.end.reason is EndReason.TURNING
     assert any("accumulate" in event.note for event in path.events)
     rounded = simulate(field.floats(), (1, 0, 0), 2)
     moments = [0.5, 0.75, 1.999, 1.9999999]
@@ -277,7 +278,7 @@ def in_hull(field: ConstantField, point: Vector, rate: Vector) -> bool:
 @pytest.mark.parametrize("seed", range(12))
 def test_every_path_is_a_filippov_solution(arrays: Arrays, seed: int, kinematics: Kinematics) -> None:
     rng = np.random.default_rng(seed)
-    scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), (1, Fraction(1, 2)))
+    scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), ROLL)
     field = array_field(build_nearest_partition(scene), kinematics)
     start = (*(np.array(floats(scene.check.equilibrium)) + float(scene.check.radius) * rng.uniform(-1, 1, 2)), 0)
     path = simulate(field, start, 1.5)
@@ -297,7 +298,7 @@ def test_every_path_is_a_filippov_solution(arrays: Arrays, seed: int, kinematics
 @pytest.mark.parametrize("seed", range(12))
 def test_closed_forms_against_dop853(arrays: Arrays, seed: int, kinematics: Kinematics) -> None:
     rng = np.random.default_rng(seed)
-    friction = ((1, Fraction(1, 2)), (Fraction(1, 2), 1))[seed % 2]
+    friction = (ROLL, SIDE)[seed % 2]
     scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), friction)
     field = array_field(build_nearest_partition(scene), kinematics)
     start = (*(np.array(floats(scene.check.equilibrium)) + float(scene.check.radius) * rng.uniform(-1, 1, 2)), 0)
@@ -381,9 +382,7 @@ def test_the_number_of_events_is_bounded() -> None:
 
 
 def test_a_path_that_leaves_the_domain_ends_there(arrays: Arrays) -> None:
-    scene = arrays.scene([replaced._replace(direction=(x, y)) for replaced in arrays.inward(
-        [(1, 1), (-1, 1), (-1, -1), (1, -1)]) for x, y in [replaced.position]])  # fmt: skip
-    field = array_field(build_nearest_partition(scene), Kinematics.LEADING)
+    field = array_field(build_nearest_partition(arrays.pushed(1, 1)), Kinematics.LEADING)
     for form in (field, smooth_form(field)):
         path = simulate(form, (0.2, 0.1, 0), 5)
         assert path.end.reason is EndReason.OUTSIDE

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 DIFFERENCE = 1e-6  # step of the numerical gradients below (length)
+DECREASING = [11, 13, 17, 19, 28, 29, 33, 43]  # random arrays on which the random V of the same seed never grows
 BESIDE = 1e-9  # how far outside a cell a witness on its side may be rounded (length)
 
 
@@ -127,9 +128,8 @@ def test_valid_on_arrays(name: str, lyapunov: str, proves: Translation) -> None:
 def test_invalid_on_arrays_with_a_witness(name: str, lyapunov: str, rule: str) -> None:
     scene = load_scene(name, rule=rule)
     result = audited(scene, lyapunov)
-    if result.verdict is AuditVerdict.VALID:  # a rest area may be kinder to V than the rule of the paper
-        assert rule == "box"
-        assert result.proves is Translation.STABLE
+    if (name, rule) == ("four-wheel-side", "box"):  # there the body rests on the whole square, which is kind to any V
+        assert (result.verdict, result.proves) == (AuditVerdict.VALID, Translation.STABLE)
         return
     assert result.verdict is AuditVerdict.INVALID
     assert result.verdict.exit_status == 1
@@ -151,13 +151,14 @@ def test_agrees_with_the_translation_clause(name: str, rule: str) -> None:
         assert result.proves is Translation.ASYMPTOTICALLY_STABLE
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [*range(11), *DECREASING])
 def test_random_arrays_against_sampled_rates(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed)
     rng = np.random.default_rng(seed)
     lyapunov = f"x**2 + {rng.integers(1, 5)}*y**2/2 + {rng.integers(-2, 3)}*x*y/4 + {rng.integers(-2, 3)}*x*y**2/8"
     result = audited(scene, lyapunov)
     assert result.verdict is not AuditVerdict.UNDECIDED
+    assert (result.witness is None) == (seed in DECREASING)
     if result.witness is not None:
         refutes(scene, lyapunov, result.witness)
         return

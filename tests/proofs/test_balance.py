@@ -12,6 +12,7 @@ from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions, value_
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.balance import linearize, rest_balance
 from nonsmooth.symbolic.scene import Scene
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -45,7 +46,7 @@ def ellipse_twist(scene: Scene, region: LoadRegion, point: tuple[Fraction, Fract
     return np.asarray(result.x)
 
 
-@pytest.mark.parametrize("friction", [(1, Fraction(1, 2)), (1, Fraction(1, 10)), (Fraction(1, 2), 1)])
+@pytest.mark.parametrize("friction", [ROLL, (1, Fraction(1, 10)), SIDE])
 def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
     """c' = -sqrt2 (mu_R/mu_S)^2 c, no rotation."""
     scene = arrays.four_wheel(friction)

@@ -20,6 +20,7 @@ from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+from tests.four_wheel import CORNERS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,10 +38,6 @@ SLOWEST_CHECK = 10.0  # seconds; the slowest (grid-4x4, rule box) takes about on
 def _few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     """Under rule box the feedback clause is sampled; a certificate does not depend on it."""
     monkeypatch.setattr("nonsmooth.proofs.clauses.sampled_feedback.STATES", dict.fromkeys(Rule, 2))
-
-
-def with_rule(scene: Scene, rule: Rule) -> Scene:
-    return replace(scene, contact=replace(scene.contact, rule=rule))
 
 
 @pytest.mark.parametrize("rule", ["nearest", "box"])
@@ -149,9 +146,7 @@ UNSTABLE_TURNS: dict[str, tuple[int, int]] = {"escape": (1, 1), "slide": (1, -1)
 @pytest.mark.parametrize("kind", UNSTABLE_TURNS)
 def test_outward_and_saddle_arrays_are_certified_unstable(arrays: Arrays, kind: str) -> None:
     x, y = UNSTABLE_TURNS[kind]
-    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
-    wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in arrays.inward(corners)]
-    certificate = build_certificate(check_cells(arrays.scene(wheels)))
+    certificate = build_certificate(check_cells(arrays.pushed(x, y)))
     assert certificate["translation"] == {"verdict": "unstable", "squared_radius": None}
     assert certificate["theorem4"] == "fails"
 
@@ -229,8 +224,5 @@ def test_verdicts_of_random_arrays_are_certified(arrays: Arrays) -> None:
 def test_extreme_scales_are_certified(arrays: Arrays) -> None:
     """Coordinates and speeds far from one: all signs are exact, so no scale is lost."""
     for scale in (Fraction(1, 10**40), Fraction(10**40)):
-        wheels = [
-            w._replace(position=(scale * w.position[0], scale * w.position[1]))
-            for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
-        ]
+        wheels = [w._replace(position=(scale * w.position[0], scale * w.position[1])) for w in arrays.inward(CORNERS)]
         assert build_certificate(check_cells(arrays.scene(wheels, radius=scale / 2)))["theorem4"] == "holds"

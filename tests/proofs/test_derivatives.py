@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -27,25 +26,15 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.system import SystemScene
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=150)
+if TYPE_CHECKING:
+    from tests.proofs.conftest import Load
+
+RANDOM = settings(max_examples=150)
 SOLVER_ERROR = 1e-7  # HiGHS, on numbers of size 10
 FIELD = NumberField()
 
 Vector: TypeAlias = tuple[int, int]
-Load = Callable[..., SystemScene]
 Bounds: TypeAlias = tuple[float, float] | None
-
-
-@pytest.fixture
-def load(tmp_path: Path) -> Load:
-    """A system from its right-hand sides."""
-
-    def load_system_text(first: str, second: str) -> SystemScene:
-        text = f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n'
-        (tmp_path / "my.toml").write_text(text, encoding="utf-8")
-        return load_system(tmp_path / "my.toml")
-
-    return load_system_text
 
 
 def cells_of(scene: SystemScene, lyapunov: str) -> tuple[LyapunovCell, ...]:

@@ -8,14 +8,19 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions, value_at
+from nonsmooth.analysis.partitions.loads import LoadError, LoadRegion, load_regions, value_at
 from nonsmooth.proofs.clauses.ellipse import EllipsePoint, Situation, common_twist, ellipse_point
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.four_wheel import CORNERS
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
+
+# Of 30 random arrays those that do not tip and whose minimizer is found exactly; the latter fails for two.
+DECIDED = [0, 1, 2, 3, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 21, 24, 25, 26, 27, 28, 29]
+OPEN = [9, 15]
 
 
 def point_of(scene: Scene) -> EllipsePoint:
@@ -105,7 +110,7 @@ def test_tangential_rims_carry_the_body() -> None:
 
 def test_a_common_translation_is_no_equilibrium(arrays: Arrays) -> None:
     """Four parallel rims of equal speed: the body moves with them everywhere."""
-    scene = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])])
+    scene = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward(CORNERS)])
     assert [str(x) for x in common_twist(scene, load_regions(scene)[0]) or ()] == ["1", "0", "0"]
     point = point_of(scene)
     assert (point.situation, point.equilibrium) == (Situation.CARRIED, Equilibrium.FAILS)
@@ -118,21 +123,26 @@ def test_an_off_centre_array_is_driven_away() -> None:
     assert np.hypot(moved[0], moved[1]) > 0.01
 
 
-@pytest.mark.parametrize("seed", range(30))
+def random_scene(arrays: Arrays, seed: int) -> Scene:
+    scene = arrays.cocircular(seed) if seed % 2 else arrays.random(seed, 5)
+    return replace(scene, check=replace(scene.check, radius=scene.field(1) / 64)).recentred()
+
+
+@pytest.mark.parametrize("seed", DECIDED)
 def test_random_arrays_agree_with_a_solver(arrays: Arrays, seed: int) -> None:
     """A point said to be driven away moves; a point said to be an equilibrium does not."""
-    scene = arrays.cocircular(seed) if seed % 2 else arrays.random(seed, 5)
-    scene = replace(scene, check=replace(scene.check, radius=scene.field(1) / 64)).recentred()
-    try:
-        regions = load_regions(scene)
-    except ValueError:
-        return
-    point = ellipse_point(scene, regions)
-    assert point.check()
-    if point.situation is Situation.OPEN:
-        return
-    speed = np.hypot(*numerical_twist(scene, point.region, (0.0, 0.0))[:2])
+    point = point_of(random_scene(arrays, seed))
+    assert point.situation is not Situation.OPEN
+    speed = np.hypot(*numerical_twist(point.scene, point.region, (0.0, 0.0))[:2])
     assert (speed < 1e-5) == (point.equilibrium is Equilibrium.HOLDS)
+
+
+def test_no_other_random_array_is_decided(arrays: Arrays) -> None:
+    for seed in OPEN:
+        assert point_of(random_scene(arrays, seed)).situation is Situation.OPEN
+    for seed in set(range(30)) - {*DECIDED, *OPEN}:
+        with pytest.raises(LoadError, match=r"the body tips|on one line"):
+            load_regions(random_scene(arrays, seed))
 
 
 def test_wheels_that_stick_hold_the_body(arrays: Arrays) -> None:

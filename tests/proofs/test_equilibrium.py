@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
@@ -18,13 +17,13 @@ from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene, Vector, dot
+from tests.four_wheel import ROLL, SIDE
+from tests.hulls import hull_holds_zero
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 HALF = Fraction(1, 2)
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
 
 
 def decide(scene: Scene) -> EquilibriumResult:
@@ -34,9 +33,7 @@ def decide(scene: Scene) -> EquilibriumResult:
 def holds_by_highs(partition: Partition) -> bool:
     """Feasibility of ``sum w v = 0, sum w = 1, w >= 0`` by SciPy."""
     zero = partition.scene.field.zero
-    velocities = [[float(t.vx), float(t.vy), 1.0] for t in filippov_twists(partition, (zero, zero))]
-    result = linprog(np.zeros(len(velocities)), A_eq=np.array(velocities).T, b_eq=[0, 0, 1], method="highs")
-    return bool(result.status == 0)
+    return hull_holds_zero(t.velocity for t in filippov_twists(partition, (zero, zero)))
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -20,14 +21,13 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, dot, turned
+from tests.four_wheel import CORNERS, ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 Rational: TypeAlias = int | Fraction
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
 SEEDS = range(40)
 ANGLES = 3000
 # Smallest singular value of a 2 x 2 matrix with entries of order 1: rounding 1e-15; where the criterion holds it stays
@@ -54,6 +54,13 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
     lever = dot(e, turned((q[0] - p[0], q[1] - p[1])))
     b = (theta - dot(point, turned(p))) / lever
     return dot(point, d) - dot(d, e) * b, b
+
+
+def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
+    results = [decide(arrays.cocircular(seed, ROLL)) for seed in SEEDS]
+    seen = Counter(result.verdict for result in results)
+    assert seen == {Feedback.STABILIZABLE: 27, Feedback.NO_CERTIFICATE: 13}
+    assert Counter(data.lever is not None for result in results for data in result.cells) == {True: 592, False: 2}
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -278,7 +285,7 @@ def test_one_slippery_wheel_at_the_equilibrium_ends_it(arrays: Arrays) -> None:
 
 def test_a_slippery_wheel_that_only_acts_far_away_does_not_matter(arrays: Arrays) -> None:
     """Feedback is about the equilibrium: wheel 5 owns cells of the square, but none that meets there."""
-    near = arrays.inward([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    near = arrays.inward(CORNERS)
     for turn, expected in (((1, 0), Feedback.STABILIZABLE), ((1, 1), Feedback.NO_CERTIFICATE)):
         near = arrays.inward([w.position for w in near], turn)
         far = arrays.inward([(2, 0)])[0]._replace(friction=SIDE)

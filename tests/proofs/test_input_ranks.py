@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback import decide_feedback
 from nonsmooth.proofs.clauses.input_ranks import input_ranks
 from nonsmooth.proofs.verdicts import Feedback
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 def test_four_wheel_ranks(arrays: Arrays) -> None:
     """Two inputs per cell with roll rows, one with side rows; together they span all three directions."""
-    roll = input_ranks(build_nearest_partition(arrays.four_wheel((1, Fraction(1, 2)))))
-    side = input_ranks(build_nearest_partition(arrays.four_wheel((Fraction(1, 2), 1))))
+    roll = input_ranks(build_nearest_partition(arrays.four_wheel(ROLL)))
+    side = input_ranks(build_nearest_partition(arrays.four_wheel(SIDE)))
     assert set(roll.cells.values()) == {2}
     assert set(side.cells.values()) == {1}
     assert roll.equilibrium == side.equilibrium == 3
@@ -42,7 +42,7 @@ def test_ranks_against_floats(arrays: Arrays, seed: int) -> None:
 
 
 def test_one_input_alone_leaves_a_plane_on_which_v_cannot_fall(arrays: Arrays) -> None:
-    feedback = decide_feedback(build_nearest_partition(arrays.four_wheel((Fraction(1, 2), 1))))
+    feedback = decide_feedback(build_nearest_partition(arrays.four_wheel(SIDE)))
     assert feedback.verdict is Feedback.NOT_APPLICABLE
     assert feedback.witness is not None
     assert "plane" in feedback.witness.meaning

@@ -9,16 +9,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.fan import build_fan
 from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
-from nonsmooth.proofs.clauses.rotation import decide_rotation
+from nonsmooth.proofs.clauses.rotation import decide_rotation, rotation_bound
 from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.verdicts import Rotation, Translation
+from tests.four_wheel import SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
+ARRIVED = 1e-9  # a distance; coordinates are of order 1
 SEEDS = [3, 4, 13, 16, 26, 50]  # arrays of the builder that attract although |c|^2 grows somewhere
 
 
@@ -64,7 +69,7 @@ def test_forged_certificates_are_refused(arrays: Arrays, seed: int) -> None:
 
 
 def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
-    for scene in (arrays.four_wheel((Fraction(1, 2), 1)), arrays.four_wheel(turn=(-1, 0))):
+    for scene in (arrays.four_wheel(SIDE), arrays.four_wheel(turn=(-1, 0))):
         partition = build_nearest_partition(scene)
         fan = decide_translation(partition).fan
         assert fan is not None
@@ -73,9 +78,21 @@ def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_decay_bounds_the_rotation_where_nothing_drifts(arrays: Arrays, seed: int) -> None:
+def test_the_decay_bounds_time_and_rotation_until_paths_arrive(arrays: Arrays, seed: int) -> None:
+    """From a start in the region, by events along leading-order solutions; at the point itself all these drift."""
     partition = build_nearest_partition(arrays.cocircular(seed))
-    result, _ = decided(arrays, seed)
-    rotation = decide_rotation(partition, result)
-    assert rotation.drift is not None
-    assert any(rotation.drift.interval) or rotation.rotation_per_distance is not None
+    result, found = decided(arrays, seed)
+    assert decide_rotation(partition, result).verdict is Rotation.UNSTABLE
+    turning = rotation_bound(partition, result)
+    assert turning is not None
+    (a, b), level = (float(x) for x in found.shape), float(found.level)
+    field = array_field(partition, Kinematics.LEADING)
+    for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False) + 0.01:
+        x, y = np.cos(angle), np.sin(angle)
+        distance = 0.9 * np.sqrt(level / ((1 + a) * x * x + 2 * b * x * y + (1 - a) * y * y))
+        time = float(found.arrival_per_distance) * distance
+        path = simulate(field, (distance * x, distance * y, 0), time + 1)
+        ends = [(piece.end, np.array(piece.state(piece.end - piece.start))) for piece in path.pieces]
+        moment, state = next((t, state) for t, state in ends if np.hypot(*state[:2]) < ARRIVED)
+        assert moment <= time + ARRIVED
+        assert abs(state[2]) <= float(turning) * distance + ARRIVED

@@ -14,7 +14,7 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_r
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=80)
+RANDOM = settings(max_examples=80)
 FIELD = NumberField()
 ROOT = FIELD.sqrt(2)
 

@@ -19,12 +19,11 @@ from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.scene import Scene
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
 # HiGHS solves to 1e-7 feasibility; rotation rates here are below 100.
 SOLVER_TOLERANCE = 1e-5
 

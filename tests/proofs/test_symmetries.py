@@ -12,9 +12,8 @@ import pytest
 
 from nonsmooth.analysis.fields.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Vector, Wheel
+from tests.clauses import drift, verdicts
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -53,15 +52,6 @@ def moved(scene: Scene, matrix: Matrix) -> Scene:
         return replace(wheel, position=image(matrix, wheel.position), direction=image(matrix, wheel.direction))
 
     return mapped(scene, carried)
-
-
-def drift(result: CellCheck) -> tuple[Number, ...]:
-    return () if result.rotation.drift is None else result.rotation.drift.interval
-
-
-def verdicts(result: CellCheck) -> list[str]:
-    clauses = (result, result.equilibrium, result.translation, result.rotation, result.feedback)
-    return [clause.verdict.value for clause in clauses]
 
 
 # ---- orthogonal maps -----------------------------------------------------------------------------

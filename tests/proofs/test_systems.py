@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -34,21 +33,10 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.system import PLANE, SystemScene
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
-Load = Callable[..., SystemScene]
+if TYPE_CHECKING:
+    from tests.proofs.conftest import Load
 
-
-@pytest.fixture
-def load(tmp_path: Path) -> Load:
-    """A system from its right-hand sides; further keys of [check] as TOML values."""
-
-    def load_system_text(first: str, second: str, **check: str) -> SystemScene:
-        keys = "".join(f"{key} = {value}\n" for key, value in check.items())
-        text = f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n[check]\n{keys}'
-        (tmp_path / "my.toml").write_text(text, encoding="utf-8")
-        return load_system(tmp_path / "my.toml")
-
-    return load_system_text
+RANDOM = settings(max_examples=60)
 
 
 def float_field(scene: SystemScene, x: float, y: float) -> tuple[float, float]:
@@ -106,13 +94,40 @@ def test_formulas_that_are_no_polynomials(text: str) -> None:
         smooth(text, 1)
 
 
-@RANDOM
-@given(st.text(alphabet="xy0129+-*/(). signAbsqrt", max_size=30))
-def test_random_text_is_a_formula_or_refused(text: str) -> None:
-    try:
-        smooth(text, 1)
-    except ExpressionError:
-        return
+FORMULAS = st.recursive(
+    st.sampled_from(["x", "y", "2", "0.1", "1/3", "sqrt(2)"]),
+    lambda part: st.one_of(
+        st.tuples(part, st.sampled_from("+-*"), part).map("({0[0]} {0[1]} {0[2]})".format),
+        part.map("sign({})".format),
+        part.map("Abs({})".format),
+        part.map("-{}".format),
+    ),
+    max_leaves=6,
+)
+
+
+def test_random_text_is_refused_or_has_the_value_that_python_gives_it() -> None:
+    field, read, refused = NumberField(), 0, 0
+    point = {"x": Fraction(2, 3), "y": Fraction(-5, 7)}
+    there = tuple(map(field, point.values()))
+    names = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt, **{name: float(value) for name, value in point.items()}}
+    values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
+
+    @settings(max_examples=300)
+    @given(st.text(alphabet="xy0129+-*/(). signAbsqrt", max_size=30) | FORMULAS)
+    def sample(text: str) -> None:
+        nonlocal read, refused
+        try:
+            found = parse_piecewise(text, PLANE).polynomial(values, lambda surface: surface(there).sign())
+        except ExpressionError:
+            refused += 1
+            return
+        read += 1
+        expected = eval(text.strip(), {"__builtins__": {}}, names)  # noqa: S307 - the parser has read it
+        assert float(found(there)) == pytest.approx(float(expected), rel=1e-9, abs=1e-9)
+
+    sample()
+    assert min(read, refused) > 50
 
 
 # ---- surfaces ----------------------------------------------------------------------------------

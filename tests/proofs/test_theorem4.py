@@ -15,27 +15,21 @@ from nonsmooth.proofs.clauses.rotation import decide_rotation
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, conclude
+from nonsmooth.proofs.theorem4_result import conclude
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import possible_triples
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
+from tests.clauses import drift, verdicts
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 
-ROLL = (1, Fraction(1, 2))
-SIDE = (Fraction(1, 2), 1)
-CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 SEEDS = range(12)
-
-
-def pushed(arrays: Arrays, x: int, y: int) -> Scene:
-    """Wheels at the corners with rims along (x p_x, y p_y)."""
-    wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in arrays.inward(CORNERS)]
-    return arrays.scene(wheels, ROLL)
 
 
 def off_center(arrays: Arrays) -> Scene:
@@ -49,8 +43,8 @@ KNOWN: dict[str, tuple[Build, Theorem4]] = {
     "four-wheel, side": (lambda arrays: arrays.four_wheel(SIDE), Theorem4.HOLDS),
     "four-wheel, tie": (lambda arrays: arrays.four_wheel((1, 1)), Theorem4.HOLDS),
     "off center": (off_center, Theorem4.HYPOTHESES_NOT_MET),
-    "outward": (lambda arrays: pushed(arrays, 1, 1), Theorem4.FAILS),
-    "saddle": (lambda arrays: pushed(arrays, 1, -1), Theorem4.FAILS),
+    "outward": (lambda arrays: arrays.pushed(1, 1), Theorem4.FAILS),
+    "saddle": (lambda arrays: arrays.pushed(1, -1), Theorem4.FAILS),
     "facing pair": (lambda arrays: arrays.scene(arrays.inward([(1, 0), (-1, 0)])), Theorem4.FAILS),
     "3 x 3 grid": (lambda arrays: arrays.grid(3, 3), Theorem4.HYPOTHESES_NOT_MET),
 }
@@ -147,24 +141,32 @@ def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None
 # ---- leaving out what a scene does not need ------------------------------------------------------
 
 
+def same_without_pruning(scene: Scene) -> None:
+    """Every verdict, rate, region and drift is the same where all contact states are looked at."""
+    pruned, whole = check_cells(scene), check_cells(scene, prune=False)
+    assert verdicts(pruned) == verdicts(whole)
+    assert drift(pruned) == drift(whole)
+    assert pruned.translation.worst_rate == whole.translation.worst_rate
+    assert pruned.translation.region_radius == whole.translation.region_radius
+    assert pruned.partition.wheels_considered <= whole.partition.wheels_considered == len(scene.wheels)
+
+
 @pytest.mark.parametrize("seed", SEEDS)
-def test_pruning_gives_the_same_verdicts(arrays: Arrays, seed: int) -> None:
+def test_pruning_changes_nothing_for_random_arrays(arrays: Arrays, seed: int) -> None:
     for scene in (arrays.random(seed, 6), arrays.cocircular(seed)):
-        assert verdicts(check_cells(scene)) == verdicts(check_cells(scene, prune=False))
+        same_without_pruning(scene)
 
 
-def verdicts(r: CellCheck) -> tuple[object, ...]:
-    drift = r.rotation.drift
-    return (
-        r.verdict,
-        r.equilibrium.verdict,
-        r.translation.verdict,
-        r.rotation.verdict,
-        r.feedback.verdict,
-        r.translation.worst_rate,
-        r.translation.region_radius,
-        None if drift is None else drift.interval,
-    )
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_pruning_changes_nothing_for_built_in_scenes(name: str) -> None:
+    same_without_pruning(load_scene(name, rule="nearest"))
+
+
+@pytest.mark.parametrize(("side", "considered"), [(5, 21), (6, 16)])
+def test_pruning_of_grids_leaves_wheels_out_and_changes_nothing(arrays: Arrays, side: int, considered: int) -> None:
+    scene = arrays.grid(side, side)
+    assert check_cells(scene).partition.wheels_considered <= considered < len(scene.wheels)
+    same_without_pruning(scene)
 
 
 def test_what_is_left_out_is_named(arrays: Arrays) -> None:
@@ -303,7 +305,7 @@ def test_exit_statuses(verdict: Theorem4, status: int) -> None:
     assert verdict.exit_status == status
 
 
-@pytest.mark.parametrize(("friction", "weakly"), [((1, Fraction(1, 2)), True), ((Fraction(1, 2), 1), False)])
+@pytest.mark.parametrize(("friction", "weakly"), [(ROLL, True), (SIDE, False)])
 def test_strong_and_weak_stability_of_theta_are_told_apart(
     arrays: Arrays, friction: tuple[Fraction, Fraction], weakly: bool
 ) -> None:

@@ -19,6 +19,7 @@ from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.scene import Scene
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -43,7 +44,7 @@ def random_array(arrays: Arrays, seed: int) -> Scene:
     wheels = arrays.inward(points, turn)
     if kind == "elliptic":
         wheels = [w._replace(direction=(-a * w.position[0], -b * w.position[1])) for w in wheels]
-    friction = (1, Fraction(1, 2)) if rng.random() < 0.5 else (Fraction(1, 2), 1)
+    friction = ROLL if rng.random() < 0.5 else SIDE
     return arrays.scene(wheels, friction)
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from pathlib import Path
-
-import pytest
+from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.partitions.agreement import compare_rules
 from nonsmooth.reports.agreement_views import agreement_map, agreement_record
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.symbolic.files.scene_file import load_scene
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 
 def test_record_holds_exact_shares() -> None:
@@ -32,20 +33,17 @@ def test_pictures_are_reproducible_vectors() -> None:
     assert first.startswith(b"<?xml")
 
 
-def test_the_command_prints_the_table_and_writes_the_picture(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(app, ["partition", "four-wheel", "--compare"]) == 0
-    assert "share of 0 of the area (exact)" in " ".join(capsys.readouterr().out.replace("│", " ").split())
-    target = tmp_path / "agreement.png"
-    assert run(app, ["partition", "four-wheel", "--compare", "-o", str(target)]) == 0
-    assert target.read_bytes().startswith(b"\x89PNG")
+def test_the_command_prints_the_table_and_writes_the_picture(invoke: Invoke, tmp_path: Path) -> None:
+    shown = invoke("partition", "four-wheel", "--compare")
+    assert shown.status == 0
+    assert "share of 0 of the area (exact)" in " ".join(shown.out.replace("│", " ").split())  # 1 - 2 mu_S/mu_R
+    assert invoke("partition", "four-wheel", "--compare", "-o", "agreement.png").status == 0
+    assert (tmp_path / "agreement.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_body_that_tips_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    target = tmp_path / "agreement.svg"
-    assert run(app, ["partition", "four-wheel", "--radius", "2", "--compare", "-o", str(target)]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert "support polygon" in error
-    assert not target.exists()
+def test_a_body_that_tips_is_refused_in_one_line(invoke: Invoke, tmp_path: Path) -> None:
+    refused = invoke("partition", "four-wheel", "--radius", "2", "--compare", "-o", "agreement.svg")
+    assert (refused.status, refused.out, refused.err.count("\n")) == (BAD_INPUT, "", 1)
+    assert "check.radius: required at most 1 " in refused.err
+    assert "support polygon" in refused.err
+    assert not list(tmp_path.iterdir())

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.console import BAD_INPUT
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 VERDICTS = {
     "relay-oscillator": ("stable", 0),
@@ -22,25 +23,23 @@ VERDICTS = {
 }
 
 
-def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any]:
-    status = run(app, [*arguments, "--json"])
-    return status, json.loads(capsys.readouterr().out)
-
-
 @pytest.mark.parametrize("name", VERDICTS)
-def test_built_in_systems(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_built_in_systems(invoke: Invoke, name: str) -> None:
     verdict, expected = VERDICTS[name]
-    status, record = printed(capsys, "check", name)
-    assert (record["translation"]["verdict"], status) == (verdict, expected)
+    outcome = invoke("check", name, "--json")
+    record = outcome.record
+    assert (record["translation"]["verdict"], outcome.status) == (verdict, expected)
     assert {"V", "naive", "shevitz_paden", "bacciotti_ceragioli", "verdict", "witness"} <= set(record["lyapunov"])
-    assert run(app, ["check", name]) == expected
+    shown = invoke("check", name)
+    assert shown.status == expected
+    assert verdict in " ".join(shown.out.replace("│", " ").split())
 
 
-def test_the_ladder_of_the_relay_oscillator(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_ladder_of_the_relay_oscillator(invoke: Invoke) -> None:
     """Undamped: 2 / 0 / 0 as suprema; damped: 5/2 / -1/2 / -1/2."""
     suprema = {}
     for name in ("relay-oscillator", "relay-oscillator-damped"):
-        _, record = printed(capsys, "check", name)
+        record = invoke("check", name, "--json").record
         suprema[name] = [
             record["lyapunov"][key]["exact"]["value"] for key in ("naive", "shevitz_paden", "bacciotti_ceragioli")
         ]
@@ -57,11 +56,12 @@ def test_the_ladder_of_the_relay_oscillator(capsys: pytest.CaptureFixture[str]) 
         ("relay-oscillator-damped", "Abs(x) + Abs(y)", "valid", 0),
     ],
 )
-def test_audits(scene: str, function: str, verdict: str, expected: int, capsys: pytest.CaptureFixture[str]) -> None:
-    status, record = printed(capsys, "audit", scene, "--lyapunov", function)
-    assert (record["verdict"], status) == (verdict, expected)
+def test_audits(invoke: Invoke, scene: str, function: str, verdict: str, expected: int) -> None:
+    outcome = invoke("audit", scene, "--lyapunov", function, "--json")
+    record = outcome.record
+    assert (record["verdict"], outcome.status) == (verdict, expected)
     assert (record["witness"] is None) == (verdict == "valid")
-    assert run(app, ["audit", scene, "--lyapunov", function]) == expected
+    assert invoke("audit", scene, "--lyapunov", function).status == expected
 
 
 WHEELS = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\nradius = "sqrt(2)"\nphase = "pi/4"\n'
@@ -73,57 +73,80 @@ SYSTEM = '[system]\nstates = ["p", "q"]\nrhs = ["-sign(p)", "-sign(q)"]\n'
     [(WHEELS, "x**2 + 3*y**2", 0), (WHEELS, "Abs(x) - Abs(y)", 1), (SYSTEM, "Abs(p) + 2*Abs(q)", 0)],
 )
 def test_the_function_of_the_scene_is_audited_unless_one_is_given(
-    scene: str, function: str, expected: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    scene: str, function: str, expected: int, tmp_path: Path, invoke: Invoke
 ) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(f'{scene}[check]\nlyapunov = "{function}"\n')
-    status, record = printed(capsys, "audit", str(path))
-    assert (status, record["V"]) == (expected, function)
-    assert (status, record) == printed(capsys, "audit", str(path), "--lyapunov", function)
+    of_the_scene = invoke("audit", str(path), "--json")
+    assert (of_the_scene.status, of_the_scene.record["V"]) == (expected, function)
+    assert of_the_scene == invoke("audit", str(path), "--lyapunov", function, "--json")
     other = "-x**2" if scene == WHEELS else "-p**2"
-    status, record = printed(capsys, "audit", str(path), "--lyapunov", other)
-    assert (status, record["V"]) == (1, other)
+    given = invoke("audit", str(path), "--lyapunov", other, "--json")
+    assert (given.status, given.record["V"]) == (1, other)
 
 
-def test_no_function_at_all_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_function_at_all_is_refused(tmp_path: Path, invoke: Invoke) -> None:
     path = tmp_path / "scene.toml"
     for scene in (WHEELS, SYSTEM):
         path.write_text(scene)
-        assert run(app, ["audit", str(path)]) == 2
-        message = capsys.readouterr().err
-        assert message.count("\n") == 1
-        assert "required V as --lyapunov or as check.lyapunov, received neither" in message
+        outcome = invoke("audit", str(path))
+        assert (outcome.status, outcome.err.count("\n")) == (2, 1)
+        assert "required V as --lyapunov or as check.lyapunov, received neither" in outcome.err
 
 
-def test_a_certificate_is_written_and_verified(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_certificate_is_written_and_verified(invoke: Invoke, tmp_path: Path) -> None:
+    assert invoke("check", "four-wheel", "--certificate", "four-wheel.json").status == 0
+    assert invoke("verify", "four-wheel.json") == (0, "valid: all claims hold\n", "")
     target = tmp_path / "four-wheel.json"
-    assert run(app, ["check", "four-wheel", "--certificate", str(target)]) == 0
-    assert run(app, ["verify", str(target)]) == 0
-    assert "valid" in capsys.readouterr().out
     forged = target.read_text().replace('"asymptotically stable"', '"unstable"')
     assert forged != target.read_text()
     target.write_text(forged)
-    assert run(app, ["verify", str(target)]) == 1
+    rejected = "rejected: required translation: asymptotically stable, received 'unstable'\n"
+    assert invoke("verify", "four-wheel.json") == (1, rejected, "")
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
+BAD = {
+    "no file": (
         ["verify", "no-such-file.json"],
+        "no-such-file.json: required a certificate, received a file that is unreadable: [Errno 2] No such file",
+    ),
+    "code as a function": (
         ["audit", "four-wheel", "--lyapunov", "__import__('os')"],
+        'four-wheel: lyapunov: required a formula of x, y, numbers, + - * / **, sign, Abs, sqrt, sin, cos of numbers, "
+        "received "__import__',
+    ),
+    "no finite number": (
         ["audit", "four-wheel", "--lyapunov", "1/0"],
+        "four-wheel: lyapunov: required a finite number, received '1/0'",
+    ),
+    "a rule for a system": (
         ["check", "flower", "--rule", "box"],
+        "flower: contact.rule: required no contact rule for a plain switched system, received 'box'",
+    ),
+    "a certificate of a system": (
         ["check", "flower", "--certificate", "flower.json"],
+        "flower: required an array of wheels for a certificate, received a plain switched system",
+    ),
+    "a certificate of all rules": (
         ["check", "four-wheel", "--rule", "all", "--certificate", "all.json"],
+        "--certificate: required one contact rule, received all",
+    ),
+    "a certificate without cells": (
+        ["check", "four-wheel", "--rule", "ellipse", "--certificate", "ellipse.json"],
+        'four-wheel: certificate: required contact.rule "nearest" or "box", received "ellipse"',
+    ),
+    "another suffix": (
         ["check", "four-wheel", "--certificate", "four-wheel.txt"],
-    ],
-)
-def test_bad_input_ends_in_one_line(
-    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(app, arguments) == 2
-    captured = capsys.readouterr()
-    assert captured.err.count("\n") == 1
-    assert "Traceback" not in captured.err
+        "four-wheel.txt: required a file name that ends in .json, received '.txt'",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_ends_in_one_line(invoke: Invoke, tmp_path: Path, case: str) -> None:
+    arguments, message = BAD[case]
+    outcome = invoke(*arguments)
+    assert (outcome.status, outcome.out) == (BAD_INPUT, "")
+    assert outcome.err.startswith(f"nonsmooth: {message}")
+    assert outcome.err.count("\n") == 1
     assert not list(tmp_path.iterdir())

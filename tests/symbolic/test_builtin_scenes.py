@@ -13,8 +13,8 @@ import nonsmooth.symbolic.files.scene_file
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, cross, dot
+from tests.four_wheel import CORNERS
 
-SQUARE = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 HALF = Fraction(1, 2)
 
 
@@ -60,7 +60,7 @@ def test_every_scene_loads(name: str) -> None:
 @pytest.mark.parametrize("name", ["four-wheel", "four-wheel-side"])
 def test_four_wheel(name: str) -> None:
     scene = load_scene(name)
-    assert positions(scene) == SQUARE  # in the order of the quadrants
+    assert positions(scene) == CORNERS  # in the order of the quadrants
     assert turn_of(scene) == {(1, 0)}
 
 
@@ -110,13 +110,13 @@ def test_conveyor_rims_are_tangential() -> None:
 
 
 def test_outward() -> None:
-    assert positions(load_scene("outward")) == SQUARE
+    assert positions(load_scene("outward")) == CORNERS
     assert turn_of(load_scene("outward")) == {(-1, 0)}
 
 
 def test_saddle() -> None:
     scene = load_scene("saddle")
-    assert positions(scene) == SQUARE
+    assert positions(scene) == CORNERS
     assert all(w.direction == (-w.position[0], w.position[1]) for w in scene.wheels)
 
 

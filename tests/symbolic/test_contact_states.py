@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,22 +24,24 @@ from nonsmooth.symbolic.constraints import (
 )
 from nonsmooth.symbolic.contact_states import (
     ContactCensus,
+    ContactState,
     input_rank,
     possible_triples,
     regular_states,
     solve_rows,
     take_census,
 )
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-ROLL = (1, Fraction(1, 2))  # mu_S < mu_R: the third row is a roll row
-SIDE = (Fraction(1, 2), 1)  # mu_S > mu_R: the third row is a side row
 RINGS = range(3, 13)
 SEEDS = range(8)
+SCENES = ("four-wheel", "rectangle", "ring-3", "ring-5", "elliptic", "off-center", "spiral-30")
 
 # Twists are of order 1 to 10 and come from 3 x 3 systems that are far from singular.
 ROUNDING = 1e-12
@@ -53,6 +55,11 @@ def float_row(row: Row) -> list[float]:
     if row.kind is RowKind.ROLL:
         return [dx, dy, -dx * py + dy * px, float(row.wheel.speed)]
     return [-dy, dx, dy * py + dx * px, 0.0]
+
+
+def row_of(state: ContactState, k: int) -> tuple[Number, ...]:
+    row = state.rows[k]
+    return constraint_matrix(row.wheel)[0 if row.kind is RowKind.ROLL else 1]
 
 
 # ---- the annihilator, by its defining identity ---------------------------------------------------
@@ -142,6 +149,25 @@ def test_pose_rate_moves_the_body_point_at_the_centre_of_mass(arrays: Arrays, se
             assert side.residual(state.twist) == a * y - b * x
 
 
+@pytest.mark.parametrize("name", SCENES)
+def test_rows_of_built_in_scenes_annihilate_every_twist(name: str) -> None:
+    states = regular_states(load_scene(name))
+    assert states
+    for state in states:
+        for k in range(3):
+            products = (entry * x for entry, x in zip(row_of(state, k), (*state.twist, 1), strict=True))
+            assert not sum(products)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_control_fields_of_built_in_scenes_recombine_to_the_twist(name: str) -> None:
+    scene = load_scene(name)
+    for state in regular_states(scene):
+        for k in range(3):
+            parts = (g[k] * scene.wheels[wheel - 1].speed for wheel, g in state.control_fields.items())
+            assert sum(parts, scene.field.zero) == state.twist[k]
+
+
 # ---- census --------------------------------------------------------------------------------------
 
 
@@ -204,6 +230,20 @@ def test_cells_reproduce_the_printed_equations(
         for _ in range(5):
             point = arrays.interior_point(cell.polygon, rng)
             assert cell.twists == (printed(*point, root),)
+
+
+@pytest.mark.parametrize(
+    ("name", "printed"), [("four-wheel-side", printed_equation_3), ("four-wheel", printed_equation_4)]
+)
+def test_printed_equations_hold_at_points_of_the_built_in_scenes(
+    name: str, printed: Callable[[Number, Number, Number], Twist]
+) -> None:
+    partition = build_nearest_partition(load_scene(name))
+    field = partition.scene.field
+    places = product((Fraction(k, 16) for k in (-7, -3, 2, 5)), (Fraction(k, 16) for k in (-6, -1, 4, 8)))
+    for x, y in ((field(x), field(y)) for x, y in places):
+        (cell,) = partition.cells_at((x, y))
+        assert cell.twists == (printed(x, y, field.sqrt(2)),)
 
 
 # ---- regular rings -------------------------------------------------------------------------------

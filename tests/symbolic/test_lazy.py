@@ -23,7 +23,7 @@ def numbers(draw: st.DrawFn) -> Number:
     return total
 
 
-@settings(deadline=None, max_examples=150, derandomize=True)
+@settings(max_examples=150)
 @given(numbers(), numbers(), numbers())
 def test_lazy_arithmetic_equals_exact_arithmetic(a: Number, b: Number, c: Number) -> None:
     x, y, z = Lazy.of(a), Lazy.of(b), Lazy.of(c)

@@ -18,7 +18,7 @@ from nonsmooth.symbolic.numbers.number import Number, bits
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+RANDOM = settings(max_examples=60)
 DIGITS = 60
 # A nonzero element of degree n <= 16 whose conjugates are below B = 10^3 and whose denominator divides
 # D = 12^4 is at least D^-n B^(1-n) > 10^-115 in theory; the samples below never come near this gap.

@@ -1,0 +1,45 @@
+"""The command line as a fixture: ``invoke`` runs it in this process, in an empty folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+import pytest
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+
+Record: TypeAlias = dict[str, Any]
+
+
+class Outcome(NamedTuple):
+    """What a run leaves behind."""
+
+    status: int
+    out: str
+    err: str
+
+    @property
+    def record(self) -> Record:
+        """The printed JSON document."""
+        record: Record = json.loads(self.out)
+        return record
+
+
+Invoke: TypeAlias = Callable[..., Outcome]
+
+
+@pytest.fixture
+def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
+    """Run the command line in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> Outcome:
+        capsys.readouterr()
+        status = run(app, arguments)
+        return Outcome(status, *capsys.readouterr())
+
+    return call
