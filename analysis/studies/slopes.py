@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from nonsmooth.analysis.studies.study import Order, Plan, Row
 
 FEWEST = 4  # settings: fewer make no line
-ROUNDING = 1e-13  # errors of quantities of order one below this are rounding
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ def fitted_slopes(study: str, plan: Plan, rows: Iterable[Row]) -> list[Slope]:
         own = [row for row in known if row.method == method]
         points = [(r.setting, r.error) for r in own if r.setting is not None and r.error is not None]
         parameter = next((r.parameter for r in own if r.parameter), "setting")
-        slopes.append(_slope(study, method, parameter, order, [(s, e) for s, e in points if e > ROUNDING]))
+        slopes.append(_slope(study, method, parameter, order, [(s, e) for s, e in points if e > plan.rounding]))
     return slopes
 
 

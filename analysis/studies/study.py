@@ -19,6 +19,8 @@ from typing import Any
 
 from nonsmooth.symbolic.scene import Scene
 
+LONGEST_NOTE = 100  # characters of a solver's own message
+
 
 class Outcome(StrEnum):
     """How a trial ended."""
@@ -135,12 +137,14 @@ class Plan:
         trials: by method, settings from easy to hard.
         orders: what theory says of the methods that have a setting.
         note: what there is to say of the scene.
+        rounding: errors below this are rounding, or beyond the digits of the yardstick, and tell no order.
     """
 
     reference: str
     trials: tuple[Trial, ...]
     orders: Mapping[str, Order] = field(default_factory=dict)
     note: str = ""
+    rounding: float = 1e-13
 
 
 @dataclass(frozen=True)
@@ -195,7 +199,7 @@ class Measurement:
             self._out_of_time[trial.method] = trial
             return self._without_result(trial, Outcome.TIME_OUT, f"not done within {self.limits.seconds:g} s")
         except (RuntimeError, ValueError, ArithmeticError) as error:  # what methods raise that give up
-            return self._without_result(trial, Outcome.FAILED, str(error).partition("\n")[0])
+            return self._without_result(trial, Outcome.FAILED, _first_sentence(str(error)))
         found = trial.judge(result)
         labels = (self.study.name, trial.method, trial.parameter, trial.setting)
         known = (found.details, found.work, found.note)
@@ -218,3 +222,9 @@ class Measurement:
     def _without_result(self, trial: Trial, outcome: Outcome, note: str) -> Row:
         labels = (self.study.name, trial.method, trial.parameter, trial.setting)
         return Row(*labels, None, None, self.plan.reference, outcome, note=note)
+
+
+def _first_sentence(message: str) -> str:
+    """What a method says of its failure, on one line."""
+    sentence = message.partition("\n")[0].partition(". ")[0]
+    return sentence if len(sentence) <= LONGEST_NOTE else f"{sentence[:LONGEST_NOTE]} ..."
