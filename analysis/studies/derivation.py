@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.analysis.studies.study import Clock, Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.studies.clock import Clock
+from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.symbolic.constraints import Row, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.scene import Scene

@@ -27,8 +27,9 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.partitions.point_location import PointLocator
+from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.reference_twists import DIGITS, ReferenceTwist, box_references, ellipse_references
-from nonsmooth.analysis.studies.study import Clock, Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 

@@ -23,8 +23,9 @@ from nonsmooth.analysis.fields.switched_field import ConstantField
 from nonsmooth.analysis.fields.switching_modes import CellModes
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.reference_paths import ReferencePath, reference_paths
-from nonsmooth.analysis.studies.study import Clock, Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import Event, State
 from nonsmooth.analysis.trajectories.smooth import follow_smooth

@@ -24,7 +24,8 @@ from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
-from nonsmooth.analysis.studies.study import Clock, Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.studies.clock import Clock
+from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
