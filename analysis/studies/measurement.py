@@ -33,17 +33,16 @@ class Measurement:
 
     def __init__(self, study: Study, plan: Plan, limits: Limits) -> None:
         self.study, self.plan, self.limits = study, plan, limits
-        self._out_of_time: dict[str, Trial] = {}
+        self._out_of_time: set[str] = set()
 
     def measure(self, trial: Trial) -> Row:
         """Run a trial and judge its result."""
-        earlier = self._out_of_time.get(trial.method)
-        if earlier is not None:
-            return self._without_result(trial, Outcome.TIME_OUT, f"not tried: {earlier.name} ran out of time")
+        if trial.method in self._out_of_time:
+            return self._without_result(trial, Outcome.TIME_OUT, "not tried after a time-out")
         try:
             result, seconds = self._timed(trial)
         except OutOfTime:
-            self._out_of_time[trial.method] = trial
+            self._out_of_time.add(trial.method)
             return self._without_result(trial, Outcome.TIME_OUT, f"not done within {self.limits.seconds:g} s")
         except (RuntimeError, ValueError, ArithmeticError) as error:  # what methods raise that give up
             return self._without_result(trial, Outcome.FAILED, _first_sentence(str(error)))
