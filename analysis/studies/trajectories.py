@@ -37,7 +37,7 @@ TOLERANCES = tuple(10**-k for k in (2, 2.5, 3, 3.5, 4, 4.5, 5))  # relative; abs
 EVENT_TOLERANCES = tuple(10.0**-k for k in (3, 5, 7, 9, 11))
 SOLVERS = ("RK45", "DOP853", "LSODA", "Radau")
 LAYER = Order(1.0, "a switch becomes a layer as thick as the width")
-STRADDLED = Order(1.0, "a step across a switch errs by the tolerance, whatever the order of the method")
+STRADDLED = Order(1.0, "a step across a switch errs by the tolerance, whatever the order; where it falls scatters it")
 IMPLICIT = Order(None, "Newton's method and a variable order meet a field that jumps: no order is predicted")
 NO_STEPS = Order(None, "the field is constant between events, so every step is exact whatever the tolerance")
 
@@ -151,23 +151,39 @@ def _with_layers(field: ConstantField, radius: float) -> list[Entrant]:
 
 def _without_events(field: ConstantField, radius: float) -> list[Entrant]:
     modes = CellModes(smooth_form(field))
+    return [
+        (name, partial(follow_without_events, modes, name, (t, t * radius)), ("tolerance", t))
+        for name in SOLVERS
+        for t in TOLERANCES
+    ]
 
-    def plain(method: str, tolerance: float, path: ReferencePath, clock: Clock) -> Followed:
-        from scipy.integrate import solve_ivp
 
-        def velocity(t: float, x: Vector) -> Vector:
-            clock.check()
-            return modes.velocity(modes.nearest(x))(t, x)
+def follow_without_events(
+    modes: CellModes, method: str, tolerances: tuple[float, float], path: ReferencePath, clock: Clock
+) -> Followed:
+    """SciPy's ``solve_ivp`` on the field as it stands, jumps and all.
 
-        with np.errstate(all="ignore"):  # the implicit methods difference the field across its jumps
-            found = solve_ivp(
-                velocity, (0.0, path.until), path.start, method=method, rtol=tolerance, atol=tolerance * radius
-            )
-        if found.status < 0:
-            raise RuntimeError(found.message)
-        return Followed(found.t.tolist(), found.y.T.tolist(), None, len(found.t))
+    Args:
+        modes: the cells; outside the domain the nearest one rules.
+        method: a method of ``solve_ivp``.
+        tolerances: relative and absolute.
+        path: where to start and when to end.
+        clock: the time limit.
 
-    return [(name, partial(plain, name, s), ("tolerance", s)) for name in SOLVERS for s in TOLERANCES]
+    Raises:
+        RuntimeError: where the method gives up.
+    """
+    from scipy.integrate import solve_ivp
+
+    def velocity(t: float, x: Vector) -> Vector:
+        clock.check()
+        return modes.velocity(modes.nearest(x))(t, x)
+
+    with np.errstate(all="ignore"):  # the implicit methods difference the field across its jumps
+        found = solve_ivp(velocity, (0.0, path.until), path.start, method, rtol=tolerances[0], atol=tolerances[1])
+    if found.status < 0:
+        raise RuntimeError(found.message)
+    return Followed(found.t.tolist(), found.y.T.tolist(), None, len(found.t))
 
 
 def _watched(field: CellwiseField, clock: Clock) -> CellwiseField:
