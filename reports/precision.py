@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -16,18 +16,17 @@ from nonsmooth.analysis.studies.derivation import DERIVATION
 from nonsmooth.analysis.studies.measurement import Limits, Measurement
 from nonsmooth.analysis.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
 from nonsmooth.analysis.studies.slopes import Slope, fitted_slopes
-from nonsmooth.analysis.studies.study import LeftOut, Outcome, Plan, Row, Study
+from nonsmooth.analysis.studies.study import LeftOut, Plan, Row, Study
 from nonsmooth.analysis.studies.trajectories import TRAJECTORIES
 from nonsmooth.analysis.studies.upper_derivative import UPPER_DERIVATIVE
 from nonsmooth.proofs.pruning_study import PRUNING
+from nonsmooth.reports.progress import Announce
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-precision/1"
 STUDIES = (TRAJECTORIES, UPPER_DERIVATIVE, BOX_MINIMIZERS, ELLIPSE_MINIMIZERS, DERIVATION, PRUNING)
 COLUMNS = ("study", "method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note")
-
-Announce: TypeAlias = Callable[[str, int, int], None]  # what is measured now, trials done, trials in all
 
 
 @dataclass(frozen=True)
@@ -70,28 +69,30 @@ class Precision:
 def measure(scene: Scene, studies: Sequence[Study], limits: Limits, announce: Announce) -> Precision:
     """Measure studies one after the other; an interrupt keeps every finished row."""
     finished: list[Measured] = []
+    for study in studies:
+        measured, complete = _measured(scene, study, limits, announce)
+        finished += [measured] if complete or measured.rows else []
+        if not complete:
+            return Precision(scene, limits, tuple(finished), complete=False)
+    return Precision(scene, limits, tuple(finished), complete=True)
+
+
+def _measured(scene: Scene, study: Study, limits: Limits, announce: Announce) -> tuple[Measured, bool]:
+    """One study, and whether it was not interrupted."""
     rows: list[Row] = []
     plan: Plan | None = None
-    study = studies[0]
     try:
-        for study in studies:
-            plan, rows = None, []
-            announce(study.name, 0, 0)
-            try:
-                plan = study.build(scene)
-            except LeftOut as reason:
-                finished.append(Measured(study, None, (), str(reason)))
-                continue
-            measurement = Measurement(study, plan, limits)
-            for trial in plan.trials:
-                announce(f"{study.name}: {trial.name}", len(rows), len(plan.trials))
-                rows.append(measurement.measure(trial))
-            finished.append(Measured(study, plan, tuple(rows)))
+        announce(study.name, 0, 0)
+        plan = study.build(scene)
+        measurement = Measurement(study, plan, limits)
+        for trial in plan.trials:
+            announce(f"{study.name}: {trial.name}", len(rows), len(plan.trials))
+            rows.append(measurement.measure(trial))
+    except LeftOut as reason:
+        return Measured(study, None, (), str(reason)), True
     except KeyboardInterrupt:
-        if plan is not None and rows:
-            finished.append(Measured(study, plan, tuple(rows)))
-        return Precision(scene, limits, tuple(finished), complete=False)
-    return Precision(scene, limits, tuple(finished), complete=True)
+        return Measured(study, plan, tuple(rows)), False
+    return Measured(study, plan, tuple(rows)), True
 
 
 # ---- JSON and CSV --------------------------------------------------------------------------------
@@ -200,8 +201,3 @@ def slope_text(slope: Slope) -> str:
 def _remark(row: Row) -> str:
     """The note of a row, or its work."""
     return row.note or ", ".join(f"{count} {what}" for what, count in row.work.items())
-
-
-def unfinished(row: Row) -> bool:
-    """Whether a row has no result."""
-    return row.outcome is not Outcome.DONE
