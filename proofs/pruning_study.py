@@ -5,13 +5,11 @@ The yardstick is the whole check of the same array, and the error is the number 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.studies.clock import Clock
-from nonsmooth.analysis.studies.study import Finding, LeftOut, Plan, Study, Trial
+from nonsmooth.analysis.studies.study import Finding, Plan, Study, Trial
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.symbolic.contact_states import possible_triples
@@ -22,14 +20,8 @@ PRUNED, WHOLE = "pruned", "whole"
 
 
 def build_pruning(scene: Scene) -> Plan:
-    """The plan for every contact rule under which the array can be checked.
-
-    Raises:
-        LeftOut: where no rule determines the motion.
-    """
+    """The plan for every contact rule; a rule that refuses the array fails, and says why."""
     trials = tuple(trial for rule in Rule for trial in _trials(scene, rule))
-    if not trials:
-        raise LeftOut("no contact rule determines the motion in the square")
     return Plan("the verdicts of the check that leaves out nothing", trials)
 
 
@@ -38,19 +30,38 @@ PRUNING = Study(
 )
 
 
-def _trials(scene: Scene, rule: Rule) -> Iterator[Trial]:
+def _trials(scene: Scene, rule: Rule) -> tuple[Trial, Trial]:
     ruled = replace(scene, contact=replace(scene.contact, rule=rule))
-    try:
-        whole = verdicts(check_theorem4(ruled, prune=False))
-    except RefusalError:
-        return
-    for name in (PRUNED, WHOLE):
-        yield Trial(f"{rule}, {name}", partial(_check, ruled, name == PRUNED), partial(_judge, whole))
+    whole = _WholeCheck(ruled)
+    judge = partial(_judge, whole)
+    return Trial(f"{rule}, {WHOLE}", whole.run, judge), Trial(f"{rule}, {PRUNED}", partial(_pruned, ruled), judge)
 
 
-def _check(scene: Scene, prune: bool, clock: Clock) -> CellCheck | EllipseCheck:
+class _WholeCheck:
+    """The check that leaves out nothing; its verdicts are kept, because it is also the yardstick."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._verdicts: tuple[str, ...] | None = None
+
+    def run(self, clock: Clock) -> CellCheck | EllipseCheck:
+        """Check, and remember the verdicts."""
+        clock.check()
+        result = check_theorem4(self.scene, prune=False)
+        self._verdicts = verdicts(result)
+        return result
+
+    @property
+    def verdicts(self) -> tuple[str, ...]:
+        """The verdicts; the check is run where it has not been."""
+        if self._verdicts is None:
+            self._verdicts = verdicts(check_theorem4(self.scene, prune=False))
+        return self._verdicts
+
+
+def _pruned(scene: Scene, clock: Clock) -> CellCheck | EllipseCheck:
     clock.check()
-    return check_theorem4(scene, prune=prune)
+    return check_theorem4(scene)
 
 
 def verdicts(result: CellCheck | EllipseCheck) -> tuple[str, ...]:
@@ -59,12 +70,12 @@ def verdicts(result: CellCheck | EllipseCheck) -> tuple[str, ...]:
     return tuple(clause.verdict.value for clause in clauses)
 
 
-def _judge(whole: tuple[str, ...], found: CellCheck | EllipseCheck) -> Finding:
+def _judge(whole: _WholeCheck, found: CellCheck | EllipseCheck) -> Finding:
     work = {"row triples": possible_triples(len(found.scene.wheels))}
     if isinstance(found, CellCheck):
         partition = found.partition
         work |= {"wheels": partition.wheels_considered, "contact states": len(partition.states)}
         work["cells"] = len(partition.cells)
     work["left out"] = len(found.skipped)
-    differing = sum(mine != theirs for mine, theirs in zip(verdicts(found), whole, strict=True))
+    differing = sum(mine != theirs for mine, theirs in zip(verdicts(found), whole.verdicts, strict=True))
     return Finding(float(differing), work=work, note="; ".join(step.what for step in found.skipped))

@@ -1,7 +1,7 @@
 """The page ``docs/precision.md`` with its figure: ``python -m nonsmooth.reports.precision_page docs``.
 
-Errors, slopes and verdicts on the page are the same on every machine up to rounding; times are those of the machine that
-wrote it, and the page says so.
+Errors, slopes and verdicts on the page are the same on every machine up to rounding; times are those of the machine
+that wrote it, and the page says so.
 """
 
 from __future__ import annotations
@@ -95,8 +95,8 @@ def _machine(shown: Precision) -> str:
     limits = shown.limits
     return (
         f"Times: the shortest of at most {limits.runs} runs within {limits.seconds:g} s, on {os.cpu_count()} cores "
-        f"({platform.machine()}),\nPython {platform.python_version()}. Another machine has other times, and much the same "
-        "ratios.\n"
+        f"({platform.machine()}),\nPython {platform.python_version()}. "
+        "Another machine has other times, and much the same ratios.\n"
     )
 
 
