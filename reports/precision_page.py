@@ -6,7 +6,6 @@ that wrote it, and the page says so.
 
 from __future__ import annotations
 
-import os
 import platform
 import sys
 from collections.abc import Iterable, Iterator, Sequence
@@ -23,8 +22,8 @@ from nonsmooth.reports.progress import Announce, progress_bar
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 
 SHOWN = "four-wheel"
-LIMITS = Limits(runs=5, seconds=10.0)
-PRUNING_LIMITS = Limits(runs=3, seconds=30.0)  # a whole check is one long trial
+LIMITS = Limits()
+PRUNING_LIMITS = Limits(runs=2, seconds=10.0)  # a whole check is one long trial
 
 INTRODUCTION = """\
 # Error against run time
@@ -36,7 +35,7 @@ is measured against a finer run of itself.
 ADVICE = """\
 ## How to read the figure
 
-Each panel is a work-precision diagram: the error across, the run time upwards, both logarithmic, so that a better
+Each panel is a work-precision diagram: the error across, the processor time upwards, both logarithmic, so that a better
 method lies further to the left and further down. A line joins the settings of one method, from easy to hard. Stars on
 the dotted line are errors of exactly zero, or too small to be told from it; open marks at the dashed line ran out of
 time or failed, and stand above the last setting that did not. Times of a factor of two mean little, since they change
@@ -94,8 +93,8 @@ def page_text(shown: Precision, pruned: Sequence[Precision]) -> str:
 def _machine(shown: Precision) -> str:
     limits = shown.limits
     return (
-        f"Times: the shortest of at most {limits.runs} runs within {limits.seconds:g} s, on {os.cpu_count()} cores "
-        f"({platform.machine()}),\nPython {platform.python_version()}. "
+        f"Times: processor time, the shortest of at most {limits.runs} runs within {limits.seconds:g} s, on "
+        f"{platform.machine()} under\nPython {platform.python_version()}. "
         "Another machine has other times, and much the same ratios.\n"
     )
 

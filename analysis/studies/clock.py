@@ -1,7 +1,8 @@
 """A time limit that work asks after wherever it loops.
 
 Cooperative: nothing is interrupted from outside, so the limit is overrun by at most one step of a loop, results are
-never half-made, and no signal, thread or second process is needed.
+never half-made, and no signal, thread or second process is needed.  Time is the processor time of this process (all its
+threads): what a method costs, whatever else the machine does meanwhile.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ class Clock:
     """A time limit that work asks after.
 
     Args:
-        seconds: the limit, from now.
+        seconds: the limit, from now, in processor time.
     """
 
     def __init__(self, seconds: float) -> None:
-        self._start, self._limit = time.perf_counter(), seconds
+        self._start, self._limit = time.process_time(), seconds
 
     @property
     def elapsed(self) -> float:
-        """Seconds since the start."""
-        return time.perf_counter() - self._start
+        """Seconds of processor time since the start."""
+        return time.process_time() - self._start
 
     def check(self) -> None:
         """Raise :class:`OutOfTime` once the limit is reached."""

@@ -1,7 +1,8 @@
 """Measuring the trials of a study, one by one.
 
-The time is the shortest of several runs, the one that other processes disturbed least.  Once a setting of a method runs
-out of time the harder ones after it are not tried.  What methods raise that give up is an outcome, not a fault.
+The time is processor time, the shortest of several runs: the one that the rest of the machine disturbed least.  Once a
+setting of a method runs out of time the harder ones after it are not tried.  What methods raise that give up is an
+outcome, not a fault.
 """
 
 from __future__ import annotations

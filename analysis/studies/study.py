@@ -1,4 +1,4 @@
-"""A study: methods at their settings, each with its error against a yardstick and its run time.
+"""A study: methods at their settings, each with its error against a yardstick and its processor time.
 
 A study is first built (:class:`Plan`: the yardstick and a list of trials, nothing timed yet) and then measured trial by
 trial, so that a caller can show progress and keep what is finished when it is interrupted.  Work-precision diagrams in

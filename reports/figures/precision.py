@@ -1,4 +1,4 @@
-"""Work-precision diagrams: one log-log panel for each study, error across and run time upwards.
+"""Work-precision diagrams: one log-log panel for each study, error across and processor time upwards.
 
 Errors at or below a floor, exact zeros among them, stand as stars on a dotted line at the floor: a logarithm has no
 place for them.  Methods that ran out of time or failed stand as open marks at the time limit, above their last error.
@@ -53,7 +53,7 @@ def build_figure(precision: Precision) -> Figure:
 def _draw(axes: Axes, measured: Measured, limit: float) -> None:
     """One study."""
     floor = _floor(measured)
-    axes.set(xscale="log", yscale="log", xlabel=measured.study.quantity, ylabel="run time [s]")
+    axes.set(xscale="log", yscale="log", xlabel=measured.study.quantity, ylabel="processor time [s]")
     axes.set_title(measured.study.title, fontsize="medium", loc="left")
     axes.grid(color="0.9", linewidth=0.6)
     methods = list(dict.fromkeys(row.method for row in measured.rows))

@@ -38,13 +38,21 @@ def endless(clock: Clock) -> float:
         clock.check()
 
 
+def spend(seconds: float) -> float:
+    """Keep the processor busy."""
+    start = time.process_time()
+    while time.process_time() < start + seconds:
+        pass
+    return 0.0
+
+
 def test_a_row_holds_error_time_and_yardstick() -> None:
     def work(clock: Clock) -> float:
-        time.sleep(PAUSE)
+        spend(PAUSE)
         return 0.25
 
-    (row,) = measured(trial("sleep", work, 1e-3, repeats=2))
-    assert (row.study, row.method, row.parameter, row.setting) == ("test", "sleep", "width", 1e-3)
+    (row,) = measured(trial("busy", work, 1e-3, repeats=2))
+    assert (row.study, row.method, row.parameter, row.setting) == ("test", "busy", "width", 1e-3)
     assert (row.error, row.reference, row.outcome) == (0.25, "what is known", Outcome.DONE)
     assert row.seconds is not None
     assert row.seconds >= PAUSE / 2
@@ -55,13 +63,22 @@ def test_the_shortest_run_counts() -> None:
     waiting = iter(pauses)
 
     def work(clock: Clock) -> float:
-        time.sleep(next(waiting))
+        spend(next(waiting))
         return 0.0
 
-    (row,) = measured(trial("sleep", work), limits=Limits(3, 60))
+    (row,) = measured(trial("busy", work), limits=Limits(3, 60))
     assert next(waiting, None) is None
     assert row.seconds is not None
     assert PAUSE <= row.seconds < max(pauses)
+
+
+def test_waiting_costs_no_processor_time() -> None:
+    def work(clock: Clock) -> float:
+        time.sleep(5 * PAUSE)
+        return 0.0
+
+    (row,) = measured(trial("idle", work), limits=Limits(1, 4 * PAUSE))
+    assert row.outcome is Outcome.DONE
 
 
 def test_runs_that_would_not_fit_into_the_limit_are_left_out() -> None:
@@ -69,10 +86,10 @@ def test_runs_that_would_not_fit_into_the_limit_are_left_out() -> None:
 
     def work(clock: Clock) -> float:
         runs.append(None)
-        time.sleep(0.6 * LIMITS.seconds)
+        spend(0.6 * LIMITS.seconds)
         return 0.0
 
-    (row,) = measured(trial("sleep", work))
+    (row,) = measured(trial("busy", work))
     assert row.outcome is Outcome.DONE
     assert len(runs) == 1
 
@@ -96,7 +113,7 @@ def test_harder_settings_are_not_tried_after_a_time_out() -> None:
 
 
 def test_a_result_that_comes_too_late_does_not_count() -> None:
-    (row,) = measured(trial("sleep", lambda clock: time.sleep(2 * PAUSE)), limits=Limits(1, PAUSE))
+    (row,) = measured(trial("busy", lambda clock: spend(2 * PAUSE)), limits=Limits(1, PAUSE))
     assert row.outcome is Outcome.TIME_OUT
 
 
@@ -116,7 +133,7 @@ def test_faults_of_the_program_are_not_outcomes() -> None:
 def test_a_clock_raises_after_its_limit_only() -> None:
     Clock(60).check()
     late = Clock(0)
-    time.sleep(PAUSE)
+    spend(PAUSE)
     with pytest.raises(OutOfTime):
         late.check()
 

@@ -197,7 +197,7 @@ def test_axes_have_names_units_and_logarithms() -> None:
     assert [panel.get_title(loc="left") for panel in panels] == ["test: a title", "other: a title"]
     for panel in panels:
         assert (panel.get_xscale(), panel.get_yscale()) == ("log", "log")
-        assert (panel.get_xlabel(), panel.get_ylabel()) == ("error [length]", "run time [s]")
+        assert (panel.get_xlabel(), panel.get_ylabel()) == ("error [length]", "processor time [s]")
         legend = panel.get_legend()
         assert legend is not None
         assert [text.get_text() for text in legend.get_texts()] == (
