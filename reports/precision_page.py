@@ -41,20 +41,27 @@ the dotted line are errors of exactly zero, or too small to be told from it; ope
 time or failed, and stand above the last setting that did not. Times of a factor of two mean little, since they change
 with the machine and with what else it does; slopes and the order of methods that lie a decade apart do not. Under each
 table stands the slope of log(error) over log(setting) beside the one that theory predicts, or the reason why it
-predicts none.
+predicts none. Errors of event times are given where a method looks for events, at the edges that a path meets first.
 
 ## Which method to choose
 
-For trajectories take the event-driven method: its error is rounding, no setting has to be chosen, and it is faster than
-any other at an error of one per cent or less; with exact numbers it costs some ten times as much and has no error at
-all. Hysteresis, smoothing and plain SciPy solvers are for comparison, or for fields of which only values are known:
-smoothing with a stiff solver is then the cheapest, since hysteresis pays for its width with switches and a Runge-Kutta
-method for its tolerance with rejected steps along every slide. To decide the sign of V\\* take the exact cells: samples
-always come out too small, a hundred times more of them gain one digit where the largest value sits at a vertex, and
-none of them proves anything. For minimizers take the explicit cells where many points are asked for, HiGHS or the
-enumeration for a few (box), and the interior point with its Newton steps (ellipse); a conic solver's tolerance on the
-duality gap leaves an error of its square root in the twist. Derive contact states in the number field: it is hundreds
-of times faster than naive SymPy and as exact; balls are as fast but cannot tell that a triple is singular.
+For trajectories take the event-driven method: its error is rounding, no setting has to be chosen, and no other method is
+as fast at any of its settings; with exact numbers it takes five to ten times as long and has no error at all. Hysteresis,
+smoothing and plain SciPy solvers are for comparison, or for fields of which only values are known: smoothing with a
+stiff solver is then the cheapest, since hysteresis pays for its width with switches and a Runge-Kutta method for its
+tolerance with rejected steps along every slide. To decide the sign of V\\* take the exact cells: samples always come out
+too small, a hundred times more of them gain one digit where the largest value sits at a vertex, and none of them proves
+anything. For minimizers take the explicit cells where many points are asked for, HiGHS or the enumeration for a few
+(box), and the interior point with its Newton steps (ellipse), where a tolerance on the duality gap leaves an error of
+its square root in the twist. Derive contact states in the number field: it is as exact as naive SymPy in less than a
+hundredth of its time; balls are faster still, but cannot tell that a triple is singular.
+"""
+PRUNING_NOTE = """\
+Every built-in array under every contact rule: the check that leaves out what no verdict needs against the whole one
+(`--no-prune`). The last column counts the verdicts that differ. The built-in arrays are small: under rule `nearest` all
+wheels matter, and only large arrays gain (a grid of 7 x 7 wheels in `make bench`: more than tenfold). Under `box` and
+`ellipse` the lemma on inward rims spares cells and samples; what remains under `box` is nearly all the sampled feedback
+clause, which both checks need.
 """
 
 
@@ -86,7 +93,7 @@ def page_text(shown: Precision, pruned: Sequence[Precision]) -> str:
     parts = [INTRODUCTION, _machine(shown), ADVICE, f"## The array `{scene}`\n"]
     parts.append(f"![error against run time for {scene}](precision/{SHOWN}.svg)\n")
     parts += [part for measured in shown.studies for part in _study(measured)]
-    parts += ["## What pruning saves\n", _pruning_note(), _pruning(pruned)]
+    parts += ["## What pruning saves\n", PRUNING_NOTE, _pruning(pruned)]
     return "\n".join(parts)
 
 
@@ -100,7 +107,8 @@ def _machine(shown: Precision) -> str:
 
 
 def _study(measured: Measured) -> Iterator[str]:
-    yield f"### {_escaped(measured.study.title.capitalize())}\n"
+    title = measured.study.title
+    yield f"### {_escaped(title[0].upper() + title[1:])}\n"
     if measured.plan is None:
         yield f"Left out: {_escaped(measured.left_out)}.\n"
         return
@@ -125,15 +133,6 @@ def _slope(slope: Slope) -> tuple[str, ...]:
 
 
 # ---- pruning -------------------------------------------------------------------------------------
-
-
-def _pruning_note() -> str:
-    return (
-        "Every built-in array under every contact rule: the check that leaves out what no verdict needs against the "
-        "whole one\n(`--no-prune`). The last column counts the verdicts that differ. A dash: the rule refuses the "
-        "array. The built-in arrays\nare small, so that under rule `nearest` all wheels matter and only large arrays "
-        "gain; under `box` and `ellipse` the lemma\non inward rims spares cells and samples.\n"
-    )
 
 
 def _pruning(pruned: Iterable[Precision]) -> str:

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from itertools import combinations, islice
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+import sympy
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.studies.clock import Clock
@@ -21,9 +22,6 @@ from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Stud
 from nonsmooth.symbolic.constraints import Row, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.scene import Scene
-
-if TYPE_CHECKING:
-    import sympy
 
 RowTriple: TypeAlias = tuple[Row, Row, Row]
 Exact: TypeAlias = tuple[Any, ...]
@@ -83,8 +81,6 @@ def _by_field(triples: Sequence[RowTriple], clock: Clock) -> list[ContactState |
 
 
 def _by_sympy(triples: Sequence[RowTriple], clock: Clock) -> list[sympy.Matrix]:
-    import sympy
-
     sympy.core.cache.clear_cache()  # every run pays for itself
     found = []
     for rows in triples:

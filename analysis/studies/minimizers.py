@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
-from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
+from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -58,6 +58,7 @@ def build_box(scene: Scene) -> Plan:
     except RefusalError as error:
         raise LeftOut(str(error)) from None
     references = _enough(box_references(partition), "inside a cell with one twist")
+    import_solvers()
     points = np.array([reference.point for reference in references])
     model = contact_model(boxed)
     judge = partial(_judge, references)
@@ -84,6 +85,7 @@ def build_ellipse(scene: Scene) -> Plan:
         references = _enough(ellipse_references(scene), "where every loaded wheel slips")
     except RefusalError as error:
         raise LeftOut(str(error)) from None
+    import_solvers()
     points = np.array([reference.point for reference in references])
     model = contact_model(scene)
     interior = partial(_minimized, EllipseInterior(), model, points)

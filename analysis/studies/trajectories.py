@@ -7,6 +7,8 @@ What theory predicts of the largest distance from the path:
   control shrinks that step until the error is the tolerance (Hairer, Norsett & Wanner 1993, sec. II.6), and along a
   slide it does so at every step: slope 1 in the tolerance, while the number of steps grows like its inverse;
 - with events the field between two of them is constant, and every step is exact whatever the tolerance: no slope.
+
+Event times are compared where a path first meets the same edges, and only for methods that look for events.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
 from nonsmooth.analysis.fields.smooth_field import Member, Vector, Velocity
@@ -173,7 +176,6 @@ def follow_without_events(
     Raises:
         RuntimeError: where the method gives up.
     """
-    from scipy.integrate import solve_ivp
 
     def velocity(t: float, x: Vector) -> Vector:
         clock.check()

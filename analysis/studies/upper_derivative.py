@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.fields.hulls import hull_upper_derivative_on
 from nonsmooth.analysis.fields.sampling import literal_twists
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
+from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
@@ -36,7 +36,7 @@ SAMPLES = tuple(round(10**k) for k in (2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6))
 SETS = 4  # of random samples: the mean of their errors scatters half as much as one
 TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))
 BLOCK = {Rule.NEAREST: 1 << 15, Rule.BOX: 64}  # points between two looks at the clock
-STOPS = Order(None, "splitting methods are polished or end at the vertex: better than asked for")
+STOPS = Order(None, "the tolerance bounds residuals, and with two unknowns splitting often ends at the vertex itself")
 GAP = Order(1.0, "the tolerance bounds the gap, which is the error of the value")
 
 
@@ -51,6 +51,7 @@ def build_upper_derivative(scene: Scene) -> Plan:
         partition = build_partition(centred)
     except RefusalError as error:
         raise LeftOut(f"no exact V*: {error}") from None
+    import_solvers()
     exact = largest_derivative(partition)
     trials = [Trial("exact cells", partial(_exactly, centred), partial(_judge_exactly, exact))]
     judge = partial(_judge, float(exact))

@@ -18,6 +18,7 @@ from nonsmooth.analysis.fields.cellwise_field import smooth_form
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
 from nonsmooth.analysis.fields.switching_modes import CellModes
+from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.derivation import DERIVATION
@@ -159,3 +160,13 @@ def test_exact_methods_have_no_error(arrays: Arrays) -> None:
     for study, method in exact.items():
         trial = next(t for t in study.build(scene).trials if t.method == method)
         assert trial.judge(trial.work(Clock(SECONDS))).error == 0
+
+
+@pytest.mark.parametrize("solver", list(ConeSolver))
+def test_solvers_print_nothing(solver: ConeSolver, capfd: pytest.CaptureFixture[str]) -> None:
+    """Not even past Python's own streams: the output may be JSON."""
+    plan = UPPER_DERIVATIVE.build(load_scene("conveyor-3"))
+    for trial in plan.trials:
+        if trial.method == f"hulls, {solver.label}":
+            trial.work(Clock(SECONDS))
+    assert capfd.readouterr() == ("", "")
