@@ -45,16 +45,17 @@ predicts none. Errors of event times are given where a method looks for events, 
 
 ## Which method to choose
 
-For trajectories take the event-driven method: its error is rounding, no setting has to be chosen, and no other method is
-as fast at any of its settings; with exact numbers it takes five to ten times as long and has no error at all. Hysteresis,
-smoothing and plain SciPy solvers are for comparison, or for fields of which only values are known: smoothing with a
-stiff solver is then the cheapest, since hysteresis pays for its width with switches and a Runge-Kutta method for its
-tolerance with rejected steps along every slide. To decide the sign of V\\* take the exact cells: samples always come out
-too small, a hundred times more of them gain one digit where the largest value sits at a vertex, and none of them proves
-anything. For minimizers take the explicit cells where many points are asked for, HiGHS or the enumeration for a few
-(box), and the interior point with its Newton steps (ellipse), where a tolerance on the duality gap leaves an error of
-its square root in the twist. Derive contact states in the number field: it is as exact as naive SymPy in less than a
-hundredth of its time; balls are faster still, but cannot tell that a triple is singular.
+For trajectories take the event-driven method: its error is rounding, no setting has to be chosen, and no other method
+is as fast at any of its settings; with exact numbers it takes five to ten times as long and has no error at all.
+Hysteresis, smoothing and plain SciPy solvers are for comparison, or for fields of which only values are known:
+smoothing with a stiff solver is then the cheapest, since hysteresis pays for its width with switches and a
+Runge-Kutta method for its tolerance with rejected steps along every slide. To decide the sign of V\\* take the exact
+cells: samples always come out too small, a hundred times more of them gain one digit where the largest value sits at
+a vertex, and none of them proves anything. For minimizers take the explicit cells where many points are asked for,
+HiGHS or the enumeration for a few (box), and the interior point with its Newton steps (ellipse), where a tolerance on
+the duality gap leaves an error of its square root in the twist. Derive contact states in the number field: it is as
+exact as naive SymPy in less than a hundredth of its time; balls are faster still, but cannot tell that a triple is
+singular.
 """
 PRUNING_NOTE = """\
 Every built-in array under every contact rule: the check that leaves out what no verdict needs against the whole one
