@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from nonsmooth.analysis.studies.clock import Clock, OutOfTime
-from nonsmooth.analysis.studies.measurement import Limits, Measurement
+from nonsmooth.analysis.studies.measurement import REPEATED, Limits, Measurement
 from nonsmooth.analysis.studies.slopes import FEWEST, fitted_slopes, log_slope
 from nonsmooth.analysis.studies.study import Finding, Order, Outcome, Plan, Row, Study, Trial
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -81,12 +81,12 @@ def test_waiting_costs_no_processor_time() -> None:
     assert row.outcome is Outcome.DONE
 
 
-def test_runs_that_would_not_fit_into_the_limit_are_left_out() -> None:
+def test_long_runs_are_not_repeated() -> None:
     runs: list[None] = []
 
     def work(clock: Clock) -> float:
         runs.append(None)
-        spend(0.6 * LIMITS.seconds)
+        spend(REPEATED * LIMITS.seconds)
         return 0.0
 
     (row,) = measured(trial("busy", work))

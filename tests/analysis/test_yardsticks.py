@@ -52,9 +52,12 @@ def test_four_wheels_arrive_as_the_closed_form_says() -> None:
         assert float(path.events[0].t) == pytest.approx(abs(abs(y) - abs(x)) / math.sqrt(2), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", builtin_scenes())
-def test_paths_are_compared_inside_the_square_and_while_they_are_unique(name: str) -> None:
-    scene = load_scene(name)
+CELLS = [(name, "nearest") for name in builtin_scenes()] + [(name, "box") for name in ("off-center", "ring-5")]
+
+
+@pytest.mark.parametrize(("name", "rule"), CELLS)
+def test_paths_are_compared_inside_the_square_and_while_they_are_unique(name: str, rule: str) -> None:
+    scene = load_scene(name, rule=rule)
     radius = float(scene.check.radius)
     for path in reference_paths(build_partition(scene))[1]:
         assert all(event.kind is not EventKind.NONUNIQUE for event in path.events)
