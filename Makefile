@@ -8,10 +8,10 @@ PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check -c c
 REPORT := build/four-wheel.md
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format bench clean
+.PHONY: help demo test lint format bench precision clean
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: $(INSTALLED) ## check the four-wheel array under every contact rule and write its derivation report
 	$(BIN)/nonsmooth check four-wheel
@@ -38,6 +38,9 @@ format: $(INSTALLED) ## format the code and mend what ruff can mend
 bench: $(INSTALLED) ## run the measured comparisons in tests/benchmarks
 	@$(PIP_INSTALL) --no-build-isolation -e '.[bench]'
 	$(BIN)/python -m pytest tests/benchmarks
+
+precision: $(INSTALLED) ## measure error against run time and write docs/precision.md (some minutes)
+	$(BIN)/python -m nonsmooth.reports.precision_page docs
 
 clean: ## remove all that make has built, .venv included
 	rm -rf .venv build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -34,4 +34,5 @@ class Method(StrEnum):
 
     EVENTS = "events"
     HYSTERESIS = "hysteresis"
+    SMOOTHED = "smoothed"
     DYNAMICS = "dynamics"

@@ -42,7 +42,7 @@ class Run:
         kinematics: exact pose or leading order.
         method: see :class:`Method`.
         law: feedback law; None for the scene's own speeds.
-        width: of the hysteresis.
+        width: of the hysteresis or of the smoothing.
     """
 
     start: tuple[float, float, float]
@@ -62,11 +62,12 @@ def follow(partition: Partition, run: Run) -> Trajectory:
     field: Any = array_field(partition, run.kinematics)
     if run.law is not None:
         field = feedback_field(partition, _speeds(partition, run.law), run.kinematics)
-    if run.method is Method.HYSTERESIS:
-        from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
+    if run.method is Method.EVENTS:
+        return simulate(field, run.start, run.until)
+    from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 
-        return simulate_hysteresis(field, run.start, run.until, run.width)
-    return simulate(field, run.start, run.until)
+    compared = simulate_hysteresis if run.method is Method.HYSTERESIS else simulate_smoothed
+    return compared(field, run.start, run.until, run.width)
 
 
 def _speeds(partition: Partition, law: Law) -> SpeedLaw:

@@ -38,11 +38,12 @@ def follow_system(
         SceneError: for formulas that are no polynomials where the solution goes.
     """
     field = build_sign_field(equations, start)
-    if method is Method.HYSTERESIS:
-        from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
+    if method is Method.EVENTS:
+        return SystemPath(equations, field, simulate(field, start, until))
+    from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 
-        return SystemPath(equations, field, simulate_hysteresis(field, start, until, width))
-    return SystemPath(equations, field, simulate(field, start, until))
+    compared = simulate_hysteresis if method is Method.HYSTERESIS else simulate_smoothed
+    return SystemPath(equations, field, compared(field, start, until, width))
 
 
 def system_path_record(path: SystemPath) -> dict[str, Any]:

@@ -10,8 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, solve_program
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
+
+TOLERANCE = 1e-8  # Clarabel's own
 
 
 def hull_upper_derivative_at(partition: Partition, point: Point) -> float:
@@ -26,8 +29,14 @@ def hull_upper_derivative_at(partition: Partition, point: Point) -> float:
     return float(problem.solve())
 
 
-def hull_upper_derivative_on(cell: Cell) -> float:
-    """``max 2 c . v`` over the closed cell, given by its half-planes."""
+def hull_upper_derivative_on(
+    cell: Cell, solver: ConeSolver = ConeSolver.CLARABEL, tolerance: float = TOLERANCE
+) -> float:
+    """``max 2 c . v`` over the closed cell, given by its half-planes.
+
+    Raises:
+        RuntimeError: where the solver gives up.
+    """
     import cvxpy as cp
 
     c = cp.Variable(2)
@@ -37,5 +46,5 @@ def hull_upper_derivative_on(cell: Cell) -> float:
     for twist in cell.twists:
         velocity = np.array([float(twist.vx), float(twist.vy)])
         problem = cp.Problem(cp.Maximize(2 * velocity @ c), [offsets - normals @ c >= 0])
-        best = max(best, float(problem.solve()))
+        best = max(best, solve_program(problem, solver, tolerance))
     return best

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from nonsmooth.symbolic.scene import Scene
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
+NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ def sample_upper_derivative(scene: Scene, samples: int, seed: int = 0) -> Sample
     rng = np.random.default_rng(seed)
     radius = float(scene.check.radius)
     points = rng.uniform(-radius, radius, size=(samples, 2))
-    rates = np.array([2 * literal_twist(scene, point)[:2] @ point for point in points])
+    rates = 2 * (literal_twists(scene, points)[:, :2] * points).sum(axis=1)
     relative = rates / np.hypot(*points.T)
     best = int(np.argmax(relative))
     return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
@@ -41,15 +42,38 @@ def sample_upper_derivative(scene: Scene, samples: int, seed: int = 0) -> Sample
 
 def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float64]:
     """Twist of rule ``nearest`` at a point: wheels by distance, larger friction first, greedy to rank three."""
+    return _greedy_twist(scene, point)[0]
+
+
+def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """:func:`literal_twist` at points (m, 2), shape (m, 3): once for all points with the same nearest wheels."""
+    positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    nearest = min(len(positions), NEAREST)
+    distances = np.hypot(*(points[:, None, :] - positions).transpose(2, 0, 1))
+    order = np.argsort(distances, axis=1, kind="stable")[:, :nearest]
+    codes = order @ len(positions) ** np.arange(nearest)
+    _, first, group = np.unique(codes, return_index=True, return_inverse=True)
+    found = [_greedy_twist(scene, points[k]) for k in first]
+    twists = np.array([twist for twist, _ in found])[group]
+    for number in (k for k, (_, used) in enumerate(found) if used > nearest):  # wheels farther away decide
+        members = np.flatnonzero(group == number)
+        twists[members] = [literal_twist(scene, points[k]) for k in members]
+    return np.asarray(twists)
+
+
+def _greedy_twist(scene: Scene, point: NDArray[np.float64]) -> tuple[NDArray[np.float64], int]:
+    """The twist, and how many of the nearest wheels were asked for rows."""
     rows: list[NDArray[np.float64]] = []
     rhs: list[float] = []
-    for normal, speed in _ordered_rows(scene, point):
+    used = 0
+    for number, (normal, speed) in enumerate(_ordered_rows(scene, point)):
         if np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE) > len(rows):
             rows.append(normal)
             rhs.append(speed)
         if len(rows) == 3:
+            used = number // 2 + 1
             break
-    return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs)))
+    return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs))), used
 
 
 def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], float]]:

@@ -118,6 +118,10 @@ class CellModes:
         best = int(np.argmax(margins))
         return best if margins[best] >= 0 else None
 
+    def nearest(self, x: Vector) -> Mode:
+        """The cell that holds the position or, outside the domain, violates the least."""
+        return int(np.argmax(self._margins(x)))
+
     def margin(self, mode: Mode, x: Vector) -> float:
         """Distance from the nearest side."""
         polygon = self.field.cells.polygons[mode]

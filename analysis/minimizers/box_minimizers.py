@@ -29,7 +29,13 @@ MAX_WHEELS = 40  # 82,160 triples: about a second and 20 MB for each
 
 @dataclass(frozen=True)
 class BoxHighs:
-    """The dual linear program, by HiGHS (dual simplex), point by point; exact to rounding."""
+    """The dual linear program, by HiGHS (dual simplex), point by point; exact to rounding.
+
+    Attributes:
+        tolerance: feasibility tolerance, on rows and limits of order 1.
+    """
+
+    tolerance: float = HIGHS_FEASIBILITY
 
     @property
     def functional(self) -> Functional:
@@ -44,18 +50,18 @@ class BoxHighs:
         twists, forces = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
         for k, limits in enumerate(model.limits(normal)):
             most = float(limits.max()) or 1.0
-            shares, multipliers = _most_power(rows, targets, limits.reshape(-1) / most)
+            shares, multipliers = _most_power(rows, targets, limits.reshape(-1) / most, self.tolerance)
             forces[k] = most * shares.reshape(-1, 2)
             twists[k] = speed * multipliers / scale
         return Minima.certified(self.functional, model, normal, twists, forces)
 
 
-def _most_power(rows: Floats, targets: Floats, limits: Floats) -> tuple[Floats, Floats]:
+def _most_power(rows: Floats, targets: Floats, limits: Floats, tolerance: float) -> tuple[Floats, Floats]:
     """``max targets . f`` subject to ``rows f = 0, |f| <= limits``: f and the multipliers of the equations."""
     from scipy.optimize import linprog
 
     bounds = np.column_stack([-limits, limits])
-    options = {"primal_feasibility_tolerance": HIGHS_FEASIBILITY, "dual_feasibility_tolerance": HIGHS_FEASIBILITY}
+    options = {"primal_feasibility_tolerance": tolerance, "dual_feasibility_tolerance": tolerance}
     result = linprog(-targets, A_eq=rows, b_eq=np.zeros(3), bounds=bounds, method="highs-ds", options=options)
     if not result.success:
         raise RuntimeError(f"required an optimal linear program, received: {result.message}")

@@ -2,39 +2,41 @@
 
 ``min sum_i N_i |(mu_R r_i, mu_S s_i)|`` over twists and slips, linked by ``slips = rows . twist - targets``; the
 link's multipliers are the friction forces.  The norm is the sum of absolute values (box: a linear program) or the
-length (ellipse: a second-order cone program), both solved by Clarabel, point by point: hundreds of times slower
-than the program's own solvers, and less exact.
+length (ellipse: a second-order cone program), solved point by point: hundreds of times slower than the program's own
+solvers, and less exact.
 """
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, solve_program
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
 
-# Clarabel stops here or as near as it gets. On the ellipse it often ends a digit short and says so; the gap that
-# counts is computed from its twist and forces afterwards.
-CLARABEL = {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12}
+TOLERANCE = 1e-12  # or as near as the solver gets; the gap that counts is computed from twist and forces afterwards
 
 
 @dataclass(frozen=True)
 class CvxpyMinimizer:
-    """Either functional by CVXPY and Clarabel.
+    """Either functional by CVXPY.
 
     Attributes:
         functional: box or ellipse.
         compiled: state the program once, with the loads as parameters; if not, afresh at every point, as in plain
             use of CVXPY.
+        solver: the solver behind CVXPY; OSQP for the box only.
+        tolerance: what the solver is asked for.
     """
 
     functional: Functional
     compiled: bool = True
+    solver: ConeSolver = ConeSolver.CLARABEL
+    tolerance: float = TOLERANCE
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
         """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
@@ -42,7 +44,8 @@ class CvxpyMinimizer:
         twists, multipliers = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
         program = _Program(self.functional, model) if self.compiled else None
         for k, load in enumerate(normal):
-            twists[k], multipliers[k] = (program or _Program(self.functional, model)).solve(load)
+            stated = program or _Program(self.functional, model)
+            twists[k], multipliers[k] = stated.solve(load, self.solver, self.tolerance)
         return Minima.certified(self.functional, model, normal, twists, multipliers)
 
 
@@ -65,12 +68,8 @@ class _Program:
             cones = [cp.SOC(sizes, self.slips, axis=1)]
         self.problem = cp.Problem(cp.Minimize(self.loads @ sizes), [self.link, *cones])
 
-    def solve(self, loads: Floats) -> tuple[Floats, Floats]:
+    def solve(self, loads: Floats, solver: ConeSolver, tolerance: float) -> tuple[Floats, Floats]:
         """Twist (3,) and friction forces (n, 2)."""
-        import cvxpy as cp
-
         self.loads.value = loads
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "Solution may be inaccurate", UserWarning)  # see CLARABEL
-            self.problem.solve(solver=cp.CLARABEL, **CLARABEL)
+        solve_program(self.problem, solver, tolerance)
         return np.asarray(self.twist.value), np.asarray(self.link.dual_value).reshape(-1, 2) * self.friction

@@ -45,10 +45,10 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     kinematics: Annotated[Kinematics, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
         Kinematics.EXACT
     ),
-    method: Annotated[Method, typer.Option("--method", help="Events, the paper's hysteresis, or full dynamics.")] = (
-        Method.EVENTS
-    ),
-    width: Annotated[float, typer.Option("--width", help="Width of the hysteresis.")] = 1e-3,
+    method: Annotated[
+        Method, typer.Option("--method", help="Events, the paper's hysteresis, smoothing, or full dynamics.")
+    ] = Method.EVENTS,
+    width: Annotated[float, typer.Option("--width", help="Width of hysteresis or smoothing.")] = 1e-3,
     feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop (rule nearest).")] = False,
     law: Annotated[Law, typer.Option("--law", help="Feedback law, with --feedback.")] = Law.CORRECTED,
     mass: Annotated[

@@ -1,0 +1,86 @@
+"""``nonsmooth precision``: error against run time, every error against an exact or 60-digit answer."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nonsmooth.reports.console import INTERRUPTED, RefusedError, json_text, write, write_json, write_views
+from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from nonsmooth.analysis.studies.study import Study
+    from nonsmooth.reports.precision import Precision
+
+
+def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
+    scene: SceneText,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="FILE", help=".svg, .png, .pdf, .csv or .json")
+    ] = None,
+    study: Annotated[
+        list[str] | None, typer.Option("--study", metavar="NAME", help="This study only; may be given several times.")
+    ] = None,
+    runs: Annotated[int, typer.Option("--runs", metavar="N", help="Runs of which the shortest counts.")] = 3,
+    time_limit: Annotated[
+        float, typer.Option("--time-limit", metavar="S", help="Seconds for one method at one setting.")
+    ] = 5.0,
+    rule: RuleOption = None,
+    radius: Radius = None,
+    at: At = None,
+    json: Json = False,
+) -> int:
+    """Measure methods against exact answers: error, time, and how one depends on the other."""
+    from nonsmooth.analysis.studies.measurement import Limits
+    from nonsmooth.reports import precision as views
+    from nonsmooth.reports.files import PICTURES, output_path, write_whole
+    from nonsmooth.reports.progress import progress
+    from nonsmooth.symbolic.files.scene_file import load_scene
+
+    if runs < 1:
+        raise RefusedError(f"--runs: required at least 1, received {runs}")
+    if not (math.isfinite(time_limit) and time_limit > 0):
+        raise RefusedError(f"--time-limit: required a positive number of seconds, received {time_limit}")
+    studies = _studies(study)
+    path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    with progress() as report:
+        found = views.measure(loaded, studies, Limits(runs, time_limit), report)
+    if path is not None:
+        write_whole(path, _bytes(path, found))
+    if json:
+        write_json(views.precision_record(found))
+    elif path is not None:
+        write(f"{path}: {len(found.rows)} rows of {len(found.studies)} studies\n")
+    else:
+        write_views(views.precision_views(found))
+    return 0 if found.complete else INTERRUPTED
+
+
+def _studies(names: list[str] | None) -> tuple[Study, ...]:
+    """The studies of these names, in the order of the list; all of them for none."""
+    from nonsmooth.reports.precision import STUDIES
+
+    known = [study.name for study in STUDIES]
+    for name in names or ():
+        if name not in known:
+            raise RefusedError(f"--study: required one of {', '.join(known)}, received {name[:60]!r}")
+    return tuple(study for study in STUDIES if not names or study.name in names)
+
+
+def _bytes(path: Path, found: Precision) -> bytes:
+    from nonsmooth.reports.precision import precision_record, precision_table
+
+    match path.suffix.lower():
+        case ".csv":
+            return precision_table(found)
+        case ".json":
+            return json_text(precision_record(found)).encode()
+        case suffix:
+            from nonsmooth.reports.figures.precision import precision_figure
+
+            return precision_figure(found, suffix)
