@@ -59,7 +59,7 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
 def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
     results = [decide(arrays.cocircular(seed, ROLL)) for seed in SEEDS]
     seen = Counter(result.verdict for result in results)
-    assert seen == {Feedback.STABILIZABLE: 27, Feedback.NO_CERTIFICATE: 13}
+    assert seen == {Feedback.STABILIZABLE: 36, Feedback.NO_CERTIFICATE: 4}
     assert Counter(data.lever is not None for result in results for data in result.cells) == {True: 592, False: 2}
 
 
