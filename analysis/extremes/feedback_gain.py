@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.analysis.extremes.reference_pieces import gradient_pieces
-from nonsmooth.analysis.extremes.row import Rows, StressRow, measured, refused
+from nonsmooth.analysis.extremes.row import Rows, StressRow, brief, counted, measured, refused
 from nonsmooth.analysis.extremes.taylor import reference_path
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
@@ -57,9 +57,9 @@ def _gradient_row(partition: Partition, gain: float) -> StressRow:
     reference = reference_path(gradient_pieces(partition, gain), start, TURNS / gain)
     path = simulate(feedback_field(partition, gradient_law(gain), Kinematics.LEADING), start, reference.time)
     gaps = [abs(float(a) - b) for a, b in zip(path.end.state, reference.state, strict=True)]
-    verdict = f"{reference.crossings} crossings: {path.end.reason}"
+    verdict = f"{counted(reference.crossings, 'crossing')}: {path.end.reason}"
     error = max(gaps) / _size(partition)
-    return measured(GRADIENT, f"{gain:.0e}", verdict, error, ACCURACY, why="a hundred steps of the integrator")
+    return measured(GRADIENT, brief(gain), verdict, error, ACCURACY, why="a hundred steps of the integrator")
 
 
 def _corrected(partition: Partition, gain: float, until: float) -> Trajectory:
@@ -70,7 +70,7 @@ def _corrected(partition: Partition, gain: float, until: float) -> Trajectory:
 def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> StressRow:
     """Compared as long as both last; later the pose must not have grown."""
     path = _corrected(partition, gain, UNTIL)
-    verdict = f"{len(path.times)} steps, {path.method}: {path.end.reason}"
+    verdict = f"{counted(len(path.times), 'step')}, {path.method}: {path.end.reason}"
     common = np.linspace(0, min(float(slow.end.t), gain * float(path.end.t)), COMPARISONS)
     errors = np.abs(path.sample(common / gain) - slow.sample(common))
     error = float(errors.max())
@@ -79,5 +79,5 @@ def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> Stres
         last, before = (np.hypot(*(np.array(p.end.state[:2]) - (x, y))) + abs(p.end.state[2]) for p in (path, slow))
         error = max(error, float(last - before))
     return measured(
-        CORRECTED, f"{gain:.0e}", verdict, error / _size(partition), ACCURACY, why="gain one, k times as long"
+        CORRECTED, brief(gain), verdict, error / _size(partition), ACCURACY, why="gain one, k times as long"
     )

@@ -7,7 +7,7 @@ minutes and show nothing more.  Widths that floats do not resolve must be refuse
 
 from __future__ import annotations
 
-from nonsmooth.analysis.extremes.row import EPSILON, Rows, measured, refused
+from nonsmooth.analysis.extremes.row import EPSILON, Rows, brief, counted, measured, refused
 from nonsmooth.analysis.extremes.subject import START, Subject
 from nonsmooth.analysis.trajectories.hysteresis import RELATIVE_TOLERANCE, simulate_hysteresis
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -32,14 +32,14 @@ def hysteresis_rows(subject: Subject) -> Rows:
         growth = subject.amplification(start, until, length)
         error = subject.error(path, exact.end.state)
         bound = LATE * growth * (width + RELATIVE_TOLERANCE * until / subject.span + EPSILON)
-        verdict = f"{len(path.events)} switches"
-        yield measured(CASE, f"{width:.0e}", verdict, error, bound, condition=growth, why="late by the width")
+        verdict = counted(len(path.events), "switch")
+        yield measured(CASE, brief(width), verdict, error, bound, condition=growth, why="late by the width")
     try:
         start = (*points[0][0].tolist(), *subject.place(0, 0)[2:]) if points else subject.place(*START)
         path = simulate_hysteresis(subject.field, start, subject.span, UNRESOLVED * subject.radius)
     except ValueError as refusal:
-        yield refused(CASE, f"{UNRESOLVED:.0e}", refusal, expected=True)
+        yield refused(CASE, brief(UNRESOLVED), refusal, expected=True)
     else:
         error = subject.error(path, simulate(subject.field, start, subject.span).end.state)
-        verdict = f"{len(path.events)} switches"
-        yield measured(CASE, f"{UNRESOLVED:.0e}", verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
+        verdict = counted(len(path.events), "switch")
+        yield measured(CASE, brief(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")

@@ -21,7 +21,7 @@ SMOOTHED = 30  # decimal digits of D that smoothing leaves alone
 FALL = 4  # factor from one delta to the next
 NEWTON = 60  # steps per delta; five are usual
 HALVINGS = 200  # of a step: where minimizers are many the first ones are long
-DECREMENT = 1e-24  # squared Newton decrement, relative to D_delta, below which a minimum is found well enough to go on
+DECREMENT = 1e-60  # squared Newton decrement, relative to D_delta: beside a kink a larger one says little
 
 Group = tuple[Any, list[Any], Any]  # weight, row, target
 

@@ -11,13 +11,17 @@ from nonsmooth.analysis.fields.switching_patterns import build_switched_system
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane
 from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.system import SystemScene
 
 
 def ball(number: Any) -> Any:
-    """An exact number as a ball at the working precision."""
-    return number.ball() if hasattr(number, "ball") else number
+    """An exact number as a ball: at the working precision, or of 256 bits (77 digits) where it is evaluated late."""
+    if isinstance(number, Lazy):
+        return number.ball
+    return number.ball() if isinstance(number, Number) else number
 
 
 def partition_pieces(partition: Partition, kinematics: Kinematics) -> tuple[ReferencePiece, ...]:

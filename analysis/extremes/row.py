@@ -63,5 +63,16 @@ def refused(case: str, parameter: str, message: object, *, expected: bool) -> St
     return StressRow(case, parameter, REFUSED, None, None, expected, " ".join(str(message).split()))
 
 
+def brief(value: float) -> str:
+    """A power of ten as people write it: ``1e-9``."""
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+
+
+def counted(number: int, what: str) -> str:
+    """``1 event``, ``2 events``, ``2 switches``."""
+    plural = "es" if what.endswith("ch") else "s"
+    return f"{number} {what}{'' if number == 1 else plural}"
+
+
 def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, measured, refused
+from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, brief, measured, refused
 from nonsmooth.analysis.extremes.subject import START, Subject, array_subject, system_subject
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.partitions.contact_partition import build_partition
@@ -45,7 +45,7 @@ def system_scale_rows(scene: SystemScene) -> Rows:
 
 def outside_row(subject: Subject) -> StressRow:
     """A start far outside the checked square has to be refused."""
-    case, parameter = "start far outside", f"{BEYOND:.0e}"
+    case, parameter = "start far outside", brief(BEYOND)
     try:
         path = simulate(subject.field, subject.place(BEYOND, 0.0), subject.span)
     except ValueError as refusal:

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, measured
+from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, brief, measured
 from nonsmooth.analysis.extremes.subject import Subject
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
@@ -30,20 +30,22 @@ def start_rows(subject: Subject, case: str) -> Rows:
         for distance in DISTANCES:
             side = 1 if number % 2 else -1
             move = side * normal
-            yield _row(subject, f"{case}, surface {number}", distance, point, move)
+            parameter = f"surface {number}, {brief(distance)}"
+            yield _row(subject, case, parameter, point, distance * move)
     for angle in ANGLES:
         move = np.array([math.cos(angle), math.sin(angle)])
-        yield _row(subject, f"{case}, checked point", DISTANCES[-1], np.array(subject.centre), move)
+        parameter = f"checked point, {brief(DISTANCES[-1])}, {angle} rad"
+        yield _row(subject, case, parameter, np.array(subject.centre), DISTANCES[-1] * move)
 
 
-def _row(subject: Subject, case: str, distance: float, point: Floats, move: Floats) -> StressRow:
-    position = point + distance * subject.radius * move
+def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Floats) -> StressRow:
+    position = point + subject.radius * move
     start = (*position.tolist(), *subject.place(0, 0)[2:])
     until, truth = subject.truth(start, subject.span)
     if not until > 0:
         until, truth = subject.span, start
     path = simulate(subject.field, start, until)
-    error, parameter = subject.error(path, truth), f"{distance:.0e}"
+    error = subject.error(path, truth)
     growth = subject.amplification(start, until, subject.slack)
     bound = 2 * growth * (subject.slack / subject.radius + LEGS * EPSILON) + subject.step_error
     row = measured(case, parameter, str(path.end.reason), error, bound, condition=growth, why=WHY)

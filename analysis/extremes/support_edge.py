@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, measured, refused
+from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, brief, measured, refused
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.float_loads import RESIDUAL, elastic_loads
 from nonsmooth.analysis.partitions.loads import LoadError, elastic_loads_at, support_polygon
@@ -38,9 +38,9 @@ def support_rows(scene: Scene) -> Rows:
         return
     edge, inward = _longest_edge(np.array([[float(x) for x in corner] for corner in hull]), model)
     for depth in DEPTHS:
-        yield _row(EDGE, f"{depth:.0e}", scene, model, edge + depth * inward)
+        yield _row(EDGE, brief(depth), scene, model, edge + depth * inward)
     for depth in BEYOND:
-        parameter = f"{depth:.0e} outside"
+        parameter = f"{brief(depth)} outside"
         try:
             loads = elastic_loads(model, edge - depth * inward)
         except LoadError as refusal:

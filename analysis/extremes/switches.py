@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, measured
+from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, brief, counted, measured
 from nonsmooth.analysis.extremes.subject import START, Subject
 from nonsmooth.analysis.extremes.taylor import precision
 from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
@@ -48,7 +48,7 @@ def spiral_rows(field: ConstantField) -> Rows:
         gain, time = _turn_at_60_digits(turning, rays, distance)
         lost = float((1 - gain).mid())
         count = len(rays) * math.log(TURNED_TO) / math.log1p(-lost) if lost > 0 else math.inf
-        parameter, verdict = f"loss {loss:.0e}", f"{count:.1e} switches: {path.end.reason}"
+        parameter, verdict = f"loss {brief(loss)}", f"{count:.1e} switches: {path.end.reason}"
         if loss == UNTOLD:
             ok = path.end.reason in {EndReason.EVENTS, EndReason.CIRCLES}
             note = "a gain not told from one must not be summed"
@@ -66,7 +66,7 @@ def long_rows(subject: Subject, case: str = LONG) -> Rows:
     spans = SPANS if closed else SMOOTH_SPANS
     start, until = subject.place(*START), spans * subject.span
     path = simulate(subject.field, start, until)
-    verdict, parameter = f"{path.end.reason}, {len(path.events)} events", f"{spans:.0e} crossings"
+    verdict, parameter = f"{path.end.reason}, {counted(len(path.events), 'event')}", f"{brief(spans)} crossings"
     if path.end.reason is EndReason.EVENTS:
         ok = all(math.isfinite(float(value)) for value in path.end.state)
         yield StressRow(case, parameter, verdict, None, None, ok, "a clear end: no endless loop, no invented limit")

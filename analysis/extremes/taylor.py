@@ -152,8 +152,10 @@ def _first_root(form: Any, step: Ball) -> tuple[bool, Ball] | None:
         if value > 0:
             continue
         if not slope(whole).contains(0):
-            if not form(high) > 0:
+            if form(high) < 0:
                 return True, _root(form, low, high)
+            if not form(high) > 0:  # zero as far as the digits go
+                return False, low
             continue
         if depth > HALVINGS:
             return False, low
