@@ -34,7 +34,7 @@ def start_rows(subject: Subject, case: str) -> Rows:
             yield _row(subject, case, parameter, point, distance * move)
     for angle in ANGLES:
         move = np.array([math.cos(angle), math.sin(angle)])
-        parameter = f"checked point, {brief(DISTANCES[-1])}, {angle} rad"
+        parameter = f"{brief(DISTANCES[-1])} at {angle} rad"
         yield _row(subject, case, parameter, np.array(subject.centre), DISTANCES[-1] * move)
 
 
