@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ LEGEND = (
 )
 OK_COLOR, FAIL_COLOR, REFUSED_COLOR = "#0072B2", "#D55E00", "#999999"
 NOTHING = 1e-20  # where an error of zero, and a row without error, are drawn
+LARGEST = 10.0  # where larger errors, and those that are no numbers, are drawn
 ROW_HEIGHT = 0.24  # inches
 
 
@@ -94,11 +96,11 @@ def build_figure(name: str, rows: Sequence[StressRow]) -> Figure:
         ("not ok", "X", FAIL_COLOR, [row for row in rows if not row.ok]),
     )
     for label, marker, color, own in kinds:
-        xs, ys = [max(row.error or 0.0, NOTHING) for row in own], [cases.index(row.case) for row in own]
+        xs, ys = [_drawn(row.error) for row in own], [cases.index(row.case) for row in own]
         if own:
             axes.plot(xs, ys, marker, color=color, label=label, markersize=5, alpha=0.7, clip_on=False)
     axes.set_xscale("log")
-    axes.set_xlim(NOTHING, 10)
+    axes.set_xlim(NOTHING, LARGEST)
     axes.set_yticks(range(len(cases)), cases)
     axes.set_ylim(len(cases) - 0.5, -0.5)
     axes.grid(axis="both", color="0.9", linewidth=0.6)
@@ -108,6 +110,13 @@ def build_figure(name: str, rows: Sequence[StressRow]) -> Figure:
     axes.set_title(stress_summary(name, rows, complete=True), parse_math=False)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
     return figure
+
+
+def _drawn(error: float | None) -> float:
+    """Within the picture."""
+    if error is None:
+        return NOTHING
+    return min(max(error, NOTHING), LARGEST) if math.isfinite(error) else LARGEST
 
 
 def _silent(rows: Sequence[StressRow]) -> list[StressRow]:

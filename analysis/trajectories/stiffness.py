@@ -19,6 +19,7 @@ from nonsmooth.analysis.fields.smooth_field import Vector, Velocity
 PROBED = 50  # steps from one measurement to the next: four evaluations each, against 12 per step of DOP853
 HELD = 3.0  # step times rate: half of what is stable; at 1e-12 accuracy alone would keep the step well below
 MANY = 500  # steps still to go at the present size: fewer are cheaper than an implicit method
+MOST_IMPLICIT = 50_000  # steps of a stretch; a hundred are usual, so many are a standstill
 DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the digits, plenty for a rate
 EXPLICIT, IMPLICIT = "events", "events, implicit (Radau) where stiff"
 
@@ -28,14 +29,30 @@ def decay_rate(velocity: Velocity, t: float, x: Vector, size: float) -> float:
 
     Zero where nothing decays or the field is not finite beside the state.
     """
+    return max(0.0, -float(_rates(velocity, t, x, DIFFERENCE * np.maximum(np.abs(x), DIFFERENCE * size)).min()))
+
+
+def comes_to_rest(velocity: Velocity, solver: Any, until: float, size: float, atol: float) -> bool:
+    """Whether what is left moves the state by less than the tolerance, and nothing beside it grows until the end.
+
+    Below the tolerance the field is rounding, on which an implicit method would take tiny steps for ever.
+    """
+    left = until - float(solver.t)
+    if float(np.abs(velocity(float(solver.t), solver.y)).max()) * left > atol:
+        return False
+    rates = _rates(velocity, float(solver.t), solver.y, np.full(len(solver.y), DIFFERENCE * size))
+    return float(rates.max()) * left <= 1
+
+
+def _rates(velocity: Velocity, t: float, x: Vector, steps: Vector) -> Vector:
+    """Real parts of the eigenvalues of ``df/dx`` by forward differences; zeros where the field is not finite."""
     here = velocity(t, x)
-    steps = DIFFERENCE * np.maximum(np.abs(x), DIFFERENCE * size)
     with np.errstate(invalid="ignore", over="ignore"):
         columns = [(velocity(t, x + move) - here) / move[k] for k, move in enumerate(np.diag(steps))]
     jacobian = np.column_stack(columns)
     if not np.isfinite(jacobian).all():
-        return 0.0
-    return max(0.0, -float(np.linalg.eigvals(jacobian).real.min()))
+        return np.zeros(len(x))
+    return np.asarray(np.linalg.eigvals(jacobian).real)
 
 
 def holds_the_step(velocity: Velocity, solver: Any, until: float, size: float) -> bool:

@@ -6,7 +6,7 @@ Where the stretch turns out stiff (:mod:`nonsmooth.analysis.trajectories.stiffne
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
 from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.stiffness import PROBED, holds_the_step
+from nonsmooth.analysis.trajectories.stiffness import MOST_IMPLICIT, PROBED, comes_to_rest, holds_the_step
 
 
 @dataclass(frozen=True)
@@ -118,5 +118,20 @@ def follow_face(
         times.append(float(solver.t))
         states.append(solver.y)
         values = following
+        if stiff and len(times) > MOST_IMPLICIT:
+            raise TrajectoryError(f"the implicit integrator does not get on at t = {solver.t:.6g}: please report this")
+        if stiff and solver.status == "running" and comes_to_rest(velocity, solver, until, field.size, atol):
+            return _resting(Stretch(times, states, interpolants, (), size, stiff), until)
         if solver.status == "finished":
             return Stretch(times, states, interpolants, (), size, stiff)
+
+
+def _resting(stretch: Stretch, until: float) -> Stretch:
+    """A stretch whose last state stays."""
+    last = stretch.end
+
+    def still(t: float) -> Vector:
+        return last
+
+    times, states = [*stretch.times, until], [*stretch.states, last]
+    return replace(stretch, times=times, states=states, interpolants=[*stretch.interpolants, still])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -14,9 +15,12 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.smooth_field import Vector, affine_surface
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT, decay_rate
+from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT, comes_to_rest, decay_rate
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
 
 ACCURACY = 1e-10  # a hundred steps of 1e-12 each
 FEW = 1_000  # samples: an explicit method would need a million
@@ -61,6 +65,26 @@ def test_a_stiff_path_follows_its_slow_part_between_the_steps_too() -> None:
     times = np.linspace(0, 3, 77)
     assert np.abs(path.sample(times)[:, 0] - np.exp(-times)).max() <= ACCURACY
     assert np.abs(path.sample(times[1:])[:, 1]).max() <= ACCURACY
+
+
+def test_a_loop_that_is_down_to_rounding_rests(arrays: Arrays) -> None:
+    """At the equilibrium the corrected law is rounding, on which Radau once took tiny steps without end."""
+    partition = build_nearest_partition(arrays.cocircular(4))
+    path = simulate(feedback_field(partition, corrected_law(1e6), Kinematics.EXACT), (0.417, 0.244, 0.3), 2.0)
+    assert (path.method, path.end.reason) == (IMPLICIT, EndReason.TIME)
+    assert len(path.times) < FEW
+    assert np.abs(path.sample([1.0, 1.5, 2.0])).max() <= ACCURACY
+
+
+@pytest.mark.parametrize(("growth", "rests"), [(-1.0, True), (0.1, True), (40.0, False)])
+def test_what_grows_until_the_end_does_not_rest(growth: float, rests: bool) -> None:
+    matrix = np.diag([growth, -1e6])
+
+    class At:
+        t, y = 0.0, np.array([1e-20, 1e-20])
+
+    assert comes_to_rest(lambda t, x: matrix @ x, At, 1.0, 1.0, 1e-13) is rests
+    assert not comes_to_rest(lambda t, x: matrix @ x + 1e-3, At, 1.0, 1.0, 1e-13)
 
 
 def test_oscillations_are_not_stiff() -> None:
