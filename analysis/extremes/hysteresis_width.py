@@ -10,6 +10,7 @@ from __future__ import annotations
 from nonsmooth.analysis.extremes.row import EPSILON, Rows, brief, counted, measured, refused
 from nonsmooth.analysis.extremes.subject import START, Subject
 from nonsmooth.analysis.trajectories.hysteresis import RELATIVE_TOLERANCE, simulate_hysteresis
+from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 
 CASE = "hysteresis width"
@@ -21,12 +22,12 @@ LATE = 10  # widths by which a path may be off per unit of amplification: late a
 
 def hysteresis_rows(subject: Subject) -> Rows:
     """Paths with hysteresis against the event-driven ones, wider to narrower."""
-    points = subject.beside_surfaces()
+    on_surface = _surface_start(subject)
     for width in WIDTHS:
         until = subject.span * min(1.0, LONGEST * width)
         start = subject.place(*START)
-        if until < subject.span and points:
-            start = (*points[0][0].tolist(), *start[2:])
+        if until < subject.span:
+            start = on_surface
         length = width * subject.radius
         path, exact = simulate_hysteresis(subject.field, start, until, length), simulate(subject.field, start, until)
         growth = subject.amplification(start, until, length)
@@ -35,11 +36,23 @@ def hysteresis_rows(subject: Subject) -> Rows:
         verdict = counted(len(path.events), "switch")
         yield measured(CASE, brief(width), verdict, error, bound, condition=growth, why="late by the width")
     try:
-        start = (*points[0][0].tolist(), *subject.place(0, 0)[2:]) if points else subject.place(*START)
-        path = simulate_hysteresis(subject.field, start, subject.span, UNRESOLVED * subject.radius)
+        path = simulate_hysteresis(subject.field, on_surface, subject.span, UNRESOLVED * subject.radius)
     except ValueError as refusal:
         yield refused(CASE, brief(UNRESOLVED), refusal, expected=True)
     else:
-        error = subject.error(path, simulate(subject.field, start, subject.span).end.state)
+        error = subject.error(path, simulate(subject.field, on_surface, subject.span).end.state)
         verdict = counted(len(path.events), "switch")
         yield measured(CASE, brief(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
+
+
+def _surface_start(subject: Subject) -> tuple[float, ...]:
+    """A start on a surface from which one path leads; a place of no symmetry where there is none.
+
+    From a surface that repels, hysteresis may follow another solution than the one that is drawn.
+    """
+    for point, _ in subject.beside_surfaces():
+        start = (*point.tolist(), *subject.place(0, 0)[2:])
+        events = simulate(subject.field, start, subject.span).events
+        if not any(event.kind is EventKind.NONUNIQUE and not event.t for event in events):
+            return start
+    return subject.place(*START)
