@@ -1,4 +1,4 @@
-"""The command line: ``nonsmooth check | partition | derive | simulate | precision | verify | audit | scenes``.
+"""The command line: ``nonsmooth check | partition | derive | simulate | precision | verify | audit | stress | scenes``.
 
 Exit status: 0 holds, done or valid, 1 does not hold, 2 bad input (one line on standard error, nothing written),
 3 undecided, 70 a fault of this program (with its traceback), 130 interrupted.  Each command imports what it needs
@@ -19,6 +19,7 @@ from nonsmooth.reports.commands.partition import partition
 from nonsmooth.reports.commands.precision import precision
 from nonsmooth.reports.commands.scenes import scenes
 from nonsmooth.reports.commands.simulate import simulate
+from nonsmooth.reports.commands.stress import stress
 from nonsmooth.reports.commands.verify import verify
 from nonsmooth.reports.console import PROGRAM, own_version, prepare_streams, run, write
 
@@ -34,6 +35,7 @@ app.command(epilog="Example: nonsmooth simulate four-wheel --from 0.2,0.4,0 --un
 app.command(epilog="Example: nonsmooth precision four-wheel --study trajectories -o precision.svg")(precision)
 app.command(epilog="Example: nonsmooth verify four-wheel.json")(verify)
 app.command(epilog='Example: nonsmooth audit four-wheel --lyapunov "x**2 + 3*y**2"')(audit)
+app.command(epilog="Example: nonsmooth stress four-wheel -o stress.svg")(stress)
 app.command(epilog="Example: nonsmooth scenes")(scenes)
 
 

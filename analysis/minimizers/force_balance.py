@@ -31,6 +31,17 @@ def imbalance(model: ContactRows, forces: Floats) -> Floats:
     return np.asarray(np.divide(total, scale, out=np.zeros_like(total), where=scale > 0).max(axis=-1))
 
 
+def leaking_power(model: ContactRows, forces: Floats, twists: Floats) -> Floats:
+    """Power of what is left unbalanced, ``|sum_k f_k a_k|``, in a motion as fast as the twist and the surfaces.
+
+    The lower bound ``sum_k f_k b_k`` of D is off by no more; forces (m, n, 2), twists (m, 3), result (m,).
+    """
+    total = np.abs(forces.reshape(*forces.shape[:-2], len(model.rows)) @ model.rows)
+    columns = np.abs(model.rows).max(axis=0)
+    speeds = np.abs(model.targets).max() / np.where(columns > 0, columns, 1.0)
+    return np.asarray((total * (np.abs(twists) + speeds)).sum(axis=-1))
+
+
 def balance_forces(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> Floats:
     """Admissible, balanced forces (m, n, 2) next to the given ones, for loads (m, n)."""
     shares = share_of_limit(model, loads, forces)

@@ -68,6 +68,25 @@ def load_regions(scene: Scene) -> tuple[LoadRegion, ...]:
     return _elastic_regions(scene, domain)
 
 
+def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
+    """Elastic loads at one centre of mass, exactly; total weight 1.
+
+    Raises:
+        LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
+    """
+    hull = support_polygon([wheel.position for wheel in scene.wheels])
+    sides = [(corner, _minus(hull[(k + 1) % len(hull)], corner)) for k, corner in enumerate(hull)]
+    if len(hull) < 3 or any(cross(along, _minus(point, corner)).sign() <= 0 for corner, along in sides):
+        x, y = (float(value) for value in point)
+        raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
+    moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
+    active = _loaded_at(moments, frozenset(range(len(moments))), point)
+    return tuple(
+        inner(form, (scene.field.one, *point)) if i in active else scene.field.zero
+        for i, form in enumerate(_forms(moments, active))
+    )
+
+
 def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> None:
     for wheel, form in zip(scene.wheels, rows, strict=True):
         for x, y in domain.vertices:

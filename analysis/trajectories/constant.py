@@ -24,6 +24,7 @@ from nonsmooth.analysis.trajectories.junction import Signs, junction_at
 from nonsmooth.analysis.trajectories.log import EventLog
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.motion import Free, Rest, State
+from nonsmooth.analysis.trajectories.orbits import OrbitMemory
 from nonsmooth.analysis.trajectories.result import (
     End,
     EndReason,
@@ -98,6 +99,7 @@ class _Path:
         self.pieces: list[Piece] = []
         self.moved: tuple[int, ...] | None = None
         self.entries: dict[tuple[int, int], list[Point]] = {}
+        self.memory = OrbitMemory(field.cells.slack)
 
     @property
     def state(self) -> State:
@@ -107,6 +109,7 @@ class _Path:
     def follow(self, place: Place) -> Trajectory:
         """Leg after leg."""
         for _ in range(MAX_LEGS):
+            self._skip_turns(place)
             leg = self._leg(place)
             if leg is None:
                 return self._result(EndReason.OUTSIDE)
@@ -197,6 +200,22 @@ class _Path:
             return True
         earlier.append(self.point)
         return False
+
+    def _skip_turns(self, place: Place) -> None:
+        """Take all whole turns of a closed orbit at once that there is time for."""
+        if self.until is None or not isinstance(place, OnEdge) or self.moved is None or len(self.moved) > 1:
+            return
+        crossing = (place.edge, self.moved)
+        orbit = self.memory.closes(crossing, self.point, (self.time, self.theta), self.pieces)
+        turns = 0 if orbit is None else orbit.turns_within(self.until - self.time)
+        if orbit is None or not turns or orbit.gap * turns > self.field.cells.slack:
+            return
+        name = self.field.place_name(place)
+        note = f"a closed orbit of period {float(orbit.period):.6g}: {turns} turns are taken at once"
+        self.log.add((self.time, self.state), EventKind.CROSS, name, note=note)
+        self.pieces.append(orbit.piece(turns))
+        self.time, self.theta = self.time + turns * orbit.period, self.theta + turns * orbit.rotation
+        self.memory = OrbitMemory(self.field.cells.slack)
 
     # ---- going there ---------------------------------------------------------------------
 

@@ -155,7 +155,7 @@ def find_root(
     for _ in range(ROOT_STEPS):
         low, high = (t, high) if here > 0 else (low, t)
         following = t - here / slope if slope else t
-        if here == 0 or abs(following - t) <= ROOT_SLACK * max(1.0, abs(t)):
+        if here == 0 or abs(following - t) <= ROOT_SLACK * abs(t):
             break
         if not low < following < high:
             following = (low + high) / 2

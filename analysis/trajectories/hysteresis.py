@@ -22,6 +22,7 @@ from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventK
 RELATIVE_TOLERANCE = 1e-9  # of the adaptive integrator within a mode: far below the error of any usable width
 ABSOLUTE_TOLERANCE = 1e-12  # in units of the state
 MAX_SWITCHES = 1_000_000  # a width of 1e-6 over a path of unit length
+LOCATED = 0.5  # of the width: a switch farther off is not resolved by floats, and the zigzag would stand still
 
 
 def simulate_hysteresis(
@@ -38,8 +39,9 @@ def simulate_hysteresis(
             adaptively (SciPy's RK45) with located switches.
 
     Raises:
-        ValueError: for a width, last time or step that is not positive, or a start outside the domain.
-        TrajectoryError: where the integrator gives up or switches without end.
+        ValueError: for a width, last time or step that is not positive, a start outside the domain, or a width so
+            small that floats do not resolve its switches.
+        TrajectoryError: where the integrator gives up.
     """
     if not width > 0 or not 0 < until < math.inf or (step is not None and not step > 0):
         raise ValueError(f"required a positive width, last time and step, received {width}, {until} and {step}")
@@ -102,6 +104,10 @@ class _Relay:
             raise TrajectoryError(f"the integrator stopped at t = {solution.t[-1]:.6g}: {solution.message}")
         self.times += solution.t[1:].tolist()
         self.states += list(solution.y.T[1:])
+        if solution.status == 1 and abs(beyond(self.times[-1], self.states[-1])) > LOCATED * self.width:
+            raise ValueError(
+                f"required a width whose switches floats resolve, received {self.width:g} at t = {self.times[-1]:.6g}"
+            )
         return bool(solution.status == 1)
 
     def _fixed(self, mode: Mode, step: float) -> bool:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from nonsmooth.analysis.fields.smooth_field import Vector
 from nonsmooth.analysis.trajectories.result import Piece
 
-ZENO_ERROR = 1e-12  # relative to the time passed (at least one unit): the integrator's own error
-ZENO_DRAWN = 1e-3  # relative to the time passed (at least one unit): longer tails are followed turn by turn
+ZENO_ERROR = 1e-12  # relative to the time passed: the integrator's own error
+ZENO_DRAWN = 1e-3  # relative to the time passed: longer tails are followed turn by turn
 ZENO_LOOP = 4  # longest loop of crossings that is recognized, in crossings
 
 
@@ -56,8 +56,8 @@ class LoopMemory:
                 continue
             ratio = turns[2] / turns[1]
             change = abs(ratio - turns[1] / turns[0])
-            tail, unit = turns[2] * ratio / (1 - ratio), max(1.0, time)
-            if tail < min(ZENO_DRAWN * unit, until - time) and tail * change <= ZENO_ERROR * unit * (1 - ratio):
+            tail = turns[2] * ratio / (1 - ratio)
+            if tail < min(ZENO_DRAWN * time, until - time) and tail * change <= ZENO_ERROR * time * (1 - ratio):
                 return self._limit(loop, tail, ratio / (1 - ratio))
         return None
 

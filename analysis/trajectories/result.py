@@ -129,7 +129,8 @@ class Trajectory:
 
     Attributes:
         kinematics: ``exact`` or ``leading`` for arrays, ``given`` for plain systems.
-        method: ``events``, ``hysteresis``, ``smoothed``, ``dynamics`` or ``minimizer``.
+        method: ``events`` (``events, implicit (Radau) where stiff``, where that was needed), ``hysteresis``,
+            ``smoothed``, ``dynamics`` or ``minimizer``.
         times: sample times, ascending (equal where a switch takes no time).
         states: one state per time.
         events: what happened, in order.

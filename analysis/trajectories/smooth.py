@@ -2,9 +2,9 @@
 
 The path keeps to one face (a cell, a sliding mode, a point of rest) until one of its guards changes sign: a bound of
 the face, a member's normal speed (tangential exit from sliding), or the existence of the mode itself
-(:mod:`nonsmooth.analysis.trajectories.stretch`).  Then the state is moved onto the surfaces it met and all
-continuations are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).  Switches that accumulate end at their
-limit (:mod:`nonsmooth.analysis.trajectories.loops`).
+(:mod:`nonsmooth.analysis.trajectories.stretch`, which turns implicit where that is stiff).  Then the state is moved
+onto the surfaces it met and all continuations are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).
+Switches that accumulate end at their limit (:mod:`nonsmooth.analysis.trajectories.loops`).
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
     samples,
 )
+from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.stretch import Stretch, follow_face
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
@@ -89,6 +90,7 @@ class _SmoothPath:
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
         self.unique = True
+        self.method = EXPLICIT
         self.memory = LoopMemory()
 
     def follow(self, max_events: int) -> Trajectory:
@@ -106,7 +108,7 @@ class _SmoothPath:
         end = End(self.time, tuple(self.x.tolist()), reason)
         times, states = samples(self.pieces, end)
         events, pieces = tuple(self.events), tuple(self.pieces)
-        return Trajectory(self.field.kinematics, "events", times, states, events, end, self.unique, pieces)
+        return Trajectory(self.field.kinematics, self.method, times, states, events, end, self.unique, pieces)
 
     def _advance(self, choice: FaceChoice) -> None:
         """Follow a face to its end, and a loop of crossings to its limit."""
@@ -115,6 +117,7 @@ class _SmoothPath:
             self.field, choice, (self.time, self.x), self.until, tolerances=self.tolerances, first_step=self.step
         )
         self.step = stretch.step
+        self.method = IMPLICIT if stretch.stiff else self.method
         self.stalled = self.stalled + 1 if stretch.times[-1] == stretch.times[0] else 0
         if self.stalled > MAX_STALLED:
             raise TrajectoryError(f"no progress at t = {self.time:.6g}, {self.x.tolist()}: please report this")

@@ -1,9 +1,12 @@
-"""One stretch of a smooth path: DOP853 on a face until the first of its guards falls below zero."""
+"""One stretch of a smooth path: DOP853 on a face until the first of its guards falls below zero.
+
+Where the stretch turns out stiff (:mod:`nonsmooth.analysis.trajectories.stiffness`), Radau takes over.
+"""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +15,7 @@ from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
 from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.stiffness import MOST_IMPLICIT, PROBED, comes_to_rest, holds_the_step
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,7 @@ class Stretch:
         interpolants: dense output of each step.
         met: the surface it met at its end, if any.
         step: size of the last full step, to start the next stretch with.
+        stiff: whether an implicit method took over.
     """
 
     times: list[float]
@@ -31,6 +36,7 @@ class Stretch:
     interpolants: list[Interpolant]
     met: tuple[Surface, ...]
     step: float
+    stiff: bool = False
 
     @property
     def end(self) -> Vector:
@@ -81,16 +87,20 @@ def follow_face(
     Raises:
         TrajectoryError: where the integrator gives up.
     """
-    from scipy.integrate import DOP853
+    from scipy.integrate import DOP853, Radau
 
     t, x = start
     step = None if first_step is None else min(first_step, until - t)
-    solver = DOP853(choice.motion.velocity, t, x, until, rtol=tolerances[0], atol=tolerances[1], first_step=step)
+    velocity, (rtol, atol), stiff = choice.motion.velocity, tolerances, False
+    solver: Any = DOP853(velocity, t, x, until, rtol=rtol, atol=atol, first_step=step)
     guards = guards_of(field, choice, t, x)
     values = [guard.value(t, x) for guard in guards]
     times, states = [t], [x]
     interpolants: list[Interpolant] = []
     while True:
+        if not stiff and not len(times) % PROBED and holds_the_step(velocity, solver, until, field.size):
+            stiff = True
+            solver = Radau(velocity, solver.t, solver.y, until, rtol=rtol, atol=atol, first_step=solver.step_size)
         before = (solver.t, solver.y, solver.f)
         message = solver.step()
         if solver.status == "failed":
@@ -102,10 +112,26 @@ def follow_face(
         if found is not None:
             met = () if found[1].surface is None else (found[1].surface,)
             interpolants.append(taken.interpolant)
-            return Stretch([*times, found[0]], [*states, taken.interpolant(found[0])], interpolants, met, size)
-        interpolants.append(_LateInterpolant(choice.motion, before[:2], float(solver.t), tolerances))
+            return Stretch([*times, found[0]], [*states, taken.interpolant(found[0])], interpolants, met, size, stiff)
+        late = _LateInterpolant(choice.motion, before[:2], float(solver.t), tolerances)
+        interpolants.append(taken.interpolant if stiff else late)
         times.append(float(solver.t))
         states.append(solver.y)
         values = following
+        if stiff and len(times) > MOST_IMPLICIT:
+            raise TrajectoryError(f"the implicit integrator does not get on at t = {solver.t:.6g}: please report this")
+        if stiff and solver.status == "running" and comes_to_rest(velocity, solver, until, field.size, atol):
+            return _resting(Stretch(times, states, interpolants, (), size, stiff), until)
         if solver.status == "finished":
-            return Stretch(times, states, interpolants, (), size)
+            return Stretch(times, states, interpolants, (), size, stiff)
+
+
+def _resting(stretch: Stretch, until: float) -> Stretch:
+    """A stretch whose last state stays."""
+    last = stretch.end
+
+    def still(t: float) -> Vector:
+        return last
+
+    times, states = [*stretch.times, until], [*stretch.states, last]
+    return replace(stretch, times=times, states=states, interpolants=[*stretch.interpolants, still])

@@ -10,6 +10,7 @@ longer fractions.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -90,7 +91,7 @@ def solve_piecewise_quadratic(
     """Values on unit rays and mixed values, by a semidefinite program; None where there are none.
 
     Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
-    ``X = [[0, 1], [1, 0]]``.
+    ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
     """
     import cvxpy as cp
 
@@ -100,6 +101,7 @@ def solve_piecewise_quadratic(
     constraints = [on_rays <= 1]
     for k, cone in enumerate(cones):
         flow = _flow_in_rays(rays, cone)
+        flow = flow / (np.abs(flow).max() or 1.0)
         first, second = on_rays[cone.start], on_rays[cone.end]
         gram = first * np.diag([1.0, 0.0]) + second * np.diag([0.0, 1.0]) + mixed[k] * exchange
         rate = flow.T @ gram + gram @ flow
@@ -107,7 +109,9 @@ def solve_piecewise_quadratic(
         constraints += [-rate - margin * eye - weights[k, 1] * exchange >> 0]
     problem = cp.Problem(cp.Maximize(margin), constraints)
     try:
-        problem.solve(solver=cp.CLARABEL)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # an inaccurate solution is a proposal like any other
+            problem.solve(solver=cp.CLARABEL)
     except cp.SolverError:
         return None
     if margin.value is None or not margin.value > 0:

@@ -109,3 +109,18 @@ def test_starts_are_inside(arrays: Arrays) -> None:
     for method in (simulate_hysteresis, simulate_smoothed):
         with pytest.raises(ValueError, match="inside the domain"):
             method(field, (2, 0, 0), 1, 1e-2)
+
+
+@pytest.mark.parametrize("width", [1e-17, 1e-30, 1e-300])
+def test_a_width_that_floats_do_not_resolve_is_refused_at_once(width: float) -> None:
+    """Its zigzag would never get on."""
+    field = SignField(("x",), (affine_surface("x", (1,)),), lambda s: lambda t, x: np.array([-float(s[0])]))
+    with pytest.raises(ValueError, match="required a width whose switches floats resolve, received"):
+        simulate_hysteresis(field, (0.5,), 1.0, width)
+
+
+def test_a_tiny_width_is_followed_where_floats_resolve_it() -> None:
+    field = SignField(("x",), (affine_surface("x", (1,)),), lambda s: lambda t, x: np.array([-float(s[0])]))
+    path = simulate_hysteresis(field, (0.0,), 1e-11, 1e-13)
+    assert len(path.events) == 50  # one after every 2e-13 but the first, which takes 1e-13
+    assert max(abs(state[0]) for state in path.states) <= 1.001e-13

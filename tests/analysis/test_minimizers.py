@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS
 
 Floats = NDArray[np.float64]
@@ -515,3 +517,17 @@ def test_loads_are_validated(minimizer: Minimizer, loads: list[float], expected:
 def test_enumeration_refuses_large_arrays() -> None:
     with pytest.raises(ValueError, match="at most 40 wheels"):
         BoxEnumeration().minimize(grid(7, 7), np.ones((1, 49)))
+
+
+def test_large_forces_that_nearly_cancel_prove_nothing_about_a_small_dissipation() -> None:
+    """Wheels that carry the body dissipate nothing; at mu_S/mu_R = 1e12 rest was once certified in its place."""
+    scene = with_friction_ratio(load_scene("conveyor-3"), Fraction(10**12))
+    model = contact_model(scene)
+    found = BoxHighs().minimize(model, loads_at(model, [[0.1, 0.05]]))
+    turning = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]  # the rims are tangential
+    carried = dissipation(Functional.BOX, model, found.loads[0], turning).min()
+    assert carried <= 1e-3
+    assert found.values[0] <= 1e-3 or not found.check()[0]
+    rest = replace(found, twists=np.zeros((1, 3)))
+    assert rest.values[0] == pytest.approx(1)
+    assert not rest.check()[0]

@@ -20,12 +20,14 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector, affine_surface, smooth_surface
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field, piecewise_constant
+from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
@@ -395,3 +397,12 @@ def test_records_are_json(arrays: Arrays) -> None:
     assert set(record) == {"kinematics", "method", "t", "state", "events", "pieces", "end", "unique"}
     assert {"t", "state", "kind", "surface"} <= set(record["events"][0])
     assert record["method"] == "events"
+
+
+def test_paths_of_rule_box_are_exact_where_numbers_are_evaluated_late() -> None:
+    """Twists of rule box are quotients that are evaluated late; they were once refused by the watch on V."""
+    partition = build_box_partition(load_scene("off-center", rule="box"))
+    start = (Fraction(2, 5), Fraction(-3, 10), Fraction(0))
+    exact = simulate(array_field(partition, Kinematics.LEADING, exact=True), start, 1)
+    near = simulate(array_field(partition, Kinematics.LEADING), floats(start), 1)
+    assert floats(exact.end.state) == pytest.approx(near.end.state, abs=ROUNDING)

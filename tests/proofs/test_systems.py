@@ -30,6 +30,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.system import PLANE, SystemScene
 
@@ -460,3 +461,10 @@ def test_forged_results_are_refused() -> None:
         replace(result, lyapunov=wrong_ladder),
     ):
         assert not forged.check()
+
+
+@pytest.mark.parametrize(("length", "speed", "rates"), [(1, -9, 0), (1, 9, 0), (1, 0, -6), (-9, 0, 0)])
+def test_units_and_uneven_rates_do_not_hide_a_piecewise_quadratic_function(length: int, speed: int, rates: int) -> None:
+    scene = scaled_system(load_system("flower"), Fraction(10) ** length, Fraction(10) ** speed)
+    result = verdict(with_rate_ratio(scene, Fraction(10) ** rates))
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE

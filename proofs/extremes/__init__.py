@@ -1,0 +1,1 @@
+"""Verdicts on extreme scenes, compared with what invariance demands."""

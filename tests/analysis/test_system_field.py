@@ -1,0 +1,67 @@
+"""Plain systems as fields to simulate: both forms agree with the formulas and with each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.system_field import constant_system, system_field
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.files.scene_file import builtin_systems
+from nonsmooth.symbolic.files.system_file import load_system
+
+ROUNDING = 1e-14
+
+
+ROOT_HALF = 0.5**0.5
+LITERAL: dict[str, Callable[[float, float], tuple[float, float]]] = {
+    "relay-oscillator": lambda x, y: (np.sign(y), -np.sign(x)),
+    "relay-oscillator-damped": lambda x, y: (np.sign(y), -np.sign(x) - np.sign(y) / 2),
+    "flower": lambda x, y: (-x / 10 + y, -5 * x - y / 10) if abs(x) >= abs(y) else (-x / 10 + 5 * y, -x - y / 10),
+    "escaping-slide": lambda x, y: (-np.sign(x), 1.0),
+    "line-of-equilibria": lambda x, y: (0.0, -np.sign(y)),
+    "eq-3": lambda x, y: (
+        -ROOT_HALF * np.sign(x) * (np.sign(y**2 - x**2) + 1),
+        ROOT_HALF * np.sign(y) * (np.sign(y**2 - x**2) - 1),
+    ),
+    "eq-4": lambda x, y: (
+        ROOT_HALF * np.sign(x) * (np.sign(y**2 - x**2) - 1),
+        -ROOT_HALF * np.sign(y) * (np.sign(y**2 - x**2) + 1),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", builtin_systems())
+def test_modes_are_the_formulas_off_the_surfaces(name: str) -> None:
+    field, rng = system_field(load_system(name)), np.random.default_rng(1)
+    for x in rng.uniform(-0.5, 0.5, (40, 2)):
+        assert field.flow(field.signs_at(x))(0.0, x) == pytest.approx(LITERAL[name](x[0], x[1]), abs=ROUNDING)
+
+
+def test_relays_may_ask_for_patterns_without_a_cell() -> None:
+    """Beside the corner of eq. (4) hysteresis keeps x < 0 while |y| > |x| has changed: no cell, but a motion."""
+    field = system_field(load_system("eq-4"))
+    for signs in product((-1, 1), repeat=len(field.surfaces)):
+        assert np.isfinite(field.flow(signs)(0.0, np.array([0.1, 0.2]))).all()
+
+
+@pytest.mark.parametrize("name", [name for name in builtin_systems() if name != "flower"])
+def test_constant_systems_have_closed_forms(name: str) -> None:
+    scene = load_system(name)
+    smooth, exact = system_field(scene), constant_system(scene, exact=True)
+    assert exact is not None
+    for start in ((0.31, 0.17), (-0.05, 0.4), (0.2, -0.45)):
+        end = simulate(exact, (*start, 0), 0.03).end
+        assert simulate(smooth, start, float(end.t)).end.state == pytest.approx(
+            [float(x) for x in end.state[:2]], abs=1e-11
+        )
+
+
+def test_linear_modes_have_none(tmp_path: Path) -> None:
+    assert constant_system(load_system("flower")) is None
+    (tmp_path / "my.toml").write_text('[system]\nstates = ["x", "y"]\nrhs = ["-sign(x**2 + y**2 - 1)", "0"]\n')
+    assert constant_system(load_system(tmp_path / "my.toml")) is not None  # the curve lies outside the square

@@ -1,0 +1,50 @@
+"""Every built-in scene and system under stress: all rows ok, each within five minutes; random arrays as well."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.proofs.extremes.stress import stress_rows
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
+from nonsmooth.symbolic.files.system_file import load_any
+from nonsmooth.symbolic.rule import Rule
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.system import SystemScene
+    from tests.benchmarks.conftest import Stopwatch
+    from tests.conftest import Arrays
+
+pytestmark = pytest.mark.benchmark
+
+LEAST_ROWS, MINUTES = 30, 5
+
+
+def hold(name: str, scene: Scene | SystemScene, stopwatch: Stopwatch) -> None:
+    start = time.perf_counter()
+    rows = list(stress_rows(scene))
+    seconds = time.perf_counter() - start
+    stopwatch.report(f"{name}: {len(rows)} rows in {seconds:.1f} s")
+    assert [row for row in rows if not row.ok] == []
+    assert len(rows) >= LEAST_ROWS
+    assert seconds <= 60 * MINUTES
+
+
+@pytest.mark.parametrize("name", [*builtin_scenes(), *builtin_systems()])
+def test_built_in(name: str, stopwatch: Stopwatch) -> None:
+    hold(name, load_any(name), stopwatch)
+
+
+@pytest.mark.parametrize("rule", [Rule.BOX, Rule.ELLIPSE])
+@pytest.mark.parametrize("name", ["four-wheel", "off-center"])
+def test_other_rules(name: str, rule: Rule, stopwatch: Stopwatch) -> None:
+    hold(f"{name}, rule {rule}", load_scene(name, rule=rule), stopwatch)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_arrays_at_random(seed: int, arrays: Arrays, stopwatch: Stopwatch) -> None:
+    hold(f"random array {seed}", arrays.random(seed, 3 + seed % 4), stopwatch)
+    hold(f"cocircular array {seed}", arrays.cocircular(seed), stopwatch)
