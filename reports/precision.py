@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.studies.derivation import DERIVATION
+from nonsmooth.analysis.studies.masses import MASS
 from nonsmooth.analysis.studies.measurement import Limits, Measurement
 from nonsmooth.analysis.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
 from nonsmooth.analysis.studies.slopes import Slope, fitted_slopes
@@ -25,7 +26,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-precision/1"
-STUDIES = (TRAJECTORIES, UPPER_DERIVATIVE, BOX_MINIMIZERS, ELLIPSE_MINIMIZERS, DERIVATION, PRUNING)
+STUDIES = (TRAJECTORIES, UPPER_DERIVATIVE, BOX_MINIMIZERS, ELLIPSE_MINIMIZERS, DERIVATION, MASS, PRUNING)
 COLUMNS = ("study", "method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note")
 
 
