@@ -5,11 +5,9 @@ Both come as text, JSON, CSV and a picture.  Run times are left out: equal input
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -18,7 +16,6 @@ from rich.text import Text
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.reports.console import json_text
 from nonsmooth.reports.simulate import SCHEMA
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
@@ -35,41 +32,6 @@ def chosen_body(model: ContactModel, mass: float | None, inertia: float | None) 
     """What the user asked for; unless said otherwise a uniform disc as large as the array."""
     body = disc(model, MASS if mass is None else mass)
     return body if inertia is None else Body(body.mass, inertia)
-
-
-class Shown(Protocol):
-    """A result in every form that the command offers."""
-
-    def record(self) -> dict[str, Any]:
-        """JSON with stable keys."""
-        ...
-
-    def lines(self) -> Iterable[Iterable[Any]]:
-        """The lines of a CSV file, its header first."""
-        ...
-
-    def picture(self, suffix: str) -> bytes:
-        """The bytes of a picture file."""
-        ...
-
-    def summary(self) -> str:
-        """One line, shown where a file was written."""
-        ...
-
-    def view(self) -> RenderableType:
-        """What a terminal shows."""
-        ...
-
-
-def file_bytes(shown: Shown, suffix: str) -> bytes:
-    """A result as the bytes of a ``.csv``, ``.json`` or picture file."""
-    if suffix == ".json":
-        return json_text(shown.record()).encode()
-    if suffix != ".csv":
-        return shown.picture(suffix)
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(shown.lines())
-    return stream.getvalue().encode()
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +15,6 @@ from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.reports.console import json_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
@@ -69,19 +67,70 @@ def basins(found: SettleMap) -> list[Basin]:
     return sorted(found_basins, key=lambda basin: -basin.share)
 
 
-def map_record(partition: Partition, run: GridRun, found: SettleMap) -> dict[str, Any]:
-    """JSON with stable keys; starts run along x first."""
-    return {
-        "schema": SCHEMA,
-        "scene": partition.scene.name,
-        "rule": str(partition.rule),
-        "kinematics": str(run.kinematics),
-        "grid": run.count,
-        "theta_0": run.theta,
-        "until": run.until,
-        "summary": _summary_record(found),
-        **found.record(),
-    }
+@dataclass(frozen=True)
+class ShownMap:
+    """The ends of a grid of paths."""
+
+    partition: Partition
+    run: GridRun
+    found: SettleMap
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys; starts run along x first."""
+        return {
+            "schema": SCHEMA,
+            "scene": self.partition.scene.name,
+            "rule": str(self.partition.rule),
+            "kinematics": str(self.run.kinematics),
+            "grid": self.run.count,
+            "theta_0": self.run.theta,
+            "until": self.run.until,
+            "summary": _summary_record(self.found),
+            **self.found.record(),
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """One start per line; empty where there is no number."""
+        yield ("x", "y", "theta", "arrival", "x_end", "y_end", "reason", "place", "unique")
+        found = self.found
+        columns = zip(found.starts, found.theta, found.arrival, found.points, found.basin, found.unique, strict=True)
+        for start, theta, arrival, point, basin, unique in columns:
+            numbers = (repr(float(v)) if np.isfinite(v) else "" for v in (*start, theta, arrival, *point))
+            reason, place = found.ends[basin]
+            yield (*numbers, reason.value, place, "yes" if unique else "no")
+
+    def picture(self, suffix: str) -> bytes:
+        """Where each start ends, when, and at which heading."""
+        from nonsmooth.reports.figures.settle_map import settle_map_figure
+
+        return settle_map_figure(self.partition, self.run, self.found, suffix)
+
+    def summary(self) -> str:
+        """How many starts and kinds of ends."""
+        return f"{len(self.found.starts)} starts, {len(self.found.ends)} kinds of ends"
+
+    def view(self) -> RenderableType:
+        """The shares of the ends, the range of headings, the latest arrival and what is not unique."""
+        rows, summary, ends = two_columns(), _summary_record(self.found), basins(self.found)
+        for basin in ends[:SHOWN]:
+            rows.add_row(Text(_percent(basin.share)), Text(basin.text))
+        if others := ends[SHOWN:]:
+            rows.add_row(Text(_percent(sum(basin.share for basin in others))), Text(f"{len(others)} others"))
+        theta, latest = summary["theta"], summary["latest_arrival"]
+        rows.add_row(Text("theta_inf"), Text("-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
+        rows.add_row(Text("latest arrival"), Text("-" if latest is None else f"t = {latest:.10g}"))
+        rows.add_row(Text("never arrive"), Text(_percent(1 - summary["arrived"])))
+        rows.add_row(Text("not unique"), Text(_percent(1 - summary["unique"])))
+        return Group(*self._head(), rows)
+
+    def _head(self) -> tuple[Text, Text]:
+        """What was mapped, and from which starts."""
+        run, name = self.run, one_line(self.partition.scene.name)
+        (left, low), (right, high) = self.found.starts.min(axis=0), self.found.starts.max(axis=0)
+        until = "" if run.until is None else f", seen at t = {run.until:.6g}"
+        what = f"rule {self.partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
+        square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {run.theta:.6g}"
+        return Text(f"{name}: {what}"), Text(square)
 
 
 def _summary_record(found: SettleMap) -> dict[str, Any]:
@@ -96,51 +145,6 @@ def _summary_record(found: SettleMap) -> dict[str, Any]:
 
 def _range(values: Any) -> list[float] | None:
     return [float(values.min()), float(values.max())] if len(values) else None
-
-
-def map_bytes(suffix: str, partition: Partition, run: GridRun, found: SettleMap) -> bytes:
-    """The file of a map: a table, JSON or a picture."""
-    match suffix:
-        case ".csv":
-            return map_table(found)
-        case ".json":
-            return json_text(map_record(partition, run, found)).encode()
-        case _:
-            from nonsmooth.reports.figures.settle_map import settle_map_figure
-
-            return settle_map_figure(partition, run, found, suffix)
-
-
-def map_table(found: SettleMap) -> bytes:
-    """One start per line as CSV; empty where there is no number."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(("x", "y", "theta", "arrival", "x_end", "y_end", "reason", "place", "unique"))
-    columns = zip(found.starts, found.theta, found.arrival, found.points, found.basin, found.unique, strict=True)
-    for start, theta, arrival, point, basin, unique in columns:
-        numbers = (repr(float(v)) if np.isfinite(v) else "" for v in (*start, theta, arrival, *point))
-        reason, place = found.ends[basin]
-        writer.writerow((*numbers, reason.value, place, "yes" if unique else "no"))
-    return stream.getvalue().encode()
-
-
-def map_view(partition: Partition, run: GridRun, found: SettleMap) -> RenderableType:
-    """The shares of the ends, the range of headings, the latest arrival and what is not unique."""
-    rows, summary, ends = two_columns(), _summary_record(found), basins(found)
-    for basin in ends[:SHOWN]:
-        rows.add_row(Text(_percent(basin.share)), Text(basin.text))
-    if len(ends) > SHOWN:
-        rows.add_row(Text(_percent(sum(basin.share for basin in ends[SHOWN:]))), Text(f"{len(ends) - SHOWN} others"))
-    theta, latest = summary["theta"], summary["latest_arrival"]
-    rows.add_row(Text("theta_inf"), Text("-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
-    rows.add_row(Text("latest arrival"), Text("-" if latest is None else f"t = {latest:.10g}"))
-    rows.add_row(Text("never arrive"), Text(_percent(1 - summary["arrived"])))
-    rows.add_row(Text("not unique"), Text(_percent(1 - summary["unique"])))
-    (left, low), (right, high) = found.starts.min(axis=0), found.starts.max(axis=0)
-    square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {run.theta:.6g}"
-    name, until = one_line(partition.scene.name), "" if run.until is None else f", seen at t = {run.until:.6g}"
-    head = f"{name}: rule {partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
-    return Group(Text(head), Text(square), rows)
 
 
 def _percent(share: float) -> str:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +18,6 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.console import json_text
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -80,39 +77,49 @@ def _speeds(partition: Partition, law: Law) -> SpeedLaw:
     return gradient_law(GAIN, (float(lyapunov.shape[0]), float(lyapunov.shape[1])), float(lyapunov.weight))
 
 
-def trajectory_record(partition: Partition, run: Run, trajectory: Trajectory) -> dict[str, Any]:
-    """JSON with stable keys."""
-    law = None if run.law is None else str(run.law)
-    return {"schema": SCHEMA, "scene": partition.scene.name, "feedback": law, **trajectory.record()}
+@dataclass(frozen=True)
+class ShownTrajectory:
+    """One path of an array."""
+
+    partition: Partition
+    run: Run
+    trajectory: Trajectory
+
+    def record(self) -> dict[str, Any]:
+        """The record of the trajectory, with the scene and the law."""
+        law = None if self.run.law is None else str(self.run.law)
+        return {"schema": SCHEMA, "scene": self.partition.scene.name, "feedback": law, **self.trajectory.record()}
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """Time and pose of every sample."""
+        return sample_lines(self.trajectory, POSE)
+
+    def picture(self, suffix: str) -> bytes:
+        """The pose over time and the path over the cells."""
+        from nonsmooth.reports.figures.trajectory import trajectory_figure
+
+        return trajectory_figure(self.partition, self.trajectory, suffix)
+
+    def summary(self) -> str:
+        """How many events, and how it ends."""
+        return path_summary(self.trajectory)
+
+    def view(self) -> RenderableType:
+        """Events and end as a table."""
+        name, path = one_line(self.partition.scene.name), self.trajectory
+        return events_view(f"{name}: {path.kinematics} kinematics, method {path.method}", path, POSE)
 
 
-def trajectory_bytes(suffix: str, partition: Partition, trajectory: Trajectory, record: dict[str, Any]) -> bytes:
-    """The file of a trajectory: a table, JSON or a picture."""
-    match suffix:
-        case ".csv":
-            return trajectory_table(trajectory)
-        case ".json":
-            return json_text(record).encode()
-        case _:
-            from nonsmooth.reports.figures.trajectory import trajectory_figure
-
-            return trajectory_figure(partition, trajectory, suffix)
-
-
-def trajectory_table(trajectory: Trajectory, states: Sequence[str] = POSE) -> bytes:
-    """Samples as CSV: t and the states."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(("t", *states))
+def sample_lines(trajectory: Trajectory, states: Sequence[str]) -> Iterable[Iterable[Any]]:
+    """Samples as lines of a CSV file: t and the states."""
+    yield ("t", *states)
     for time, state in zip(trajectory.times, trajectory.states, strict=True):
-        writer.writerow([repr(float(value)) for value in (time, *state)])
-    return stream.getvalue().encode()
+        yield tuple(repr(float(value)) for value in (time, *state))
 
 
-def trajectory_view(partition: Partition, trajectory: Trajectory) -> RenderableType:
-    """Events and end as a table."""
-    name = one_line(partition.scene.name)
-    return events_view(f"{name}: {trajectory.kinematics} kinematics, method {trajectory.method}", trajectory, POSE)
+def path_summary(trajectory: Trajectory) -> str:
+    """How many events, and how it ends."""
+    return f"{len(trajectory.events)} events, {trajectory.end.reason}"
 
 
 def events_view(head: str, trajectory: Trajectory, states: Sequence[str]) -> RenderableType:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +13,7 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Method
-from nonsmooth.reports.console import json_text
-from nonsmooth.reports.simulate import SCHEMA, events_view, trajectory_table
+from nonsmooth.reports.simulate import SCHEMA, events_view, path_summary, sample_lines
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_equations import SwitchedEquations
 
@@ -25,6 +25,31 @@ class SystemPath:
     equations: SwitchedEquations
     field: SignField
     trajectory: Trajectory
+
+    def record(self) -> dict[str, Any]:
+        """The keys of an array's trajectory, and the names of the states; there are no kinematics."""
+        head = {"schema": SCHEMA, "scene": self.equations.name, "feedback": None}
+        return {**head, **self.trajectory.record(), "kinematics": None, "states": list(self.equations.states)}
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """Time and states of every sample."""
+        return sample_lines(self.trajectory, self.equations.states)
+
+    def picture(self, suffix: str) -> bytes:
+        """The states over time, and of two states the path over the switching surfaces."""
+        from nonsmooth.reports.figures.phase_plane import phase_plane_figure
+
+        return phase_plane_figure(self, suffix)
+
+    def summary(self) -> str:
+        """How many events, and how it ends."""
+        return path_summary(self.trajectory)
+
+    def view(self) -> RenderableType:
+        """Events and end as a table."""
+        name, states = one_line(self.equations.name), self.equations.states
+        head = f"{name}: plain switched system in {', '.join(states)}, method {self.trajectory.method}"
+        return events_view(head, self.trajectory, states)
 
 
 def follow_system(
@@ -44,29 +69,3 @@ def follow_system(
 
     compared = simulate_hysteresis if method is Method.HYSTERESIS else simulate_smoothed
     return SystemPath(equations, field, compared(field, start, until, width))
-
-
-def system_path_record(path: SystemPath) -> dict[str, Any]:
-    """JSON with the keys of an array's trajectory, and the names of the states; there are no kinematics."""
-    head = {"schema": SCHEMA, "scene": path.equations.name, "feedback": None}
-    return {**head, **path.trajectory.record(), "kinematics": None, "states": list(path.equations.states)}
-
-
-def system_path_bytes(suffix: str, path: SystemPath) -> bytes:
-    """The file of a solution: a table, JSON or a picture."""
-    match suffix:
-        case ".csv":
-            return trajectory_table(path.trajectory, path.equations.states)
-        case ".json":
-            return json_text(system_path_record(path)).encode()
-        case _:
-            from nonsmooth.reports.figures.phase_plane import phase_plane_figure
-
-            return phase_plane_figure(path, suffix)
-
-
-def system_path_view(path: SystemPath) -> RenderableType:
-    """Events and end as a table."""
-    name, states = one_line(path.equations.name), path.equations.states
-    head = f"{name}: plain switched system in {', '.join(states)}, method {path.trajectory.method}"
-    return events_view(head, path.trajectory, states)

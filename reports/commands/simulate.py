@@ -10,7 +10,7 @@ import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.console import RefusedError, refusals_named, write, write_json, write_views
+from nonsmooth.reports.console import RefusedError, refusals_named
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
     """One path of an array."""
     from nonsmooth.analysis.partitions.contact_partition import build_partition
     from nonsmooth.reports import simulate as views
-    from nonsmooth.reports.files import write_whole
+    from nonsmooth.reports.shown import show
 
     with refusals_named(loaded):
         partition = build_partition(loaded)
@@ -116,15 +116,7 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
         trajectory = views.follow(partition, run)
     except ValueError as error:
         raise RefusedError(f"{loaded.origin}: {error}") from None
-    record = views.trajectory_record(partition, run, trajectory)
-    if path is not None:
-        write_whole(path, views.trajectory_bytes(path.suffix.lower(), partition, trajectory, record))
-    if json:
-        write_json(record)
-    elif path is not None:
-        write(f"{path}: {len(trajectory.events)} events, {trajectory.end.reason}\n")
-    else:
-        write_views([views.trajectory_view(partition, trajectory)])
+    show(views.ShownTrajectory(partition, run, trajectory), path, json=json)
     return 0
 
 
@@ -139,41 +131,26 @@ def _follow_system(
 ) -> int:
     """One path of a plain switched system."""
     from nonsmooth.analysis.trajectories.result import TrajectoryError
-    from nonsmooth.reports import system_paths as views
-    from nonsmooth.reports.files import write_whole
+    from nonsmooth.reports.shown import show
+    from nonsmooth.reports.system_paths import follow_system
 
     try:
-        solution = views.follow_system(equations, start, until, *how)
+        solution = follow_system(equations, start, until, *how)
     except (ValueError, TrajectoryError) as error:
         raise RefusedError(f"{equations.origin}: {error}") from None
-    if path is not None:
-        write_whole(path, views.system_path_bytes(path.suffix.lower(), solution))
-    if json:
-        write_json(views.system_path_record(solution))
-    elif path is not None:
-        write(f"{path}: {len(solution.trajectory.events)} events, {solution.trajectory.end.reason}\n")
-    else:
-        write_views([views.system_path_view(solution)])
+    show(solution, path, json=json)
     return 0
 
 
 def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
     """The ends of a grid of paths."""
     from nonsmooth.analysis.partitions.contact_partition import build_partition
-    from nonsmooth.reports import settle_maps as views
-    from nonsmooth.reports.files import write_whole
+    from nonsmooth.reports.settle_maps import ShownMap, build_map
+    from nonsmooth.reports.shown import show
 
     with refusals_named(loaded):
         partition = build_partition(loaded)
-    found = views.build_map(partition, run)
-    if path is not None:
-        write_whole(path, views.map_bytes(path.suffix.lower(), partition, run, found))
-    if json:
-        write_json(views.map_record(partition, run, found))
-    elif path is not None:
-        write(f"{path}: {len(found.starts)} starts, {len(found.ends)} kinds of ends\n")
-    else:
-        write_views([views.map_view(partition, run, found)])
+    show(ShownMap(partition, run, build_map(partition, run)), path, json=json)
     return 0
 
 
@@ -243,7 +220,7 @@ def _simulate_dynamics(scene: Scene, run: Run, options: _Dynamics, path: Path | 
     from nonsmooth.analysis.fields.contact_model import contact_model
     from nonsmooth.analysis.trajectories.result import TrajectoryError
     from nonsmooth.reports import dynamics as views
-    from nonsmooth.reports.files import write_whole
+    from nonsmooth.reports.shown import Shown, show
 
     model = contact_model(scene)
     try:
@@ -251,7 +228,7 @@ def _simulate_dynamics(scene: Scene, run: Run, options: _Dynamics, path: Path | 
         bodies = mass_ladder(body) if options.compare_masses else ()
     except ValueError as error:
         raise RefusedError(f"--{error}") from None
-    shown: views.Shown
+    shown: Shown
     try:
         with refusals_named(scene):
             if bodies:
@@ -260,12 +237,5 @@ def _simulate_dynamics(scene: Scene, run: Run, options: _Dynamics, path: Path | 
                 shown = views.ShownPath(scene, simulate_dynamics(model, body, run.start, run.until))
     except TrajectoryError as error:
         raise RefusedError(f"{scene.origin}: {error}") from None
-    if path is not None:
-        write_whole(path, views.file_bytes(shown, path.suffix.lower()))
-    if json:
-        write_json(shown.record())
-    elif path is not None:
-        write(f"{path}: {shown.summary()}\n")
-    else:
-        write_views([shown.view()])
+    show(shown, path, json=json)
     return 0
