@@ -1,0 +1,161 @@
+"""Trajectories in the derivation report: one path in full (the paper's Figure 4), and many starts to choose from."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, table
+from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.reports.sections.starts import start_text, starts
+from nonsmooth.reports.subject import Subject
+
+SHOWN_EVENTS = 8  # in the table of the first path
+AFTERWARDS = 1.4  # how long the figure goes on, in units of the time to the rest, so that the rest can be seen
+CROSSINGS = 12  # half-widths at the largest speed: the time for paths that never end
+
+
+def trajectories_section(subject: Subject) -> Section:
+    """Filippov solutions with the scene's own speeds, without feedback."""
+    field = array_field(subject.cells.partition, Kinematics.EXACT)
+    places = starts(subject.cells.partition)
+    paths = [_whole_path(subject, field, start) for start in places]
+    first = _first_path(field, places[0], paths[0])
+    blocks: list[Block] = [
+        paragraph(
+            "Filippov solutions of the exact kinematics, followed from event to event in closed form: there is no step "
+            "size. First from (x, y, theta) = {}:",
+            Math(start_text(places[0]), start_text(places[0])),
+        ),
+        _first_figure(subject, places[0], first),
+        *_first_words(paths[0]),
+        _event_table(first),
+        paragraph(
+            "{} starts on a circle about the checked point, each until the body rests, leaves the square, or the "
+            "time is over:",
+            str(len(places)),
+        ),
+        _starts_figure(subject, places, paths),
+        _starts_table(places, paths),
+    ]
+    return Section("Trajectories", tuple(blocks))
+
+
+def _whole_path(subject: Subject, field: ConstantField, start: tuple[float, float, float]) -> Trajectory:
+    """To the rest where there is one; for some crossings of the square otherwise."""
+    path = simulate(field, start)
+    if math.isfinite(float(path.end.t)) and path.end.reason is not EndReason.CIRCLES:
+        return path
+    return simulate(field, start, CROSSINGS * float(subject.scene.check.radius) / (field.speed_scale or 1.0))
+
+
+def _first_path(field: ConstantField, start: tuple[float, float, float], whole: Trajectory) -> Trajectory:
+    """The path with some time of rest after it."""
+    if whole.end.reason not in {EndReason.REST, EndReason.TURNING}:
+        return whole
+    return simulate(field, start, AFTERWARDS * float(whole.end.t) or 1.0)
+
+
+def _first_words(path: Trajectory) -> list[Block]:
+    """In which stretches theta changes, and where it ends."""
+    turns = [(float(a.start), float(b.start)) for a, b in pairwise(path.pieces)]
+    first = turns[0][1] if turns else float(path.end.t)
+    rate = (float(path.at(first)[2]) - float(path.at(0)[2])) / first if first else 0.0
+    last = float(path.end.state[2])
+    words = (
+        "Until t = {} the orientation changes at the constant rate {}; after {} events the path ends at t = {} "
+        "with `theta` = {}: {}. {}"
+    )
+    unique = "No other solution branches off." if path.unique else "Other solutions branch off on the way."
+    values = (f"{first:.6g}", f"{rate:.6g}", str(len(path.events)), f"{float(path.end.t):.6g}", f"{last:.6g}")
+    return [
+        paragraph(words, *(Math(v, v) if k != 2 else v for k, v in enumerate(values)), str(path.end.reason), unique)
+    ]
+
+
+def _event_table(path: Trajectory) -> Block:
+    rows: list[tuple[Entry, ...]] = [
+        (_short(event.t), *(_short(value) for value in event.state), str(event.kind), event.surface)
+        for event in path.events[:SHOWN_EVENTS]
+    ]
+    header = ("t", "x", "y", prose("`theta`"), "event", "where")
+    return table(header, rows, (2, 2.2, 2.2, 2.2, 2.2, 4.5))
+
+
+def _short(value: object) -> str:
+    number = round(float(value), 12)  # type: ignore[arg-type]
+    return f"{number + 0.0:.4g}"
+
+
+def _first_figure(subject: Subject, start: tuple[float, float, float], path: Trajectory) -> Figure:
+    partition = subject.cells.partition
+
+    def draw() -> bytes:
+        from nonsmooth.reports.figures.trajectory import trajectory_figure
+
+        return trajectory_figure(partition, path, ".svg")
+
+    return Figure(
+        "open-loop",
+        prose("Without feedback (the paper's Figure 4): x, y and `theta` over time, and the path over the cells."),
+        "Curves of x, y and theta over time without feedback, and the path over the cells.",
+        subject.invocation.line(
+            "simulate", "--from", _typed(start), "--until", f"{float(path.end.t):.6g}", "-o", "open-loop.pdf"
+        ),
+        draw,
+    )
+
+
+def _starts_figure(subject: Subject, places: list[tuple[float, float, float]], paths: list[Trajectory]) -> Figure:
+    from nonsmooth.reports.figures.starts import start_mark
+
+    partition = subject.cells.partition
+
+    def draw() -> bytes:
+        from nonsmooth.reports.figures.starts import starts_figure
+
+        return starts_figure(partition, paths, ".svg")
+
+    labels = [_label(k, start, path) for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)]
+    return Figure(
+        "starts",
+        prose("The path from one start at a time, the first where none can be chosen; all are listed below."),
+        "Path over the cells and curves over time from one of the starts.",
+        subject.invocation.line("simulate", "--from", _typed(places[0]), "-o", "path.pdf"),
+        draw,
+        tuple(Frame(start_mark(k), label) for k, label in enumerate(labels, 1)),
+    )
+
+
+def _label(number: int, start: tuple[float, float, float], path: Trajectory) -> str:
+    x, y, theta = (_short(value) for value in path.end.state)
+    end = f"({x}, {y}), theta = {theta} at t = {_short(path.end.t)}"
+    return f"{number}: from ({_short(start[0])}, {_short(start[1])}) to {end}"
+
+
+def _starts_table(places: list[tuple[float, float, float]], paths: list[Trajectory]) -> Block:
+    from nonsmooth.reports.figures.starts import start_mark
+
+    rows: list[tuple[Entry, ...]] = [
+        (
+            str(k),
+            f"({_short(start[0])}, {_short(start[1])})",
+            _short(path.end.t),
+            f"({_short(path.end.state[0])}, {_short(path.end.state[1])})",
+            _short(path.end.state[2]),
+            str(path.end.reason),
+        )
+        for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)
+    ]
+    header = ("start", "(x, y)", "last t", "ends at (x, y)", prose("`theta` there"), "how it ends")
+    marks = [(start_mark(k),) for k in range(1, len(rows) + 1)]
+    return table(header, rows, (1.5, 3, 1.6, 3, 2.2, 4), marks)
+
+
+def _typed(start: tuple[float, float, float]) -> str:
+    """``x,y,theta`` for a command line."""
+    return ",".join(f"{value:.6g}" for value in start)
