@@ -87,7 +87,7 @@ def _draw_cell(axes: Axes, partition: Partition, cell: Cell, levels: NDArray[np.
     triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
     rates = np.clip(_rates(partition, cell, points), levels[0], levels[-1])
     bands = axes.tricontourf(triangulation, rates, levels=levels, cmap="PuOr_r", norm=_norm(levels), zorder=1)
-    (shape,) = axes.fill(*corners.T, facecolor="white", alpha=0.01, edgecolor="none", zorder=2)
+    (shape,) = axes.fill(*corners.T, facecolor="none", edgecolor="none", zorder=3.5)
     shape.set_gid(cell_mark(cell.index))
     axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1.5, zorder=3)
     x, y = corners.mean(axis=0).tolist()

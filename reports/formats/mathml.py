@@ -1,8 +1,9 @@
 """Formulas of the document model as MathML, which browsers set without a script or a font of ours.
 
 latex2mathml translates; here its gaps are bridged (``aligned``, bars and named operators are written as what it
-knows) and its output is checked: anything but MathML elements, or a command it passed on unread, is an error and not
-a report.  A formula is cut where its LaTeX says that a line may break, since browsers break no line inside MathML.
+knows) and its output is checked: anything but known elements and attributes, or a command it passed on unread, is an
+error and not a report.  A formula is cut where its LaTeX says that a line may break, since browsers break no line
+inside MathML.
 """
 
 from __future__ import annotations
@@ -12,29 +13,14 @@ from functools import lru_cache
 from xml.etree import ElementTree as ET
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-ELEMENTS = frozenset(
-    [
-        "math",
-        "mrow",
-        "mi",
-        "mn",
-        "mo",
-        "mtext",
-        "mspace",
-        "mfrac",
-        "msqrt",
-        "msup",
-        "msub",
-        "msubsup",
-        "mover",
-        "munder",
-        "munderover",
-        "mtable",
-        "mtr",
-        "mtd",
-        "mstyle",
-    ]
-)
+ELEMENTS = frozenset({
+    "math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msqrt", "msup", "msub", "msubsup", "mover", "munder",
+    "munderover", "mtable", "mtr", "mtd", "mstyle",
+})  # fmt: skip
+ATTRIBUTES = frozenset({
+    "display", "displaystyle", "width", "linebreak", "stretchy", "fence", "form", "columnalign", "columnspacing",
+    "rowspacing",
+})  # fmt: skip
 _KNOWN = (
     (r"{aligned}", r"{split}"),
     (r"\tfrac", r"\frac"),
@@ -91,6 +77,7 @@ def _require_mathml(latex: str, markup: str) -> None:
     except ET.ParseError:
         elements = []
     strange = {element.tag.removeprefix(f"{{{NAMESPACE}}}") for element in elements} - ELEMENTS
+    strange |= {name for element in elements for name in element.attrib} - ATTRIBUTES
     unread = any(c in (element.text or "") for element in elements for c in "\\&")
     if not elements or strange or unread:
         raise ValueError(f"required LaTeX that becomes MathML, received {latex!r}")
