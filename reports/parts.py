@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.sections.cells import cells_section
@@ -19,7 +18,7 @@ from nonsmooth.reports.sections.closing import left_out_section, reproduction_se
 from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.contact import constraints_section, contact_states_section, held_wheels
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
-from nonsmooth.reports.sections.law import law_section
+from nonsmooth.reports.sections.law import law_section, without_law
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
 from nonsmooth.reports.sections.rules import rules_section
 from nonsmooth.reports.sections.sign_form import sign_form_section, without_sign_form
@@ -50,13 +49,6 @@ def _no_whole_partition(subject: Subject) -> str:
     if isinstance(subject.result, CellCheck) and not subject.result.partition.complete:
         return "cells away from the point were not built, and no verdict needs them"
     return _no_cells(subject)
-
-
-def _no_law(subject: Subject) -> str:
-    if subject.scene.contact.rule is not Rule.NEAREST:
-        return "the law is one for rule nearest"
-    verdict = subject.result.feedback.verdict
-    return "" if verdict is Feedback.STABILIZABLE else f"the feedback clause says: {verdict}"
 
 
 def _not_the_papers(subject: Subject) -> str:
@@ -130,7 +122,7 @@ PARTS = (
     Part("equilibria", lambda subject: equilibria_section(subject.cells), _no_cells),
     Part("derivative", _derivative),
     Part("theorem", lambda subject: theorem_section(subject.result)),
-    Part("feedback", law_section, _no_law),
+    Part("feedback", law_section, without_law),
     Part("trajectories", trajectories_section, _no_whole_partition),
     Part("rules", rules_section),
     Part("continuum", _continuum, _no_idealization),

@@ -1,83 +1,32 @@
-"""Feedback in the derivation report: what the closed loop does under three laws, and its trajectory (Figure 5)."""
+"""The feedback law in the derivation report: its formulas and why each cell needs its own sign."""
 
 from __future__ import annotations
 
-from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.document import Block, Entry, Figure, Math, Section, display, table
-from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.sections.starts import start_text, usual_start
-from nonsmooth.reports.simulate import GAIN, Run, follow
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.reports.document import Section, display
+from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.subject import Subject
-
-HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
-UNTIL = 8.0  # time: e^-8 of the start is below what a figure shows
-_LAWS = {
-    Law.CORRECTED: prose("corrected: `u_j = -sgn(Delta) k theta`, `u_i = |u_j| + k |(x, y)|`"),
-    Law.PRINTED: prose("as printed in sec. 3.3: `u_j = -k theta`, `u_i = |u_j| + k |(x, y)|`"),
-    Law.GRADIENT: prose("gradient: `u_i = -k a`, `u_j = -k b`"),
-}
+from nonsmooth.symbolic.rule import Rule
 
 
 def law_section(subject: Subject) -> Section:
-    """The law with the certificate's signs, and where each law leads from one start."""
-    paths = {law: _path(subject, law) for law in _LAWS}
+    """The law of sec. 3.3 with the signs that the certificate needs."""
     law = display(
         r"u_j = -\operatorname{sgn}(\Delta)\, k \theta, \qquad u_i = \lvert u_j \rvert + k \lvert (x, y) \rvert,"
         r" \qquad \Delta = d_j \cdot J(p_j - p_i)",
         "u_j = -sgn(Delta) k theta, u_i = |u_j| + k |(x, y)|, Delta = d_j . J(p_j - p_i)",
     )
-    rows = [_row(law, path) for law, path in paths.items()]
-    blocks: list[Block] = [
-        paragraph(
-            "In a cell of wheel `i` with the roll row of wheel `j` the heading obeys `theta' = u_j/Delta`, up to the "
-            "share of `u_i`, so the sign of `u_j` must follow that of `Delta`; clause 4 lists it cell by cell."
-        ),
-        law,
-        paragraph(
-            "From (x, y, theta) = {} with `k` = {} every law was followed to t = {}:",
-            Math(start_text(_start(subject)), start_text(_start(subject))),
-            f"{GAIN:g}",
-            f"{UNTIL:g}",
-        ),
-        table(("law", "last t", "x", "y", prose("`theta`"), "how it ended"), rows, (6, 1.5, 2, 2, 2, 3)),
-        _figure(subject, paths[Law.CORRECTED]),
-    ]
-    return Section("Feedback law", tuple(blocks))
-
-
-def _start(subject: Subject) -> tuple[float, float, float]:
-    x, y, _ = usual_start(subject.cells.partition)
-    return x, y, HEADING
-
-
-def _path(subject: Subject, law: Law) -> Trajectory:
-    run = Run(_start(subject), UNTIL, Kinematics.EXACT, Method.EVENTS, law, width=1e-3)
-    return follow(subject.cells.partition, run)
-
-
-def _row(law: Law, path: Trajectory) -> tuple[Entry, ...]:
-    x, y, theta = (f"{float(value):.3g}" for value in path.end.state)
-    return _LAWS[law], f"{float(path.end.t):.4g}", x, y, theta, str(path.end.reason)
-
-
-def _figure(subject: Subject, path: Trajectory) -> Figure:
-    partition = subject.cells.partition
-
-    def draw() -> bytes:
-        from nonsmooth.reports.figures.trajectory import trajectory_figure
-
-        return trajectory_figure(partition, path, ".svg")
-
-    start = ",".join(f"{value:.6g}" for value in _start(subject))
-    options = ("--from", start, "--until", f"{UNTIL:g}", "--feedback", "-o", "closed-loop.pdf")
-    return Figure(
-        "closed-loop",
-        prose(
-            "The closed loop under the corrected law (the paper's Figure 5): x, y and `theta` over time, and the path."
-        ),
-        "Curves of x, y and theta over time under feedback, and the path over the cells.",
-        subject.invocation.line("simulate", *options),
-        draw,
+    words = paragraph(
+        "In a cell of wheel `i` with the roll row of wheel `j` the heading obeys `theta' = u_j/Delta`, up to the "
+        "share of `u_i`, so the sign of `u_j` must follow that of `Delta`; clause 4 lists it cell by cell, and proves "
+        "the decrease of V for the law `u_i = -k a`, `u_j = -k b`."
     )
+    return Section("Feedback law", (words, law))
+
+
+def without_law(subject: Subject) -> str:
+    """Why the scene has no such law; empty where it has."""
+    if subject.scene.contact.rule is not Rule.NEAREST:
+        return "the law is one for rule nearest"
+    verdict = subject.result.feedback.verdict
+    return "" if verdict is Feedback.STABILIZABLE else f"the feedback clause says: {verdict}"

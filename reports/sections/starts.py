@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 from nonsmooth.analysis.partitions.partition import Partition
+
+Start: TypeAlias = tuple[float, float, float]  # x, y, theta
 
 STARTS = 24
 USUAL = (0.4, 0.8)  # of the square's half-width from the checked point: (0.2, 0.4) for the paper's array
 
 
-def usual_start(partition: Partition) -> tuple[float, float, float]:
+def usual_start(partition: Partition) -> Start:
     """``(x, y, 0)`` off the axes and diagonals, so that symmetric arrays have no tie there."""
     return starts(partition)[0]
 
 
-def starts(partition: Partition) -> list[tuple[float, float, float]]:
+def starts(partition: Partition) -> list[Start]:
     """STARTS places on a circle about the checked point, the usual one first, counterclockwise, at heading 0."""
     radius = float(partition.scene.check.radius)
     x, y = (float(value) for value in partition.scene.check.equilibrium)
@@ -27,7 +30,7 @@ def starts(partition: Partition) -> list[tuple[float, float, float]]:
     return places
 
 
-def start_text(start: tuple[float, float, float]) -> str:
+def start_text(start: Start) -> str:
     """``(0.2, 0.4, 0)``."""
     return f"({', '.join(f'{value:.6g}' for value in start)})"
 

@@ -11,7 +11,9 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, table
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.sections.starts import start_text, starts
+from nonsmooth.reports.sections.closed_loop import closed_loop_section
+from nonsmooth.reports.sections.law import without_law
+from nonsmooth.reports.sections.starts import Start, start_text, starts
 from nonsmooth.reports.subject import Subject
 
 SHOWN_EVENTS = 8  # in the table of the first path
@@ -25,27 +27,32 @@ def trajectories_section(subject: Subject) -> Section:
     places = starts(subject.cells.partition)
     paths = [_whole_path(subject, field, start) for start in places]
     first = _first_path(field, places[0], paths[0])
-    blocks: list[Block] = [
-        paragraph(
-            "Filippov solutions of the exact kinematics, followed from event to event in closed form: there is no step "
-            "size. First from (x, y, theta) = {}:",
-            Math(start_text(places[0]), start_text(places[0])),
-        ),
-        _first_figure(subject, places[0], first),
-        *_first_words(paths[0]),
-        _event_table(first),
-        paragraph(
-            "{} starts on a circle about the checked point, each until the body rests, leaves the square, or the "
-            "time is over:",
-            str(len(places)),
-        ),
-        _starts_figure(subject, places, paths),
-        _starts_table(places, paths),
-    ]
-    return Section("Trajectories", tuple(blocks))
+    intro = paragraph(
+        "Filippov solutions of the exact kinematics, followed from event to event: in closed form, with no step size, "
+        "where the speeds are the scene's own."
+    )
+    parts = [_first_section(subject, places[0], first, paths[0]), _starts_section(subject, places, paths)]
+    if not without_law(subject):
+        parts.append(closed_loop_section(subject))
+    return Section("Trajectories", (intro,), tuple(parts))
 
 
-def _whole_path(subject: Subject, field: ConstantField, start: tuple[float, float, float]) -> Trajectory:
+def _first_section(subject: Subject, start: Start, path: Trajectory, whole: Trajectory) -> Section:
+    words = paragraph("From (x, y, theta) = {}:", Math(start_text(start), start_text(start)))
+    blocks = (words, _first_figure(subject, start, path), *_first_words(whole), _event_table(path))
+    return Section("Without feedback", blocks)
+
+
+def _starts_section(subject: Subject, places: list[Start], paths: list[Trajectory]) -> Section:
+    words = paragraph(
+        "{} starts on a circle about the checked point, each until the body rests, leaves the square, or the time is "
+        "over:",
+        str(len(places)),
+    )
+    return Section("Many starts", (words, _starts_figure(subject, places, paths), _starts_table(places, paths)))
+
+
+def _whole_path(subject: Subject, field: ConstantField, start: Start) -> Trajectory:
     """To the rest where there is one; for some crossings of the square otherwise."""
     path = simulate(field, start)
     if math.isfinite(float(path.end.t)) and path.end.reason is not EndReason.CIRCLES:
@@ -53,7 +60,7 @@ def _whole_path(subject: Subject, field: ConstantField, start: tuple[float, floa
     return simulate(field, start, CROSSINGS * float(subject.scene.check.radius) / (field.speed_scale or 1.0))
 
 
-def _first_path(field: ConstantField, start: tuple[float, float, float], whole: Trajectory) -> Trajectory:
+def _first_path(field: ConstantField, start: Start, whole: Trajectory) -> Trajectory:
     """The path with some time of rest after it."""
     if whole.end.reason not in {EndReason.REST, EndReason.TURNING}:
         return whole
@@ -91,7 +98,7 @@ def _short(value: object) -> str:
     return f"{number + 0.0:.4g}"
 
 
-def _first_figure(subject: Subject, start: tuple[float, float, float], path: Trajectory) -> Figure:
+def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
     partition = subject.cells.partition
 
     def draw() -> bytes:
@@ -110,7 +117,7 @@ def _first_figure(subject: Subject, start: tuple[float, float, float], path: Tra
     )
 
 
-def _starts_figure(subject: Subject, places: list[tuple[float, float, float]], paths: list[Trajectory]) -> Figure:
+def _starts_figure(subject: Subject, places: list[Start], paths: list[Trajectory]) -> Figure:
     from nonsmooth.reports.figures.starts import start_mark
 
     partition = subject.cells.partition
@@ -131,13 +138,13 @@ def _starts_figure(subject: Subject, places: list[tuple[float, float, float]], p
     )
 
 
-def _label(number: int, start: tuple[float, float, float], path: Trajectory) -> str:
+def _label(number: int, start: Start, path: Trajectory) -> str:
     x, y, theta = (_short(value) for value in path.end.state)
     end = f"({x}, {y}), theta = {theta} at t = {_short(path.end.t)}"
     return f"{number}: from ({_short(start[0])}, {_short(start[1])}) to {end}"
 
 
-def _starts_table(places: list[tuple[float, float, float]], paths: list[Trajectory]) -> Block:
+def _starts_table(places: list[Start], paths: list[Trajectory]) -> Block:
     from nonsmooth.reports.figures.starts import start_mark
 
     rows: list[tuple[Entry, ...]] = [
@@ -156,6 +163,6 @@ def _starts_table(places: list[tuple[float, float, float]], paths: list[Trajecto
     return table(header, rows, (1.5, 3, 1.6, 3, 2.2, 4), marks)
 
 
-def _typed(start: tuple[float, float, float]) -> str:
+def _typed(start: Start) -> str:
     """``x,y,theta`` for a command line."""
     return ",".join(f"{value:.6g}" for value in start)
