@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.reports.figures.cell_map import LABEL, PALETTE, PICTURE, TINT, figure_bytes
+from nonsmooth.reports.figures.cell_map import LABEL, LEGEND_ROW, PALETTE, PICTURE, TINT, figure_bytes
 from nonsmooth.reports.figures.wheels import INK, RIM_SHARE, draw_wheel, floats
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
@@ -30,7 +30,7 @@ def build_figure(scene: Scene) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(PICTURE, PICTURE + 0.7), layout="constrained")
+    figure = Figure(figsize=(PICTURE, PICTURE + 2 * LEGEND_ROW), layout="constrained")
     axes = figure.subplots()
     places = np.array([floats(wheel.position) for wheel in scene.wheels])
     centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)

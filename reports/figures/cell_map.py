@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import math
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
@@ -33,6 +33,7 @@ INKED: Any = dict.fromkeys(
     INK,
 )
 PICTURE = 5.2  # inches, both ways: readable in a column of a page and on a phone
+LEGEND_ROW = 0.2  # inches that a row of the legend needs below the picture
 POINTS = 72 * PICTURE * 0.8  # points that the axes take
 LABEL = 9  # points, the size of a label
 LARGEST, RESOLUTION = 1e100, 1e-9  # what Matplotlib draws faithfully with floats
@@ -88,7 +89,7 @@ def build_figure(partition: Partition) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(PICTURE, PICTURE + 0.45), layout="constrained")
+    figure = Figure(figsize=(PICTURE, PICTURE), layout="constrained")
     axes = figure.subplots()
     width = view_square(axes, partition)
     wheels = wheels_in_view(axes, partition.scene.wheels)
@@ -133,16 +134,16 @@ def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_
     axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.5, hatch=hatch, hatchcolor=INK, zorder=2)
     centre = floats(cell.polygon.centre)
     sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
-    room = _clearance(centre, sides)
+    room = clearance(centre, sides)
     if room * points_per_length < LABEL:  # too small for any mark
         return
     shaft = _draw_velocity(axes, cell, centre, 0.65 * room)
     obstacles = [*sides, *shaft, *marks]
     corners = [*vertices, *(_between(start, end, 0.5) for start, end in sides)]
     places = [centre, *(_between(centre, corner, t / 10) for corner in corners for t in range(1, 9))]
-    place = max(places, key=lambda place: _clearance(place, obstacles))
+    place = max(places, key=lambda place: clearance(place, obstacles))
     label = f"{cell.index}{TURNS[cell.twists[0].omega.sign()]}"
-    if _clearance(place, obstacles) * points_per_length >= LABEL_ROOM * len(label):
+    if clearance(place, obstacles) * points_per_length >= LABEL_ROOM * len(label):
         axes.text(*place, label, ha="center", va="center", color=INK, zorder=4)
 
 
@@ -158,7 +159,12 @@ def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[Segm
     return [(start, end)]
 
 
-def _clearance(place: XY, obstacles: Iterable[Segment]) -> float:
+def room_at(place: XY, vertices: Sequence[XY]) -> float:
+    """Distance of a place within a polygon from its border."""
+    return clearance(place, zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+
+
+def clearance(place: XY, obstacles: Iterable[Segment]) -> float:
     """Distance of a place from the nearest obstacle."""
     return min(_distance(place, start, end) for start, end in obstacles)
 
@@ -204,4 +210,5 @@ def _explain(figure: Figure, kinds: list[EdgeKind], *, wheels: bool, rests: bool
     entries += [Line2D([], [], label=EDGE_WORDS[kind], **EDGES[kind]) for kind in kinds]
     if rests:
         entries.append(Patch(facecolor="none", edgecolor=INK, hatch=REST_HATCH, label="the body rests"))
+    figure.set_figheight(PICTURE + LEGEND_ROW * math.ceil(len(entries) / 2))
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False, fontsize=LABEL - 1)

@@ -16,7 +16,15 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.reports.document import cell_mark
-from nonsmooth.reports.figures.cell_map import PICTURE, figure_bytes, require_drawable, view_square
+from nonsmooth.reports.figures.cell_map import (
+    LABEL,
+    PICTURE,
+    POINTS,
+    figure_bytes,
+    require_drawable,
+    room_at,
+    view_square,
+)
 from nonsmooth.reports.figures.wheels import floats
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -26,6 +34,7 @@ if TYPE_CHECKING:
 
 BANDS = 10  # from zero to the largest absolute value
 SPLIT = 12  # pieces of each side of a triangle where motions tie and V* is not linear
+COLORS, ZERO = "PuOr_r", "#f7f7f7"  # Matplotlib's name, and its color in the middle
 DARK = "#101418"  # text over the map's own colors, whatever the page's
 PLATE = {"boxstyle": "round,pad=0.25", "facecolor": "#fcfcfc", "edgecolor": "none"}  # behind a number
 
@@ -38,16 +47,18 @@ def rate_map(partition: Partition, suffix: str) -> bytes:
 
 def build_figure(partition: Partition) -> Figure:
     """The picture as a Matplotlib figure."""
+    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(PICTURE + 0.7, PICTURE - 0.2), layout="constrained")
     axes = figure.subplots()
     view_square(axes, partition)
     levels = _levels(partition)
-    bands: Any = None
     for cell in partition.cells:
-        bands = _draw_cell(axes, partition, cell, levels)
-    bar = figure.colorbar(bands, ax=axes, shrink=0.85, ticks=levels[:: max(1, len(levels) // 8)], format="%.3g")
+        _draw_cell(axes, partition, cell, levels)
+    ticks = levels[:: max(1, len(levels) // 8)]
+    colors = ScalarMappable(_norm(levels), COLORS)
+    bar = figure.colorbar(colors, ax=axes, shrink=0.85, boundaries=levels, ticks=ticks, format="%.3g")
     bar.set_label("upper derivative V* [length squared per time]")
     axes.set_title(f"{one_line(partition.scene.name)}: V* of V = |c - c*|^2", parse_math=False)
     return figure
@@ -78,21 +89,25 @@ def _rates(partition: Partition, cell: Cell, points: NDArray[np.float64]) -> NDA
     return np.asarray(np.max(rates, axis=0))
 
 
-def _draw_cell(axes: Axes, partition: Partition, cell: Cell, levels: NDArray[np.float64]) -> Any:
-    """Bands of V* on a cell, its border and its number; returns the bands."""
+def _draw_cell(axes: Axes, partition: Partition, cell: Cell, levels: NDArray[np.float64]) -> None:
+    """Bands of V* on a cell, its border, and its number where there is room."""
     from matplotlib.tri import Triangulation
 
     corners = np.array(cell_corners(cell))
     points, triangles = _triangles(corners, SPLIT if len(cell.twists) > 1 else 1)
-    triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
     rates = np.clip(_rates(partition, cell, points), levels[0], levels[-1])
-    bands = axes.tricontourf(triangulation, rates, levels=levels, cmap="PuOr_r", norm=_norm(levels), zorder=1)
+    if np.any(rates):
+        triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
+        axes.tricontourf(triangulation, rates, levels=levels, cmap=COLORS, norm=_norm(levels), zorder=1)
+    else:
+        axes.fill(*corners.T, facecolor=ZERO, edgecolor="none", zorder=1)
+    axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1.5, zorder=3)
     (shape,) = axes.fill(*corners.T, facecolor="none", edgecolor="none", zorder=3.5)
     shape.set_gid(cell_mark(cell.index))
-    axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1.5, zorder=3)
     x, y = corners.mean(axis=0).tolist()
-    axes.text(x, y, str(cell.index), ha="center", va="center", color=DARK, bbox=PLATE, zorder=4)
-    return bands
+    left, right = axes.get_xlim()
+    if room_at((x, y), cell_corners(cell)) * POINTS / (right - left) >= LABEL:
+        axes.text(x, y, str(cell.index), ha="center", va="center", color=DARK, bbox=PLATE, zorder=4)
 
 
 def _norm(levels: NDArray[np.float64]) -> Any:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from nonsmooth.analysis.fields.switched_field import domain_size
 from nonsmooth.analysis.partitions.cell_complex import build_complex
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.reports.document import Block, Section, display
-from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
+from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.formulas import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -26,10 +26,10 @@ def sign_form_section(subject: Subject) -> Section:
         paragraph("The cells are the sectors of lines through the checked point, so the spatial twist is, exactly:"),
         display("\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}", "\n".join(plain)),
     ]
-    missing = [name for (name, _), form in zip(_LEFT, forms, strict=True) if form is None]
+    missing = [Math(latex, name) for (name, latex), form in zip(_LEFT, forms, strict=True) if form is None]
     if missing:
-        words = "For {} no sum of two products of signs equals it; the contact states list it cell by cell."
-        blocks.append(paragraph(words, " and ".join(missing)))
+        words = prose("No sum of two products of signs equals the others, which the contact states list cell by cell: ")
+        blocks.append(Paragraph((*words, *listed(missing), ".")))
     return Section("Governing equations in sgn form", tuple(blocks))
 
 

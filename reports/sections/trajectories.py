@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
@@ -15,6 +14,7 @@ from nonsmooth.reports.sections.closed_loop import closed_loop_section
 from nonsmooth.reports.sections.law import without_law
 from nonsmooth.reports.sections.starts import Start, start_text, starts
 from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.formulas import decimal_latex
 
 SHOWN_EVENTS = 8  # in the table of the first path
 AFTERWARDS = 1.4  # how long the figure goes on, in units of the time to the rest, so that the rest can be seen
@@ -68,20 +68,21 @@ def _first_path(field: ConstantField, start: Start, whole: Trajectory) -> Trajec
 
 
 def _first_words(path: Trajectory) -> list[Block]:
-    """In which stretches theta changes, and where it ends."""
-    turns = [(float(a.start), float(b.start)) for a, b in pairwise(path.pieces)]
-    first = turns[0][1] if turns else float(path.end.t)
-    rate = (float(path.at(first)[2]) - float(path.at(0)[2])) / first if first else 0.0
-    last = float(path.end.state[2])
-    words = (
-        "Until t = {} the orientation changes at the constant rate {}; after {} events the path ends at t = {} "
-        "with `theta` = {}: {}. {}"
-    )
+    """How theta changes at first, and where it ends."""
+    end, theta = _number(path.end.t), _number(path.end.state[2])
     unique = "No other solution branches off." if path.unique else "Other solutions branch off on the way."
-    values = (f"{first:.6g}", f"{rate:.6g}", str(len(path.events)), f"{float(path.end.t):.6g}", f"{last:.6g}")
-    return [
-        paragraph(words, *(Math(v, v) if k != 2 else v for k, v in enumerate(values)), str(path.end.reason), unique)
-    ]
+    if not path.end.t or not path.pieces[0].end:
+        return [paragraph("The path ends where it begins: {}. {}", str(path.end.reason), unique)]
+    first = float(path.pieces[0].end)
+    rate = (float(path.at(first)[2]) - float(path.at(0.0)[2])) / first
+    kind = "constant" if len(path.pieces[0].cells) == 1 else "mean"
+    words = "Until t = {} the orientation changes at the {} rate {}; the path ends at t = {} with `theta` = {}: {}. {}"
+    return [paragraph(words, _number(first), kind, _number(rate), end, theta, str(path.end.reason), unique)]
+
+
+def _number(value: object) -> Math:
+    text = f"{float(value):.6g}"  # type: ignore[arg-type]
+    return Math(decimal_latex(text), text)
 
 
 def _event_table(path: Trajectory) -> Block:
