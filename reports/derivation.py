@@ -32,19 +32,20 @@ class Report:
     result: Check
 
 
-def derive_report(scene: Scene, invocation: Invocation, parts: tuple[str, ...] = PART_NAMES) -> Report:
+def derive_report(scene: Scene, invocation: Invocation | None = None, parts: tuple[str, ...] = PART_NAMES) -> Report:
     """Check the scene and write the derivation down.
 
     Args:
         scene: the array.
-        invocation: how the report was asked for: the commands that reproduce it and its figures follow from it.
+        invocation: how the report was asked for, from which the commands that reproduce it and its figures follow;
+            None for the scene as it stands.
         parts: names of the sections to write, see :data:`nonsmooth.reports.parts.PARTS`.
 
     Raises:
         RefusalError: where the motion is not determined.
         RuntimeError: if the evidence of a verdict does not verify.
     """
-    subject = Subject(scene, invocation, parts)
+    subject = Subject(scene, invocation or Invocation(scene.origin), parts)
     wanted = [part for part in PARTS if part.name in parts and not part.lacks(subject)]
     sections = tuple(part.build(subject) for part in wanted)
     return Report(Document(f"Derivation report: {one_line(scene.name)}", sections), subject.result)

@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.fields.switched_field import domain_size
-from nonsmooth.analysis.partitions.cell_complex import build_complex
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import Twist
@@ -59,7 +57,7 @@ class _Sides:
 
 def switching_stretches(partition: Partition) -> tuple[SwitchingStretch, ...]:
     """Where solutions (exact pose kinematics) slide or rest along edges, or may leave them to both sides."""
-    cells = build_complex([cell.polygon for cell in partition.cells], domain_size(partition))
+    cells = partition.complex
     found: list[SwitchingStretch] = []
     for edge in cells.edges:
         if edge.left is None or edge.right is None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.fields.switched_field import domain_size
-from nonsmooth.analysis.partitions.cell_complex import build_complex
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
 from nonsmooth.reports.prose import listed, paragraph, prose
@@ -49,7 +47,7 @@ def without_sign_form(subject: Subject) -> str:
 
 def separating_lines(partition: Partition) -> list[Direction] | None:
     """Directions of the lines through the origin that part the cells; None where another edge does."""
-    cells = build_complex([cell.polygon for cell in partition.cells], domain_size(partition))
+    cells = partition.complex
     lines: list[Direction] = []
     for edge in cells.edges:
         if edge.left is None or edge.right is None:
