@@ -20,7 +20,7 @@ from nonsmooth.reports.sections.contact import constraints_section, contact_stat
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
-from nonsmooth.reports.sections.rules import rules_section
+from nonsmooth.reports.sections.rules import rules_section, without_rules
 from nonsmooth.reports.sections.sign_form import sign_form_section, without_sign_form
 from nonsmooth.reports.sections.stability import (
     equilibria_section,
@@ -124,7 +124,7 @@ PARTS = (
     Part("theorem", lambda subject: theorem_section(subject.result)),
     Part("feedback", law_section, without_law),
     Part("trajectories", trajectories_section, _no_whole_partition),
-    Part("rules", rules_section),
+    Part("rules", rules_section, without_rules),
     Part("continuum", _continuum, _no_idealization),
     Part("audit", lambda subject: audit_section(), _not_the_papers),
     Part("left-out", _left_out),

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BANDS = 10  # from zero to the largest absolute value
-SPLIT = 12  # pieces of each side of a triangle where motions tie and V* is not linear
+SPLIT = 20  # pieces of each side of a triangle where motions tie and V* is not linear
 COLORS, ZERO = "PuOr_r", "#f7f7f7"  # Matplotlib's name, and its color in the middle
 DARK = "#101418"  # text over the map's own colors, whatever the page's
 PLATE = {"boxstyle": "round,pad=0.25", "facecolor": "#fcfcfc", "edgecolor": "none"}  # behind a number

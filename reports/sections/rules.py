@@ -3,9 +3,24 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference
+from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.reports.document import Block, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject
+
+MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells
+
+
+def without_rules(subject: Subject) -> str:
+    """Why the rules are not compared; empty where they are."""
+    if len(subject.scene.wheels) > MOST_WHEELS:
+        command = subject.invocation.line("partition", "--compare")
+        return f"rule box is compared for at most {MOST_WHEELS} wheels here; {command} has no such limit"
+    try:
+        _ = subject.agreement
+    except RefusalError as error:
+        return f"rules box and ellipse refuse the scene: {error}"
+    return ""
 
 
 def rules_section(subject: Subject) -> Section:

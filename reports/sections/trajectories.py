@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
-from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, table
 from nonsmooth.reports.prose import paragraph, prose
@@ -18,14 +19,20 @@ from nonsmooth.symbolic.formulas import decimal_latex
 
 SHOWN_EVENTS = 8  # in the table of the first path
 AFTERWARDS = 1.4  # how long the figure goes on, in units of the time to the rest, so that the rest can be seen
-CROSSINGS = 12  # half-widths at the largest speed: the time for paths that never end
 
 
 def trajectories_section(subject: Subject) -> Section:
-    """Filippov solutions with the scene's own speeds, without feedback."""
+    """Filippov solutions with the scene's own speeds, and under feedback where there is a law."""
+    try:
+        return _trajectories(subject)
+    except TrajectoryError as error:
+        return Section("Trajectories", (paragraph("They could not be followed to their end: {}.", str(error)),))
+
+
+def _trajectories(subject: Subject) -> Section:
     field = array_field(subject.cells.partition, Kinematics.EXACT)
     places = starts(subject.cells.partition)
-    paths = [_whole_path(subject, field, start) for start in places]
+    paths = [_whole_path(field, start) for start in places]
     first = _first_path(field, places[0], paths[0])
     intro = paragraph(
         "Filippov solutions of the exact kinematics, followed from event to event: in closed form, with no step size, "
@@ -52,12 +59,21 @@ def _starts_section(subject: Subject, places: list[Start], paths: list[Trajector
     return Section("Many starts", (words, _starts_figure(subject, places, paths), _starts_table(places, paths)))
 
 
-def _whole_path(subject: Subject, field: ConstantField, start: Start) -> Trajectory:
-    """To the rest where there is one; for some crossings of the square otherwise."""
+def _whole_path(field: ConstantField, start: Start) -> Trajectory:
+    """To the rest where there is one; once around where the path circles, and as far as can be seen to a limit."""
     path = simulate(field, start)
-    if math.isfinite(float(path.end.t)) and path.end.reason is not EndReason.CIRCLES:
-        return path
-    return simulate(field, start, CROSSINGS * float(subject.scene.check.radius) / (field.speed_scale or 1.0))
+    last = path.pieces[-1] if path.pieces else None
+    if path.end.reason is EndReason.APPROACH:
+        return _cut(path, simulate(field, start, float(path.times[-1]) or 1.0))
+    if path.end.reason is EndReason.CIRCLES and last is not None and last.end is None:
+        rate = abs(float(last.state(1.0)[2]) - float(last.state(0.0)[2]))
+        return _cut(path, simulate(field, start, float(last.start) + (2 * math.pi / rate if rate else 1.0)))
+    return path
+
+
+def _cut(path: Trajectory, shown: Trajectory) -> Trajectory:
+    """The part that is shown of a path without end, with the reason why it has none."""
+    return replace(shown, end=replace(shown.end, reason=path.end.reason))
 
 
 def _first_path(field: ConstantField, start: Start, whole: Trajectory) -> Trajectory:

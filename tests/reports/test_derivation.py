@@ -7,12 +7,13 @@ import math
 import re
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.derivation import REPORT_FORMATS, Report, derive_report, render_report
@@ -20,9 +21,13 @@ from nonsmooth.reports.document import Bullets, Code, Display, Document, Math, P
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.reports.sections.rules import MOST_WHEELS
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
 
 SCENES = ("four-wheel", "four-wheel-side", "ring-5", "off-center", "conveyor-3", "saddle")
 COMMAND = Invocation("test")
@@ -150,6 +155,28 @@ def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:
     assert render_report(report, ".tex").isascii()
     record = json.loads(render_report(report, ".json"))
     assert (record["partition"] is None) == (rule == "ellipse")
+
+
+def test_a_square_beyond_the_wheels_is_reported_without_the_comparison() -> None:
+    """Rules with loads refuse it, rule nearest does not."""
+    text = render_report(derive_report(load_scene("four-wheel", radius="3")), ".md")
+    assert "Section rules: rules box and ellipse refuse the scene" in text
+    assert "the body tips over its support polygon" in text
+
+
+def test_a_failed_simulation_is_said_and_costs_one_section(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stuck(*arguments: object) -> None:
+        raise TrajectoryError("no way on")
+
+    monkeypatch.setattr("nonsmooth.reports.sections.trajectories.simulate", stuck)
+    report = derive_report(load_scene("ring-3"), parts=("verdict", "trajectories"))
+    assert "They could not be followed to their end: no way on." in render_report(report, ".md")
+
+
+def test_many_wheels_are_reported_without_the_comparison(arrays: Arrays) -> None:
+    scene = arrays.ring(MOST_WHEELS + 1)
+    report = derive_report(scene, Invocation("ring.toml", ("--rule", "nearest")), ("rules", "left-out"))
+    assert "nonsmooth partition ring.toml --rule nearest --compare" in render_report(report, ".md")
 
 
 # ---- formats -------------------------------------------------------------------------------------
