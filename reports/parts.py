@@ -15,8 +15,8 @@ from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, reproduction_section
-from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.contact import constraints_section, contact_states_section, held_wheels
+from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
