@@ -20,6 +20,7 @@ from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
+from nonsmooth.reports.sections.precision import precision_section, without_precision
 from nonsmooth.reports.sections.rules import rules_section, without_rules
 from nonsmooth.reports.sections.sign_form import sign_form_section, without_sign_form
 from nonsmooth.reports.sections.stability import (
@@ -126,6 +127,7 @@ PARTS = (
     Part("trajectories", trajectories_section, _no_whole_partition),
     Part("rules", rules_section, without_rules),
     Part("continuum", _continuum, _no_idealization),
+    Part("precision", precision_section, lambda subject: _no_whole_partition(subject) or without_precision(subject)),
     Part("audit", lambda subject: audit_section(), _not_the_papers),
     Part("left-out", _left_out),
     Part("versions", lambda subject: reproduction_section(subject.invocation)),

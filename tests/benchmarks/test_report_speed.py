@@ -27,7 +27,7 @@ def seconds(target: Path, *options: str) -> float:
     return min(times)
 
 
-@pytest.mark.parametrize(("options", "most"), [((), 15.0), (("--without", "trajectories"), 3.0)])
+@pytest.mark.parametrize(("options", "most"), [((), 15.0), (("--without", "trajectories,precision"), 3.0)])
 def test_the_report_is_written_in_time(tmp_path: Path, options: tuple[str, ...], most: float) -> None:
     target = tmp_path / "r.html"
     taken = seconds(target, *options)
