@@ -144,6 +144,15 @@ def test_a_cell_under_the_pointer_lights_its_equations_and_rows(page: Page) -> N
     assert lit(page)["section"] == {"cell-5"}
 
 
+def test_the_copy_of_the_map_fits_beside_the_text(page: Page) -> None:
+    map_box, column = page.locator("#companion svg").bounding_box(), page.locator("nav").bounding_box()
+    assert map_box
+    assert column
+    assert map_box["x"] >= column["x"]
+    assert map_box["x"] + map_box["width"] <= column["x"] + column["width"]
+    assert map_box["y"] + map_box["height"] <= 900
+
+
 def test_a_row_or_equations_under_the_pointer_light_the_cell(page: Page) -> None:
     page.locator("#cells tr[data-about=cell-2] td").last.hover()
     assert lit(page)["g"] == {"cell-2"}
