@@ -5,10 +5,14 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALLED := .venv/installed
 PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check -c constraints.txt
-REPORT := build/four-wheel.md
+TOOLS := .venv/tools
+# What some tests use beside Python; they say so when they are skipped without it.
+TOOL_PACKAGES := chromium fonts-dejavu-core texlive-latex-base
+TOOL_SECONDS := 300
+REPORT := build/four-wheel.html
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format bench precision clean
+.PHONY: help demo test tools lint format bench precision clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -22,8 +26,12 @@ demo: $(INSTALLED) ## check the four-wheel array under every contact rule and wr
 	$(BIN)/nonsmooth derive four-wheel -o $(REPORT)
 	@echo "The derivation report is in $(REPORT)"
 
-test: $(INSTALLED) ## run the tests
+test: $(INSTALLED) $(TOOLS) ## run the tests
 	$(BIN)/python -m pytest -n 2 --ignore=tests/benchmarks -q
+
+tools: ## try to install Chromium and LaTeX, in which tests open the reports (Debian and Ubuntu, as root)
+	@rm -f $(TOOLS)
+	@$(MAKE) --no-print-directory $(TOOLS)
 
 lint: $(INSTALLED) ## ruff and mypy, changing nothing
 	$(BIN)/ruff check .
@@ -45,6 +53,20 @@ precision: $(INSTALLED) ## measure error against run time and write docs/precisi
 clean: ## remove all that make has built, .venv included
 	rm -rf .venv build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find symbolic analysis proofs reports tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Tried once, for a limited time; without them the tests that need them are skipped, and say so.
+$(TOOLS): | $(INSTALLED)
+	@if command -v chromium > /dev/null && command -v pdflatex > /dev/null; then :; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	    echo "Installing $(TOOL_PACKAGES) for the tests that open reports (at most $(TOOL_SECONDS) s) ..."; \
+	    timeout $(TOOL_SECONDS) sh -c 'apt-get update -qq; DEBIAN_FRONTEND=noninteractive \
+	        apt-get install -y -qq --no-install-recommends $(TOOL_PACKAGES)' > /dev/null 2>&1 \
+	        || echo "They could not be installed: the tests that need them will be skipped."; \
+	else \
+	    echo "Chromium or pdflatex is missing, so the tests that open reports are skipped; to run them," \
+	         "as root: apt-get install $(TOOL_PACKAGES)"; \
+	fi
+	@touch $@
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@command -v $(PYTHON) > /dev/null || { \

@@ -36,3 +36,11 @@ class Method(StrEnum):
     HYSTERESIS = "hysteresis"
     SMOOTHED = "smoothed"
     DYNAMICS = "dynamics"
+
+
+class Shown(StrEnum):
+    """What a picture of an array shows."""
+
+    CELLS = "cells"
+    ARRAY = "array"
+    RATES = "rates"

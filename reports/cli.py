@@ -30,7 +30,7 @@ app = typer.Typer(
 )
 app.command(epilog="Example: nonsmooth check four-wheel --radius 1/4 --json")(check)
 app.command(epilog="Example: nonsmooth partition four-wheel -o cells.svg")(partition)
-app.command(epilog="Example: nonsmooth derive four-wheel -o report.tex")(derive)
+app.command(epilog="Example: nonsmooth derive four-wheel -o report.html")(derive)
 app.command(epilog="Example: nonsmooth simulate four-wheel --from 0.2,0.4,0 --until 2 -o path.svg")(simulate)
 app.command(epilog="Example: nonsmooth precision four-wheel --study trajectories -o precision.svg")(precision)
 app.command(epilog="Example: nonsmooth verify four-wheel.json")(verify)

@@ -1,13 +1,14 @@
-"""One document model for all report formats: sections, paragraphs, formulas, tables and lists.
+"""One document model for all report formats: sections, paragraphs, formulas, tables, lists and figures.
 
 Every formula carries LaTeX and plain text, so a renderer never converts one into the other.  Running text is a
-tuple of strings, formulas and code; strings are literal and escaped by the renderer.
+tuple of strings, formulas and code; strings are literal and escaped by the renderer.  Marks such as ``cell-3`` say
+what a section, a row or a piece of a figure is about; a format that can link ties equal marks together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas import SHORT, Real, decimal_latex, decimal_text, number_latex, real_text, settled
@@ -32,6 +33,7 @@ class Code:
 Inline: TypeAlias = str | Math | Code
 Text: TypeAlias = tuple[Inline, ...]
 Entry: TypeAlias = Inline | Text
+Marks: TypeAlias = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -57,29 +59,63 @@ class Bullets:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under a header; ``widths`` are the columns' shares of the line."""
+    """Rows under a header; ``widths`` are the columns' shares of the line, ``marks`` what each row is about, if any."""
 
     header: tuple[Text, ...]
     rows: tuple[tuple[Text, ...], ...]
     widths: tuple[float, ...]
+    marks: tuple[Marks, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse rows and widths that do not fit the header."""
         columns = {len(self.header), len(self.widths), *(len(row) for row in self.rows)}
         if len(columns) > 1:
             raise ValueError(f"required one width and one entry per column, received {sorted(columns)} of them")
+        if self.marks and len(self.marks) != len(self.rows):
+            raise ValueError(f"required marks for {len(self.rows)} rows or none, received {len(self.marks)}")
 
 
-Block: TypeAlias = Paragraph | Display | Bullets | Table
+@dataclass(frozen=True)
+class Frame:
+    """One of the pictures that a figure holds in turn: its mark, and in words what it shows."""
+
+    mark: str
+    label: str
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture, drawn only by the formats that hold pictures.
+
+    Attributes:
+        key: its name in the document, such as ``cell-map``.
+        caption: what it shows, beneath it.
+        description: the same for those who cannot see it.
+        command: draws it by itself.
+        draw: the picture as an SVG file; the ``id`` of a piece is the mark it is about (``cell-3``), with
+            ``--something`` behind it where several pieces are about one.
+        frames: marks of pieces that are shown in turn, the first one where nothing can be chosen.
+    """
+
+    key: str
+    caption: Text
+    description: str
+    command: str
+    draw: Callable[[], bytes] = field(repr=False, compare=False)
+    frames: tuple[Frame, ...] = ()
+
+
+Block: TypeAlias = Paragraph | Display | Bullets | Table | Figure
 
 
 @dataclass(frozen=True)
 class Section:
-    """A titled part with its blocks, then its subsections."""
+    """A titled part with its blocks, then its subsections; ``marks`` say what it is about, if that can be marked."""
 
     title: str
     blocks: tuple[Block, ...]
     subsections: tuple[Section, ...] = ()
+    marks: Marks = ()
 
 
 @dataclass(frozen=True)
@@ -95,10 +131,20 @@ def display(latex: str, plain: str) -> Display:
     return Display(Math(latex, plain))
 
 
-def table(header: Sequence[Entry], rows: Iterable[Sequence[Entry]], widths: tuple[float, ...]) -> Table:
+def table(
+    header: Sequence[Entry],
+    rows: Iterable[Sequence[Entry]],
+    widths: tuple[float, ...],
+    marks: Iterable[Marks] = (),
+) -> Table:
     """A table whose entries are single inlines or texts."""
     body = tuple(tuple(_text(entry) for entry in row) for row in rows)
-    return Table(tuple(_text(entry) for entry in header), body, widths)
+    return Table(tuple(_text(entry) for entry in header), body, widths, tuple(marks))
+
+
+def cell_mark(index: int) -> str:
+    """What is about cell 3 carries the mark ``cell-3``."""
+    return f"cell-{index}"
 
 
 def _text(entry: Entry) -> Text:

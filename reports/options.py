@@ -42,7 +42,7 @@ CertificateFile = Annotated[
 ]
 Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
-Picture = Annotated[
-    str | None, typer.Option("-o", "--output", metavar="FILE", help="Draw the cells: .svg, .png or .pdf.")
+Picture = Annotated[str | None, typer.Option("-o", "--output", metavar="FILE", help="Draw them: .svg, .png or .pdf.")]
+Report = Annotated[
+    str | None, typer.Option("-o", "--output", metavar="FILE", help="Report: .html, .tex, .md or .json.")
 ]
-Report = Annotated[str | None, typer.Option("-o", "--output", metavar="FILE", help="Report: .md, .tex or .json.")]

@@ -84,6 +84,9 @@ _NOTATION = {
     "1/|Delta| >= kappa": r"1 / \lvert \Delta \rvert \ge \kappa",
     "V' <= -sqrt(2) k V": r"\dot V \le -\sqrt{2}\, k V",
     "|p_2|": r"\lvert p_2 \rvert",
+    "u_i = -k a": r"u_i = -k a",
+    "u_j = -k b": r"u_j = -k b",
+    "sqrt(|v|^2 + (R omega)^2)": r"\sqrt{\lvert v \rvert^2 + (R \omega)^2}",
 }
 
 

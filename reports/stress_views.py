@@ -14,7 +14,8 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.extremes.row import StressRow
-from nonsmooth.reports.figures.cell_map import INK, figure_bytes
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:

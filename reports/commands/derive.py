@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-import shlex
+from typing import Annotated
 
-from nonsmooth.reports.console import PROGRAM, refusals_named, write
+import typer
+
+from nonsmooth.reports.console import RefusedError, refusals_named, write
 from nonsmooth.reports.options import At, Json, Radius, Report, RuleOption, SceneText
+
+Only = Annotated[str | None, typer.Option("--only", metavar="NAMES", help="Only these sections, as a,b,c.")]
+Without = Annotated[str | None, typer.Option("--without", metavar="NAMES", help="All sections but these, as a,b,c.")]
 
 
 def derive(
     scene: SceneText,
     output: Report = None,
+    only: Only = None,
+    without: Without = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
@@ -19,14 +26,16 @@ def derive(
     """Write the derivation report; without -o, as Markdown to standard output."""
     from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
     from nonsmooth.reports.files import output_path, write_whole
+    from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.files.scene_file import load_scene
 
+    parts = _parts(only, without)
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     path = None if output is None else output_path(output, REPORT_FORMATS)
-    given = {"--rule": rule, "--radius": radius, "--at": at, "-o": output}
-    options = [part for name, value in given.items() if value is not None for part in (name, str(value))]
+    options = _given({"--rule": rule, "--radius": radius, "--at": at})
+    invocation = Invocation(scene, options, _given({"--only": only, "--without": without, "-o": output}))
     with refusals_named(loaded):
-        report = derive_report(loaded, shlex.join([PROGRAM, "derive", scene, *options]))
+        report = derive_report(loaded, invocation, parts)
     if path is not None:
         write_whole(path, render_report(report, path.suffix.lower()).encode())
     if json:
@@ -36,3 +45,21 @@ def derive(
     else:
         write(render_report(report, ".md"))
     return 0
+
+
+def _given(options: dict[str, object]) -> tuple[str, ...]:
+    """Name and value of the options that were given."""
+    return tuple(part for name, value in options.items() if value is not None for part in (name, str(value)))
+
+
+def _parts(only: str | None, without: str | None) -> tuple[str, ...]:
+    from nonsmooth.reports.parts import chosen_parts
+
+    names = {"--only": only, "--without": without}
+    lists = {option: [] if text is None else [n.strip() for n in text.split(",")] for option, text in names.items()}
+    for option, listed in lists.items():
+        try:
+            chosen_parts(listed, ())
+        except ValueError as error:
+            raise RefusedError(f"{option}: {error}") from None
+    return chosen_parts(lists["--only"], lists["--without"])

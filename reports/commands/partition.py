@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nonsmooth.reports.choices import Shown
 from nonsmooth.reports.console import refusals_named, write, write_json, write_views
 from nonsmooth.reports.options import At, Json, Picture, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from nonsmooth.analysis.partitions.partition import Partition
     from nonsmooth.symbolic.scene import Scene
 
 
@@ -21,6 +23,9 @@ def partition(
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    show: Annotated[
+        Shown, typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells.")
+    ] = Shown.CELLS,
     compare: Annotated[bool, typer.Option("--compare", help="Compare the three contact rules instead.")] = False,
     json: Json = False,
 ) -> int:
@@ -31,7 +36,6 @@ def partition(
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     path = None
     if output is not None:
-        from nonsmooth.reports.figures.cell_map import cell_map
         from nonsmooth.reports.files import PICTURES, output_path, write_whole
 
         path = output_path(output, PICTURES)
@@ -40,7 +44,7 @@ def partition(
     with refusals_named(loaded):
         cells = build_partition(loaded)
     if path is not None:
-        write_whole(path, cell_map(cells, path.suffix.lower()))
+        write_whole(path, _drawn(cells, show, path.suffix.lower()))
     if json:
         from nonsmooth.reports.records import partition_record
 
@@ -52,6 +56,23 @@ def partition(
 
         write_views([partition_view(cells)])
     return 0
+
+
+def _drawn(cells: Partition, show: Shown, suffix: str) -> bytes:
+    """The picture that was asked for."""
+    match show:
+        case Shown.ARRAY:
+            from nonsmooth.reports.figures.array import array_figure
+
+            return array_figure(cells.scene, suffix)
+        case Shown.RATES:
+            from nonsmooth.reports.figures.rate_map import rate_map
+
+            return rate_map(cells, suffix)
+        case Shown.CELLS:
+            from nonsmooth.reports.figures.cell_map import cell_map
+
+            return cell_map(cells, suffix)
 
 
 def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:

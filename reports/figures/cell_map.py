@@ -1,7 +1,8 @@
-"""A picture of the partition: cells, their motion, the wheels with their rims, the checked point.
+"""A picture of the partition: cells, their motion, the edges that are slid along, the wheels, the checked point.
 
 Arrows show the direction in which the centre of mass moves at the arrow's place (exact kinematics), a turning
-sign the sense of rotation; magnitudes are in the cell table.  Matplotlib is imported here only.
+sign the sense of rotation; magnitudes are in the cell table.  Cells and edges where the body rests are hatched and
+dotted.  Each cell carries its mark as the id of its shape.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ from __future__ import annotations
 import io
 import math
 import warnings
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.reports.document import cell_mark
+from nonsmooth.reports.figures.wheels import ARROW, INK, XY, Segment, draw_wheel, floats, wheels_in_view
 from nonsmooth.symbolic.formulas import decimal_text
-from nonsmooth.symbolic.scene import Wheel
 from nonsmooth.symbolic.scene_error import Fact, SceneError, one_line
 
 if TYPE_CHECKING:
@@ -25,19 +28,30 @@ if TYPE_CHECKING:
 # Okabe and Ito's palette (safe for color-blind readers), drawn lightly; white gaps part equal neighbours.
 PALETTE = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#CC79A7", "#0072B2", "#D55E00", "#999999")
 TINT = 0.45  # opacity of a cell
-INK = "#222222"
-PICTURE = 6.4  # inches, both ways
+INKED: Any = dict.fromkeys(
+    ("text.color", "axes.edgecolor", "axes.labelcolor", "axes.titlecolor", "xtick.color", "ytick.color"),
+    INK,
+)
+PICTURE = 5.2  # inches, both ways: readable in a column of a page and on a phone
+LEGEND_ROW = 0.2  # inches that a row of the legend needs below the picture
 POINTS = 72 * PICTURE * 0.8  # points that the axes take
 LABEL = 9  # points, the size of a label
 LARGEST, RESOLUTION = 1e100, 1e-9  # what Matplotlib draws faithfully with floats
 LABEL_ROOM = 3  # points that each character of a label needs around the label's middle
-ARROW = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
-MARGIN = 0.1  # of the width, around everything
+MARGIN = 0.04  # of the square's width, around it
 TURNS = {0: "", 1: "\N{ANTICLOCKWISE OPEN CIRCLE ARROW}", -1: "\N{CLOCKWISE OPEN CIRCLE ARROW}"}
-FAR = 6  # a wheel farther away than this many half-widths of the square stays outside the picture
-
-XY: TypeAlias = tuple[float, float]
-Segment: TypeAlias = tuple[XY, XY]
+RIM = 0.035  # half of a rim's length, of the width of the view
+REST_HATCH = "..."
+EDGES: dict[EdgeKind, dict[str, Any]] = {  # told apart by form, not by color
+    EdgeKind.SLIDING: {"color": INK, "linewidth": 2.6, "solid_capstyle": "butt"},
+    EdgeKind.RESTING: {"color": INK, "linewidth": 3.2, "linestyle": (0, (0.8, 0.8))},
+    EdgeKind.REPELLING: {"color": INK, "linewidth": 1.1, "linestyle": (0, (5, 3))},
+}
+EDGE_WORDS = {
+    EdgeKind.SLIDING: "edge with sliding",
+    EdgeKind.RESTING: "edge on which the body rests",
+    EdgeKind.REPELLING: "edge that solutions leave to both sides",
+}
 
 
 def cell_map(partition: Partition, suffix: str) -> bytes:
@@ -56,7 +70,7 @@ def figure_bytes(build: Callable[[], Figure], suffix: str) -> bytes:
 
     stamps = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
     stream = io.BytesIO()
-    with mpl.rc_context({"svg.hashsalt": "nonsmooth", "font.size": LABEL}), warnings.catch_warnings():
+    with mpl.rc_context({"svg.hashsalt": "nonsmooth", "font.size": LABEL} | INKED), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a scene's name may use any script
         build().savefig(stream, format=suffix[1:], dpi=150, metadata=stamps[suffix])
     return stream.getvalue()
@@ -75,50 +89,36 @@ def build_figure(partition: Partition) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(PICTURE, PICTURE + 0.5), layout="constrained")
+    figure = Figure(figsize=(PICTURE, PICTURE), layout="constrained")
     axes = figure.subplots()
-    wheels = _visible_wheels(partition)
-    width = _set_view(axes, partition, wheels)
-    x, y = _floats(partition.scene.check.equilibrium)
+    width = view_square(axes, partition)
+    wheels = wheels_in_view(axes, partition.scene.wheels)
+    x, y = floats(partition.scene.check.equilibrium)
     marks: list[Segment] = [((x, y), (x, y))]
     for wheel in wheels:
-        marks += _draw_wheel(axes, wheel, width)
-    for cell, color in zip(partition.cells, _colors(partition), strict=True):
+        marks += draw_wheel(axes, wheel, RIM * width)
+    kinds = draw_switching(axes, partition)
+    for cell, color in zip(partition.cells, motion_colors(partition), strict=True):
         _draw_cell(axes, cell, color, marks, points_per_length=POINTS / width)
     axes.plot([x], [y], marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
     scene = partition.scene
     axes.set_title(f"{one_line(scene.name)}: rule {partition.rule}, {len(partition.cells)} cells", parse_math=False)
-    _explain(figure)
+    _explain(figure, kinds, wheels=bool(wheels), rests=any(not any(cell.twists[0]) for cell in partition.cells))
     return figure
 
 
-def _floats(point: tuple[object, object]) -> XY:
-    return float(point[0]), float(point[1])  # type: ignore[arg-type]
-
-
-def _visible_wheels(partition: Partition) -> list[Wheel]:
-    """The wheels whose rows are held in some cell, unless they are far away."""
-    held = {index for cell in partition.cells for index in cell.wheels}
-    x, y = _floats(partition.scene.check.equilibrium)
-    reach = FAR * float(partition.scene.check.radius)
-    wheels = [wheel for wheel in partition.scene.wheels if wheel.index in held]
-    near = [w for w in wheels if max(abs(float(w.position[0]) - x), abs(float(w.position[1]) - y)) <= reach]
-    return near if len(near) == len(wheels) else []
-
-
-def _set_view(axes: Axes, partition: Partition, wheels: list[Wheel]) -> float:
-    """Equal axes around the square and the wheels; returns the width of the view."""
-    points = [_floats(p) for p in partition.domain.vertices] + [_floats(w.position) for w in wheels]
+def view_square(axes: Axes, partition: Partition) -> float:
+    """Equal axes around the checked square; returns the width of the view."""
+    points = [floats(p) for p in partition.domain.vertices]
     (left, right), (low, high) = ((min(values), max(values)) for values in zip(*points, strict=True))
-    width = max(right - left, high - low) * (1 + 2 * MARGIN)
-    x, y = (left + right) / 2, (low + high) / 2
-    axes.set(xlim=(x - width / 2, x + width / 2), ylim=(y - width / 2, y + width / 2), aspect="equal")
+    margin = MARGIN * (right - left)
+    axes.set(xlim=(left - margin, right + margin), ylim=(low - margin, high + margin), aspect="equal")
     axes.set(xlabel="x of the centre of mass [length unit of the scene]")
     axes.set(ylabel="y of the centre of mass [length unit of the scene]")
-    return width
+    return right - left + 2 * margin
 
 
-def _colors(partition: Partition) -> list[str]:
+def motion_colors(partition: Partition) -> list[str]:
     """One color per motion, in cell order."""
     twists = list(dict.fromkeys(cell.twists for cell in partition.cells))
     return [PALETTE[twists.index(cell.twists) % len(PALETTE)] for cell in partition.cells]
@@ -126,28 +126,30 @@ def _colors(partition: Partition) -> list[str]:
 
 def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_per_length: float) -> None:
     """The cell with its arrow and, where there is room beside these and the other marks, its label."""
-    vertices = [_floats(vertex) for vertex in cell.polygon.vertices]
+    vertices = [floats(vertex) for vertex in cell.polygon.vertices]
     xs, ys = zip(*vertices, strict=True)
-    axes.fill(xs, ys, facecolor=color, alpha=TINT, edgecolor="none", zorder=1)
-    axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.5, zorder=2)
-    centre = _floats(cell.polygon.centre)
+    (shape,) = axes.fill(xs, ys, facecolor=color, alpha=TINT, edgecolor="none", zorder=1)
+    shape.set_gid(cell_mark(cell.index))
+    hatch = None if any(cell.twists[0]) else REST_HATCH
+    axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.5, hatch=hatch, hatchcolor=INK, zorder=2)
+    centre = floats(cell.polygon.centre)
     sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
-    room = _clearance(centre, sides)
+    room = clearance(centre, sides)
     if room * points_per_length < LABEL:  # too small for any mark
         return
     shaft = _draw_velocity(axes, cell, centre, 0.65 * room)
     obstacles = [*sides, *shaft, *marks]
     corners = [*vertices, *(_between(start, end, 0.5) for start, end in sides)]
     places = [centre, *(_between(centre, corner, t / 10) for corner in corners for t in range(1, 9))]
-    place = max(places, key=lambda place: _clearance(place, obstacles))
+    place = max(places, key=lambda place: clearance(place, obstacles))
     label = f"{cell.index}{TURNS[cell.twists[0].omega.sign()]}"
-    if _clearance(place, obstacles) * points_per_length >= LABEL_ROOM * len(label):
+    if clearance(place, obstacles) * points_per_length >= LABEL_ROOM * len(label):
         axes.text(*place, label, ha="center", va="center", color=INK, zorder=4)
 
 
 def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[Segment]:
     """The arrow of the cell's motion at its centre; returns its shaft, nothing where the body rests."""
-    vx, vy = _floats(cell.twists[0].pose_rate(cell.polygon.centre))
+    vx, vy = floats(cell.twists[0].pose_rate(cell.polygon.centre))
     speed = math.hypot(vx, vy)
     if not speed:
         return []
@@ -157,7 +159,12 @@ def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[Segm
     return [(start, end)]
 
 
-def _clearance(place: XY, obstacles: Iterable[Segment]) -> float:
+def room_at(place: XY, vertices: Sequence[XY]) -> float:
+    """Distance of a place within a polygon from its border."""
+    return clearance(place, zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+
+
+def clearance(place: XY, obstacles: Iterable[Segment]) -> float:
     """Distance of a place from the nearest obstacle."""
     return min(_distance(place, start, end) for start, end in obstacles)
 
@@ -175,23 +182,17 @@ def _between(start: XY, end: XY, t: float) -> XY:
     return start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])
 
 
-def _draw_wheel(axes: Axes, wheel: Wheel, width: float) -> list[Segment]:
-    """The rim as a thick line, its surface speed as an arrowhead, its number beside it; returns what they cover."""
-    (x, y), (dx, dy) = _floats(wheel.position), _floats(wheel.unit_direction)
-    half = 0.035 * width
-    rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
-    axes.plot(*rim, color=INK, linewidth=5, solid_capstyle="butt", zorder=3)
-    sense = wheel.speed.sign()
-    tip = (x + 2.1 * half * sense * dx, y + 2.1 * half * sense * dy)
-    if sense:
-        axes.annotate("", xy=tip, xytext=(x, y), arrowprops=ARROW, zorder=3)
-    side = (x - 1.1 * half * dy, y + 1.1 * half * dx)
-    axes.text(*side, str(wheel.index), ha="center", va="center", color=INK, fontweight="bold", zorder=4)
-    back = (x - half * (sense or 1) * dx, y - half * (sense or 1) * dy)
-    return [(back, tip), ((x, y), (x - 1.6 * half * dy, y + 1.6 * half * dx))]
+def draw_switching(axes: Axes, partition: Partition) -> list[EdgeKind]:
+    """The edges where solutions slide, rest or part; returns the kinds that occur."""
+    resting = {cell.index for cell in partition.cells if not any(cell.twists[0])}  # hatched: their sides say no more
+    stretches = [s for s in switching_stretches(partition) if resting.isdisjoint(s.cells)]
+    for stretch in stretches:
+        (x1, y1), (x2, y2) = stretch.start, stretch.end
+        axes.plot([x1, x2], [y1, y2], zorder=2.5, **EDGES[stretch.kind])
+    return [kind for kind in EdgeKind if any(stretch.kind is kind for stretch in stretches)]
 
 
-def _explain(figure: Figure) -> None:
+def _explain(figure: Figure, kinds: list[EdgeKind], *, wheels: bool, rests: bool) -> None:
     """The legend, below the axes."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -199,10 +200,15 @@ def _explain(figure: Figure) -> None:
     def mark(marker: str, label: str) -> Line2D:
         return Line2D([], [], linestyle="none", color=INK, markersize=9, marker=marker, label=label)
 
-    entries = [
+    entries: list[Line2D | Patch] = [
         Patch(facecolor=PALETTE[0], alpha=TINT, label="cell: number, sense of rotation"),
         mark(r"$\rightarrow$", "velocity of the centre of mass (direction)"),
-        Line2D([], [], color=INK, linewidth=5, label="wheel: rim, surface speed, number"),
         mark("+", "checked point"),
     ]
+    if wheels:
+        entries.append(Line2D([], [], color=INK, linewidth=5, label="wheel: rim, surface speed, number"))
+    entries += [Line2D([], [], label=EDGE_WORDS[kind], **EDGES[kind]) for kind in kinds]
+    if rests:
+        entries.append(Patch(facecolor="none", edgecolor=INK, hatch=REST_HATCH, label="the body rests"))
+    figure.set_figheight(PICTURE + LEGEND_ROW * math.ceil(len(entries) / 2))
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False, fontsize=LABEL - 1)

@@ -11,7 +11,8 @@ from nonsmooth.analysis.dynamics.mass_study import MassStudy
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.reports.figures.cell_map import INK, figure_bytes
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.studies.study import Row
-from nonsmooth.reports.figures.cell_map import INK, figure_bytes
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.precision import Measured, Precision
 from nonsmooth.symbolic.scene_error import one_line
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
-from nonsmooth.reports.figures.cell_map import INK, PALETTE, TINT, figure_bytes, require_drawable
+from nonsmooth.reports.figures.cell_map import TINT, figure_bytes, motion_colors, require_drawable
+from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-SIZE = (9.6, 5.6)  # inches
+SIZE = (8.0, 4.6)  # inches
 PATH = "#0072B2"
 MARKERS = {  # a form for every kind, so that color is not needed to tell them apart
     EventKind.CROSS: "|",
@@ -81,14 +82,17 @@ def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.floa
 
 
 def _draw_path(axes: Axes, partition: Partition, trajectory: Trajectory) -> None:
-    twists = list(dict.fromkeys(cell.twists for cell in partition.cells))
-    for cell in partition.cells:
-        xs, ys = zip(*((float(x), float(y)) for x, y in cell.polygon.vertices), strict=True)
-        color = PALETTE[twists.index(cell.twists) % len(PALETTE)]
-        axes.fill(xs, ys, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
-        axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
+    draw_cells(axes, partition)
     draw_path(axes, trajectory)
     axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+
+
+def draw_cells(axes: Axes, partition: Partition) -> None:
+    """The cells in light colors, one color per motion, as ground for a path."""
+    for cell, color in zip(partition.cells, motion_colors(partition), strict=True):
+        xs, ys = zip(*((float(x), float(y)) for x, y in cell.polygon.vertices), strict=True)
+        axes.fill(xs, ys, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
+        axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
 
 
 def draw_path(axes: Axes, trajectory: Trajectory) -> None:
@@ -96,9 +100,15 @@ def draw_path(axes: Axes, trajectory: Trajectory) -> None:
     _, path = _dense(trajectory)
     axes.plot(path[:, 0], path[:, 1], color=PATH, linewidth=1.8, zorder=3)
     axes.plot(*path[0, :2], marker=">", color=PATH, markersize=8, zorder=4)
-    for event in trajectory.events[:MOST_MARKS]:
+    marked_events(axes, trajectory)
+
+
+def marked_events(axes: Axes, trajectory: Trajectory, mark: str | None = None) -> None:
+    """The events at their places, each kind with its form; their pieces carry the mark, if there is one."""
+    for number, event in enumerate(trajectory.events[:MOST_MARKS], 1):
         place = [[float(event.state[0])], [float(event.state[1])]]
-        axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4)
+        gid = None if mark is None else f"{mark}--event-{number}"
+        axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4, gid=gid)
 
 
 def explain(figure: Figure, trajectory: Trajectory, others: Sequence[Line2D] = ()) -> None:

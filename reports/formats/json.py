@@ -10,6 +10,7 @@ from nonsmooth.reports.document import (
     Code,
     Display,
     Document,
+    Figure,
     Inline,
     Math,
     Paragraph,
@@ -47,6 +48,8 @@ def _block(block: Block) -> Record:
         case Table():
             rows = [[_text(entry) for entry in row] for row in block.rows]
             return {"kind": "table", "header": [_text(entry) for entry in block.header], "rows": rows}
+        case Figure():
+            return {"kind": "figure", "key": block.key, "caption": _text(block.caption), "command": block.command}
 
 
 def _text(text: Text) -> list[Any]:

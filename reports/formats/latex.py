@@ -1,4 +1,7 @@
-"""Reports as LaTeX that plain pdflatex compiles: article, amsmath and the standard tools, nothing else."""
+"""Reports as LaTeX that plain pdflatex compiles: article, amsmath and the standard tools, nothing else.
+
+One file, so a figure is its caption and the command that draws it (as .pdf, to be included where it is wanted).
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from nonsmooth.reports.document import (
     Code,
     Display,
     Document,
+    Figure,
     Inline,
     Math,
     Paragraph,
@@ -73,6 +77,8 @@ def _block(block: Block) -> str:
             return "\n".join([r"\begin{itemize}", *(rf"\item {_text(item)}" for item in items), r"\end{itemize}"])
         case Table():
             return _table(block)
+        case Figure():
+            return f"\n\\textbf{{Figure.}} {_text(block.caption)} Drawn by {_inline(Code(block.command))}."
 
 
 def _table(block: Table) -> str:

@@ -10,6 +10,7 @@ from nonsmooth.reports.document import (
     Code,
     Display,
     Document,
+    Figure,
     Inline,
     Math,
     Paragraph,
@@ -48,6 +49,8 @@ def _block(block: Block) -> str:
             return "\n".join(f"- {_text(item)}" for item in items)
         case Table():
             return _table(block)
+        case Figure():
+            return f"**Figure.** {_text(block.caption)} Drawn by {_inline(Code(block.command))}."
 
 
 def _table(block: Table) -> str:

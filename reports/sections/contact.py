@@ -1,16 +1,16 @@
-"""Sections of the derivation report on contact: constraints, contact states with their equations, cells."""
+"""Sections of the derivation report on contact: constraints, contact states with their equations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.document import Block, Bullets, Display, Section, Text, display, number, point, table
-from nonsmooth.reports.prose import listed, paragraph
+from nonsmooth.reports.document import Block, Bullets, Display, Section, Text, cell_mark, display
+from nonsmooth.reports.prose import paragraph
 from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
-from nonsmooth.symbolic.formulas import number_latex, real_text
+from nonsmooth.symbolic.formulas import number_latex
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Wheel
 
@@ -90,8 +90,8 @@ def _census(result: CellCheck) -> Bullets:
 
 def _state_section(result: CellCheck, state: ContactState) -> Section:
     held = set(state.rows)
-    cells = [str(c.index) for c in result.partition.cells if any(set(s.rows) == held for s in c.states)]
-    title = f"{state.name} (cell{'s' * (len(cells) > 1)} {', '.join(cells)})"
+    cells = [c.index for c in result.partition.cells if any(set(s.rows) == held for s in c.states)]
+    title = f"{state.name} (cell{'s' * (len(cells) > 1)} {', '.join(str(index) for index in cells)})"
     blocks: list[Block] = [paragraph("At the scene's speeds, spatial twist and pose rate:")]
     blocks += _pair(*(governing_equations(state, kind) for kind in Coordinates))
     if len(state.rows) > 3:
@@ -102,7 +102,7 @@ def _state_section(result: CellCheck, state: ContactState) -> Section:
         blocks += _pair(*(governing_equations(state, kind, symbolic_inputs=True) for kind in Coordinates))
     else:
         blocks.append(paragraph("No input acts: all three rows are side rows."))
-    return Section(title, tuple(blocks))
+    return Section(title, tuple(blocks), marks=tuple(cell_mark(index) for index in cells))
 
 
 def _pair(*systems: GoverningEquations) -> list[Block]:
@@ -112,27 +112,3 @@ def _pair(*systems: GoverningEquations) -> list[Block]:
     if sum(max(len(line) for line in plain.splitlines()) for plain in plains) <= SIDE_BY_SIDE:
         return [display(r" \qquad ".join(latex), "\n".join(plains))]
     return [display(*notations) for notations in zip(latex, plains, strict=True)]
-
-
-def cells_section(result: CellCheck) -> Section:
-    """The polygons and the proof that they tile the square."""
-    rows = [
-        (
-            str(cell.index),
-            " or ".join(state.name for state in cell.states),
-            listed([point(vertex) for vertex in cell.polygon.vertices]),
-            number(cell.polygon.area),
-        )
-        for cell in result.partition.cells
-    ]
-    header = ("cell", "rows held", "vertices, counterclockwise", "area")
-    return Section("Cells", (table(header, rows, (1.2, 2, 6.6, 2.7)), paragraph("{}", _tiling(result))))
-
-
-def _tiling(result: CellCheck) -> str:
-    partition = result.partition
-    if not partition.complete:
-        return "Only the cells at the checked point were built; the verdicts need no others."
-    said = "cancel exactly and leave its border, so they tile it" if partition.tiles else "do not leave its border"
-    error = real_text(partition.area_error)
-    return f"In sum, the boundaries of the cells {said}. Area of the square minus area of the cells: {error}."

@@ -8,7 +8,19 @@ from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
 from nonsmooth.proofs.clauses.input_margin import InputMargin
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.reports.document import Block, Entry, Math, Paragraph, Table, display, matrix, number, point, table
+from nonsmooth.reports.document import (
+    Block,
+    Entry,
+    Math,
+    Paragraph,
+    Table,
+    cell_mark,
+    display,
+    matrix,
+    number,
+    point,
+    table,
+)
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.symbolic.scene import dot
 
@@ -72,8 +84,8 @@ def _sample_blocks(feedback: SampledFeedback) -> list[Block]:
 
 def _law_blocks() -> list[Block]:
     law = display(
-        r"\begin{gathered} u_i = -k a, \qquad u_j = -k b, \\ b = \frac{\theta - c \cdot J p_i}{d_j \cdot J(p_j - p_i)},"
-        r" \qquad a = c \cdot d_i - (d_i \cdot d_j)\, b \end{gathered}",
+        r"u_i = -k a, \qquad u_j = -k b, \qquad b = \frac{\theta - c \cdot J p_i}{d_j \cdot J(p_j - p_i)},"
+        r" \qquad a = c \cdot d_i - (d_i \cdot d_j)\, b",
         "u_i = -k a, u_j = -k b, b = (theta - c . J p_i)/(d_j . J(p_j - p_i)), a = c . d_i - (d_i . d_j) b",
     )
     rate = display(
@@ -117,7 +129,9 @@ def _cell_table(feedback: FeedbackResult) -> Table:
         prose("sign of `u_j` that turns `theta > 0` back"),
         prose("signs of `c . d_i` at the vertices" if squares else "signs of `c^T P d_i` at the vertices"),
     )
-    return table(header, [_cell_row(data, feedback.lyapunov) for data in feedback.cells], (1.2, 1, 1, 4, 4))
+    marks = [(cell_mark(data.cell.index),) for data in feedback.cells]
+    rows = [_cell_row(data, feedback.lyapunov) for data in feedback.cells]
+    return table(header, rows, (1.2, 1, 1, 4, 4), marks)
 
 
 def _cell_row(data: InputCell, lyapunov: ControlLyapunov) -> tuple[Entry, ...]:

@@ -12,10 +12,23 @@ from nonsmooth.proofs.clauses.rotation import RotationResult
 from nonsmooth.proofs.clauses.translation import TranslationResult, Witness
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.reports.document import Block, Entry, Paragraph, Section, column, display, number, point, table
+from nonsmooth.reports.document import (
+    Block,
+    Entry,
+    Figure,
+    Paragraph,
+    Section,
+    cell_mark,
+    column,
+    display,
+    number,
+    point,
+    table,
+)
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.records import Check
 from nonsmooth.reports.sections.feedback import feedback_blocks
+from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.constraints import Twist
 
 
@@ -25,22 +38,26 @@ def filippov_section(result: CellCheck) -> Section:
         r"F(c) = \operatorname{co} \{ \dot c \text{ of every cell whose closure holds } c \}",
         "F(c) = co { c' of every cell whose closure holds c }",
     )
+    cells = [_cells_of(result, twist) for twist in result.equilibrium.twists]
     rows = [
-        (", ".join(_cells_of(result, twist)), point(twist.velocity), number(twist.omega))
-        for twist in result.equilibrium.twists
+        (", ".join(str(index) for index in indices), point(twist.velocity), number(twist.omega))
+        for indices, twist in zip(cells, result.equilibrium.twists, strict=True)
     ]
     words = paragraph("Values on the boundaries of cells are ignored. At the checked point these motions meet:")
-    return Section("Filippov set", (general, words, table(("cells", prose("`v`"), prose("`omega`")), rows, (2, 5, 3))))
+    marks = [tuple(cell_mark(index) for index in indices) for indices in cells]
+    meeting = table(("cells", prose("`v`"), prose("`omega`")), rows, (2, 5, 3), marks)
+    return Section("Filippov set", (general, words, meeting))
 
 
-def _cells_of(result: CellCheck, twist: Twist) -> list[str]:
+def _cells_of(result: CellCheck, twist: Twist) -> list[int]:
     zero = result.partition.scene.field.zero
     meeting = result.partition.cells_at((zero, zero))
-    return [str(cell.index) for cell in meeting if twist in cell.twists]
+    return [cell.index for cell in meeting if twist in cell.twists]
 
 
-def lyapunov_section(result: CellCheck) -> Section:
-    """V* on every closed cell."""
+def lyapunov_section(subject: Subject) -> Section:
+    """V* on every closed cell, as a table and a heat map."""
+    result = subject.cells
     general = display(
         r"\dot V^*(c) = \max_{f \in F(c)} \nabla V \cdot f, \qquad \nabla V \cdot \dot c = 2\, c \cdot v"
         r" \quad \text{on a cell, because } c \cdot J c = 0",
@@ -54,10 +71,29 @@ def lyapunov_section(result: CellCheck) -> Section:
         lemma = "All wheels lie on one circle about the point with rims inward, so `V* <= 0` on the whole square."
         intro = Paragraph((*intro.text, " ", *prose(lemma)))
     header = ("cell", prose("`v`"), prose("`V*` at the vertices"), "supremum")
-    rows = [_derivative_row(derivative) for derivative in result.translation.derivatives]
+    derivatives = result.translation.derivatives
+    rows = [_derivative_row(derivative) for derivative in derivatives]
+    listing = table(header, rows, (1.2, 4, 5.8, 2.7), [(cell_mark(d.cell.index),) for d in derivatives])
     where = "On the whole square" if result.partition.complete else "On these cells"
     worst = paragraph(where + " the supremum of `V*/|c|` is {}.", number(result.translation.worst_rate))
-    return Section("Upper derivative", (general, intro, table(header, rows, (1.2, 4, 5.8, 2.7)), worst))
+    return Section("Upper derivative", (general, intro, _rate_map(subject), listing, worst))
+
+
+def _rate_map(subject: Subject) -> Figure:
+    partition = subject.cells.partition
+
+    def draw() -> bytes:
+        from nonsmooth.reports.figures.rate_map import rate_map
+
+        return rate_map(partition, ".svg")
+
+    return Figure(
+        "rate-map",
+        prose("The upper derivative `V*` over the cells; where it is negative, `V` falls along every solution."),
+        "Heat map of V* over the cells of the checked square.",
+        subject.invocation.line("partition", "--show", "rates", "-o", "rates.pdf"),
+        draw,
+    )
 
 
 def _derivative_row(derivative: CellDerivative) -> tuple[Entry, ...]:

@@ -81,7 +81,7 @@ def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize("suffix", REPORT_FORMATS)
 def test_the_derivation_has_a_section(suffix: str) -> None:
-    text = render_report(derive_report(load_scene("elliptic"), "nonsmooth derive elliptic"), suffix)
+    text = render_report(derive_report(load_scene("elliptic")), suffix)
     assert "The continuous idealization" in text
     assert "turns to certain headings" in text
 
@@ -91,7 +91,7 @@ def test_no_section_without_a_field(tmp_path: Path) -> None:
     file.write_text(
         '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n[field]\nkind = "squeeze"\n'
     )
-    titles = [section.title for section in derive_report(load_scene(file), "x").document.sections]
+    titles = [section.title for section in derive_report(load_scene(file)).document.sections]
     assert "The continuous idealization" not in titles
     assert "What was left out, and why" in titles
 

@@ -1,0 +1,147 @@
+"""The sections of the derivation report in their order, each with what it needs of the scene.
+
+A section is built only where it applies and was asked for; the others are named with the reason in the section on
+what was left out.  To add a section, write a function ``(subject) -> Section`` and one line below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.reports.audit.paper import audit_section, is_paper_array
+from nonsmooth.reports.document import Section
+from nonsmooth.reports.sections.cells import cells_section
+from nonsmooth.reports.sections.closing import left_out_section, reproduction_section
+from nonsmooth.reports.sections.contact import constraints_section, contact_states_section, held_wheels
+from nonsmooth.reports.sections.continuum import continuum_section
+from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
+from nonsmooth.reports.sections.law import law_section, without_law
+from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
+from nonsmooth.reports.sections.precision import precision_section, without_precision
+from nonsmooth.reports.sections.rules import rules_section, without_rules
+from nonsmooth.reports.sections.sign_form import sign_form_section, without_sign_form
+from nonsmooth.reports.sections.stability import (
+    equilibria_section,
+    filippov_section,
+    lyapunov_section,
+    theorem_section,
+)
+from nonsmooth.reports.sections.trajectories import trajectories_section
+from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.rule import Rule
+
+
+def _always(subject: Subject) -> str:
+    return ""
+
+
+def _no_cells(subject: Subject) -> str:
+    return "" if isinstance(subject.result, CellCheck) else "rule ellipse has no cells with one twist each"
+
+
+def _no_ellipse(subject: Subject) -> str:
+    return "rule ellipse only" if isinstance(subject.result, CellCheck) else ""
+
+
+def _no_whole_partition(subject: Subject) -> str:
+    if isinstance(subject.result, CellCheck) and not subject.result.partition.complete:
+        return "cells away from the point were not built, and no verdict needs them"
+    return _no_cells(subject)
+
+
+def _not_the_papers(subject: Subject) -> str:
+    its_array = is_paper_array(subject.scene) and subject.scene.contact.rule is Rule.NEAREST
+    return "" if its_array else "the audit is about the paper's own array under rule nearest"
+
+
+def _no_idealization(subject: Subject) -> str:
+    return "" if continuum_section(subject.result) else "no continuous field stands for the wheels"
+
+
+def _continuum(subject: Subject) -> Section:
+    section = continuum_section(subject.result)
+    if section is None:
+        raise TypeError("required wheels that sample a field")
+    return section
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section under its name on the command line.
+
+    Attributes:
+        name: for ``--only`` and ``--without``.
+        build: the section.
+        lacks: why the scene has no such section; empty where it has.
+    """
+
+    name: str
+    build: Callable[[Subject], Section]
+    lacks: Callable[[Subject], str] = _always
+
+
+def _constraints(subject: Subject) -> Section:
+    result = subject.result
+    held = held_wheels(result) if isinstance(result, CellCheck) else subject.scene.recentred().wheels
+    return constraints_section(held)
+
+
+def _situation(subject: Subject) -> Section:
+    equilibrium = subject.result.equilibrium
+    if not isinstance(equilibrium, EllipseEquilibrium):
+        raise TypeError("required a check under rule ellipse")
+    return situation_section(equilibrium.point)
+
+
+def _derivative(subject: Subject) -> Section:
+    translation = subject.result.translation
+    if isinstance(translation, EllipseTranslation):
+        return ellipse_derivative_section(translation)
+    return lyapunov_section(subject)
+
+
+def _left_out(subject: Subject) -> Section:
+    reasons = [(part.name, part.lacks(subject)) for part in PARTS if part.name in subject.parts]
+    omitted = [(name, why) for name, why in reasons if why and why != _no_ellipse(subject)]
+    unasked = [(part.name, "not asked for") for part in PARTS if part.name not in subject.parts]
+    return left_out_section(subject.result, omitted + unasked)
+
+
+PARTS = (
+    Part("verdict", lambda subject: verdict_section(subject.result)),
+    Part("array", array_section),
+    Part("conventions", lambda subject: conventions_section(subject.scene)),
+    Part("constraints", _constraints),
+    Part("contact-states", lambda subject: contact_states_section(subject.cells), _no_cells),
+    Part("cells", cells_section, _no_cells),
+    Part("sgn-form", sign_form_section, lambda subject: _no_whole_partition(subject) or without_sign_form(subject)),
+    Part("situation", _situation, _no_ellipse),
+    Part("filippov", lambda subject: filippov_section(subject.cells), _no_cells),
+    Part("equilibria", lambda subject: equilibria_section(subject.cells), _no_cells),
+    Part("derivative", _derivative),
+    Part("theorem", lambda subject: theorem_section(subject.result)),
+    Part("feedback", law_section, without_law),
+    Part("trajectories", trajectories_section, _no_whole_partition),
+    Part("rules", rules_section, without_rules),
+    Part("continuum", _continuum, _no_idealization),
+    Part("precision", precision_section, lambda subject: _no_whole_partition(subject) or without_precision(subject)),
+    Part("audit", lambda subject: audit_section(), _not_the_papers),
+    Part("left-out", _left_out),
+    Part("versions", lambda subject: reproduction_section(subject.invocation)),
+)
+PART_NAMES = tuple(part.name for part in PARTS)
+
+
+def chosen_parts(only: Collection[str], without: Collection[str]) -> tuple[str, ...]:
+    """Names of the sections to write: those of ``only``, or all, less those of ``without``.
+
+    Raises:
+        ValueError: for a name that is none.
+    """
+    unknown = next((name for name in (*only, *without) if name not in PART_NAMES), None)
+    if unknown is not None:
+        raise ValueError(f"required names among {', '.join(PART_NAMES)}, received {unknown[:60]!r}")
+    return tuple(name for name in PART_NAMES if (not only or name in only) and name not in without)

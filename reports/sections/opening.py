@@ -1,0 +1,100 @@
+"""The first sections of the derivation report: verdict, array, conventions."""
+
+from __future__ import annotations
+
+from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Section, number, point, table
+from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.reports.records import Check
+from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+
+
+def verdict_section(result: Check) -> Section:
+    """The clauses in one table."""
+    clauses = (
+        ("equilibrium", result.equilibrium),
+        ("translation", result.translation),
+        ("rotation", result.rotation),
+        ("feedback", result.feedback),
+        ("Theorem 4", result),
+    )
+    rows = [(name, str(clause.verdict), clause.reason) for name, clause in clauses]
+    return Section("Verdict", (table(("clause", "verdict", "because"), rows, (2, 3, 8)),))
+
+
+def array_section(subject: Subject) -> Section:
+    """The wheels, drawn and listed."""
+    scene = subject.scene
+    header: list[Entry] = ["wheel", *(prose(f"`{name}`") for name in ("p_i", "d_i", "u_i", "mu_R", "mu_S"))]
+    rows = [
+        (
+            str(wheel.index),
+            point(wheel.position),
+            point(wheel.unit_direction),
+            number(wheel.speed),
+            number(wheel.friction.roll),
+            number(wheel.friction.side),
+        )
+        for wheel in scene.wheels
+    ]
+    intro = paragraph(
+        "{} wheels: position `p_i`, rim direction `d_i`, surface speed `u_i` along the rim, friction "
+        "coefficients `mu_R` along and `mu_S` across it.",
+        str(len(scene.wheels)),
+    )
+    return Section("The array", (intro, _array_figure(subject), table(header, rows, (1.7, 4, 5, 2, 1.6, 1.6))))
+
+
+def _array_figure(subject: Subject) -> Figure:
+    scene = subject.scene
+
+    def draw() -> bytes:
+        from nonsmooth.reports.figures.array import array_figure
+
+        return array_figure(scene, ".svg")
+
+    return Figure(
+        "array",
+        prose("The wheels with their rims and surface speeds, and the square of centres of mass that is checked."),
+        f"Plan of the {len(scene.wheels)} wheels with rims and speeds around the checked square.",
+        subject.invocation.line("partition", "--show", "array", "-o", "array.pdf"),
+        draw,
+    )
+
+
+def conventions_section(scene: Scene) -> Section:
+    """Frames, coordinates, and what is checked."""
+    centre, radius = point(scene.check.equilibrium), number(scene.check.radius)
+    square = Math(
+        rf"\lvert x - x^* \rvert, \lvert y - y^* \rvert \le {radius.latex}", f"|x - x*|, |y - y*| <= {radius.plain}"
+    )
+    items = [
+        prose(
+            "World frame; lengths and times in the units of the scene; `J = [[0, -1], [1, 0]]` turns by a quarter "
+            "counterclockwise."
+        ),
+        prose("Reference point of the body: its centre of mass `c = (x, y)`; orientation `theta`."),
+        prose(
+            "Spatial twist `xi = (v, omega)`: the body point now at p moves with `v + omega J p`. Pose rate: "
+            "`c' = v + omega J c, theta' = omega`."
+        ),
+        prose(
+            "Contact rule: {}. Checked point {}, checked square {}.",
+            str(scene.contact.rule),
+            Math(f"c^* = {centre.latex}", f"c* = {centre.plain}"),
+            square,
+        ),
+        prose("R1 is the roll row of wheel 1, S1 its side row."),
+    ]
+    if scene.contact.rule is not Rule.NEAREST:
+        model = "elastic (identical springs, no tension)" if scene.contact.loads is None else "a table, affine in c"
+        items.append(prose("Normal forces: {}.", model))
+    if any(scene.check.equilibrium):
+        items.append(
+            prose(
+                "From the constraints on, positions, twists and figures are measured from the checked point; "
+                "the commands beneath the figures draw them in the coordinates of the scene."
+            )
+        )
+    return Section("Conventions", (Bullets(tuple(items)),))

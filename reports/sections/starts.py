@@ -1,0 +1,40 @@
+"""Where the trajectories of a report begin: one usual start, and others turned about the checked point."""
+
+from __future__ import annotations
+
+import math
+from typing import TypeAlias
+
+from nonsmooth.analysis.partitions.partition import Partition
+
+Start: TypeAlias = tuple[float, float, float]  # x, y, theta
+
+STARTS = 24
+USUAL = (0.4, 0.8)  # of the square's half-width from the checked point: (0.2, 0.4) for the paper's array
+
+
+def usual_start(partition: Partition) -> Start:
+    """``(x, y, 0)`` off the axes and diagonals, so that symmetric arrays have no tie there."""
+    return starts(partition)[0]
+
+
+def starts(partition: Partition) -> list[Start]:
+    """STARTS places on a circle about the checked point, the usual one first, counterclockwise, at heading 0."""
+    radius = float(partition.scene.check.radius)
+    x, y = (float(value) for value in partition.scene.check.equilibrium)
+    places = []
+    for k in range(STARTS):
+        c, s = math.cos(2 * math.pi * k / STARTS), math.sin(2 * math.pi * k / STARTS)
+        along, up = USUAL[0] * c - USUAL[1] * s, USUAL[0] * s + USUAL[1] * c
+        places.append((_typed(x + radius * along), _typed(y + radius * up), 0.0))
+    return places
+
+
+def start_text(start: Start) -> str:
+    """``(0.2, 0.4, 0)``."""
+    return f"({', '.join(f'{value:.6g}' for value in start)})"
+
+
+def _typed(value: float) -> float:
+    """The value as a command line would hold it."""
+    return float(f"{value:.6g}")

@@ -1,0 +1,217 @@
+"""The HTML report without a browser: one file, nothing from elsewhere, links that lead somewhere, literal text."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from html.parser import HTMLParser
+from xml.etree import ElementTree as ET
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nonsmooth.reports.derivation import derive_report, render_report
+from nonsmooth.reports.document import Document, Figure, Frame, Math, Paragraph, Section, cell_mark, display, table
+from nonsmooth.reports.formats.html import render_html
+from nonsmooth.reports.formats.mathml import NAMESPACE, display_mathml, inline_mathml
+from nonsmooth.reports.parts import PART_NAMES, chosen_parts
+from nonsmooth.reports.subject import Invocation
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+HOSTILE = "<script>alert(1)</script> & \"q\" 'a' </p><img src=x onerror=y> {{ 7 * 7 }} {% raw %}"
+MOST_BYTES = 2_000_000
+VOID = {"meta", "input", "link", "br", "img", "hr"}
+RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+
+
+class Reader(HTMLParser):
+    """Every element with its attributes; tags must nest."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.words: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, {name: value or "" for name, value in attrs}))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    def values(self, name: str) -> Iterator[str]:
+        return (attributes[name] for _, attributes in self.elements if name in attributes)
+
+
+@pytest.fixture(scope="module", params=["four-wheel", "ring-5", "off-center"])
+def text(request: pytest.FixtureRequest) -> str:
+    return render_report(derive_report(load_scene(request.param), Invocation(request.param)), ".html")
+
+
+def test_the_page_stands_alone(text: str) -> None:
+    page = Reader(text)
+    assert len(text.encode()) <= MOST_BYTES
+    assert {tag for tag, _ in page.elements}.isdisjoint({"img", "link", "iframe", "object", "embed", "base", "form"})
+    assert list(page.values("src")) == []
+    assert all(value.startswith("#") for value in page.values("href"))
+    style = text.partition("<style>")[2].partition("</style>")[0]
+    assert "url(" not in style
+    assert "@import" not in style
+    assert re.findall(r"https?://[^\s\"'<]+", text) == []
+
+
+def test_links_lead_to_elements_and_ids_occur_once(text: str) -> None:
+    page = Reader(text)
+    ids = list(page.values("id"))
+    assert len(ids) == len(set(ids))
+    assert {value[1:] for value in page.values("href")} <= set(ids)
+    values = [value for _, attributes in page.elements for value in attributes.values()]
+    assert {name for value in values for name in re.findall(r"url\(#(.*?)\)", value)} <= set(ids)
+    assert set(page.values("for")) <= set(ids)
+
+
+def test_every_cell_links_to_its_equations_and_back(text: str) -> None:
+    page = Reader(text)
+    drawn = [attributes for tag, attributes in page.elements if tag == "g" and "data-about" in attributes]
+    marks = {a["data-about"] for a in drawn if a["id"].startswith("cell-map-")}
+    assert len(marks) >= 4
+    for kind in ("section", "tr"):
+        about = {mark for tag, a in page.elements if tag == kind for mark in a.get("data-about", "").split()}
+        assert marks <= about
+    assert {f"#cell-map-{mark}" for mark in marks} <= set(page.values("href"))
+
+
+def test_only_the_pages_own_script_may_run(text: str) -> None:
+    policy = next(a["content"] for tag, a in Reader(text).elements if a.get("http-equiv") == "Content-Security-Policy")
+    (script,) = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}'" in policy
+    assert policy.startswith("default-src 'none'")
+    assert not any(name.startswith("on") for _, attributes in Reader(text).elements for name in attributes)
+
+
+def test_formulas_are_mathml(text: str) -> None:
+    formulas = re.findall(r"<math.*?</math>", text, re.DOTALL)
+    assert len(formulas) > 100
+    assert all(ET.fromstring(formula) is not None for formula in set(formulas))
+    outside = re.sub(r"<(style|script|svg|math).*?</\1>", "", text, flags=re.DOTALL)
+    assert re.findall(r"\\[a-z]+", outside) == []
+
+
+def one_page(text: str) -> str:
+    figure = Figure("f", (text,), text, text, picture, (Frame("start-1", text),))
+    blocks = (Paragraph((text,)), table((text,), [(text,)], (1,), [(cell_mark(1),)]), figure)
+    return render_html(Document(text, (Section(text, blocks, marks=(cell_mark(1),)),)))
+
+
+def picture() -> bytes:
+    shapes = '<g id="cell-1"><path d="M0 0"/></g><g id="start-1--path"/><g id="axes_1"/>'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9">{shapes}</svg>'.encode()
+
+
+def test_hostile_text_is_text() -> None:
+    page = Reader(one_page(HOSTILE))
+    assert {tag for tag, _ in page.elements}.isdisjoint({"img"})
+    assert [tag for tag, _ in page.elements].count("script") == 1
+    assert sum(HOSTILE in words for words in page.words) >= 6
+    scene = replace(load_scene("ring-3"), name=HOSTILE)
+    report = derive_report(scene, Invocation(HOSTILE), ("verdict", "array", "cells", "versions"))
+    Reader(render_report(report, ".html"))
+
+
+@RANDOM
+@given(st.text(st.characters(exclude_categories=["Cs"]), max_size=40))
+def test_any_text_keeps_the_page_well_formed(text: str) -> None:
+    Reader(one_page(text))
+
+
+def test_marked_pieces_become_links_and_frames() -> None:
+    page = Reader(one_page("t"))
+    pieces = {a["id"]: a for tag, a in page.elements if tag == "g" and "id" in a}
+    assert set(pieces) == {"f-cell-1", "f-start-1--path"}
+    assert pieces["f-start-1--path"]["data-frame"] == "0"
+    assert "#f-cell-1" in set(page.values("href"))
+    assert "#t" in set(page.values("href"))
+
+
+def test_equal_input_gives_equal_pages() -> None:
+    first, second = (
+        render_report(derive_report(load_scene("four-wheel"), Invocation("four-wheel")), ".html") for _ in range(2)
+    )
+    assert first == second
+
+
+# ---- formulas ------------------------------------------------------------------------------------
+
+
+def test_formulas_are_cut_where_a_line_may_break() -> None:
+    assert len(inline_mathml(r"(1,\allowbreak\ 2,\allowbreak\ 3)")) == 3
+    assert len(inline_mathml(r"\left[1,\allowbreak\ 2\right]")) == 1
+    assert len(display_mathml(r"a = b, \qquad c = d")) == 2
+    assert len(display_mathml("\\begin{aligned}\na &= b \\\\\nc &= d\n\\end{aligned} \\qquad e")) == 2
+
+
+def test_bars_and_named_operators_are_set_as_such() -> None:
+    (bars,) = inline_mathml(r"\lvert x \rvert")
+    assert bars.count('fence="true"') == 2
+    (named,) = inline_mathml(r"\operatorname{sgn} x")
+    assert "<mtext>sgn</mtext><mspace" in named
+    (called,) = inline_mathml(r"\operatorname{sgn}(x)")
+    assert "<mtext>sgn</mtext><mo" in called
+
+
+@pytest.mark.parametrize("latex", [r"\nosuchcommand x", "a & b", r"\href{javascript:x}{y}"])
+def test_latex_that_is_not_understood_is_refused(latex: str) -> None:
+    with pytest.raises(ValueError, match="becomes MathML"):
+        inline_mathml(latex)
+
+
+@pytest.mark.parametrize(
+    "latex", [r"\frac{1}{2}", r"\dot V^*", r"\sum_i N_i", r"\begin{pmatrix} 1 & 2 \\ 3 & 4 \end{pmatrix}"]
+)
+def test_formulas_become_mathml(latex: str) -> None:
+    (markup,) = display_mathml(latex)
+    assert 'display="block"' in markup
+    assert NAMESPACE not in markup
+    blocks = (display(latex, "x"), Paragraph((Math(latex, "x"), ".")))
+    Reader(render_html(Document("t", (Section("s", blocks),))))
+
+
+# ---- which sections ------------------------------------------------------------------------------
+
+
+def test_sections_can_be_chosen() -> None:
+    assert chosen_parts((), ()) == PART_NAMES
+    assert chosen_parts(("versions", "verdict"), ()) == ("verdict", "versions")
+    assert chosen_parts(("versions", "verdict"), ("verdict",)) == ("versions",)
+    with pytest.raises(ValueError, match="received 'verdicts'"):
+        chosen_parts(("verdicts",), ())
+
+
+def test_sections_that_were_not_asked_for_are_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(*arguments: object) -> None:
+        raise AssertionError(arguments)
+
+    monkeypatch.setattr("nonsmooth.reports.sections.trajectories.simulate", forbidden)
+    monkeypatch.setattr("nonsmooth.reports.subject.compare_rules", forbidden)
+    parts = chosen_parts((), ("trajectories", "rules"))
+    report = derive_report(load_scene("ring-3"), Invocation("ring-3"), parts)
+    titles = [section.title for section in report.document.sections]
+    assert "Trajectories" not in titles
+    left_out = render_report(report, ".md").partition("## What was left out")[2]
+    assert "Section trajectories: not asked for." in left_out

@@ -1,0 +1,235 @@
+"""The HTML report in a real browser: headless Chromium opens it from a file, without a server and without a network."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+
+from nonsmooth.reports.derivation import derive_report, render_report
+from nonsmooth.reports.subject import Invocation
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None,
+    reason="no Chromium: chromium or google-chrome is not on the path (`make tools` tries)",
+)
+OPTIONS = [
+    "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+NARROW, WIDE = 400, 1400  # a phone, a desk
+SCENES = {"four-wheel": None, "elliptic": None, "ring-8": None, "off-center": "box", "spiral-30": "ellipse"}
+READABLE = 4.5  # contrast of small text to its ground (WCAG 2, level AA)
+THINNEST = 2  # pixels: a lone minus sign is the flattest formula
+PATIENCE = 8_000  # milliseconds for an element to appear; the pages are local files
+SLACK = 0.5  # pixels of rounding in layout
+
+# Elements that reach beyond the window although no ancestor scrolls them.
+STICKING_OUT = """() => {
+    const auto = (e) => ['auto', 'scroll'].includes(getComputedStyle(e).overflowX);
+    const scrolls = (e) => e && (auto(e) || scrolls(e.parentElement));
+    const beyond = (e) => e.getBoundingClientRect().right > innerWidth + SLACK && !scrolls(e.parentElement);
+    return [...document.querySelectorAll('main *, nav *')].filter(beyond).map((e) => e.outerHTML.slice(0, 120));
+}""".replace("SLACK", str(SLACK))
+CONTRAST = """(e) => {
+    const part = (v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4);
+    const numbers = (c) => c.match(/[\\d.]+/g).map(Number);
+    const light = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
+    const ground = (e) => { const c = getComputedStyle(e).backgroundColor;
+        return numbers(c)[3] === 0 && e.parentElement ? ground(e.parentElement) : c; };
+    const tone = e.closest('svg') ? getComputedStyle(e).fill : getComputedStyle(e).color;
+    const [a, b] = [light(numbers(tone)), light(numbers(ground(e)))].sort((x, y) => y - x);
+    return (a + 0.05) / (b + 0.05);
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    options = [*OPTIONS, *(["--no-sandbox"] if os.geteuid() == 0 else [])]
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The report of each scene as a file."""
+    folder = tmp_path_factory.mktemp("reports")
+    written = {}
+    for name, rule in SCENES.items():
+        options = () if rule is None else ("--rule", rule)
+        report = derive_report(load_scene(name, rule=rule), Invocation(name, options))
+        written[name] = folder / f"{name}.html"
+        written[name].write_text(render_report(report, ".html"), encoding="utf-8")
+    return written
+
+
+class Opened:
+    """A page with what it said and asked for while it was open."""
+
+    def __init__(self, context: BrowserContext, path: Path) -> None:
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        self.page: Page = context.new_page()
+        self.page.set_default_timeout(PATIENCE)
+        self.page.on("console", lambda message: self.said.append(message.text))
+        self.page.on("pageerror", lambda error: self.said.append(str(error)))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.goto(path.as_uri())
+
+
+def opened(browser: Browser, path: Path, width: int = WIDE, **options: Any) -> Opened:
+    return Opened(browser.new_context(viewport={"width": width, "height": 900}, **options), path)
+
+
+@pytest.mark.parametrize("width", [NARROW, WIDE])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_report_opens_quietly_and_fits(browser: Browser, pages: dict[str, Path], name: str, width: int) -> None:
+    seen = opened(browser, pages[name], width)
+    assert seen.said == []
+    assert seen.asked == [pages[name].as_uri()]
+    assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
+    assert seen.page.evaluate(STICKING_OUT) == []
+    heights = "[...document.querySelectorAll('main math')].map((m) => m.getBoundingClientRect().height)"
+    sizes = seen.page.evaluate(heights)
+    assert len(sizes) > 40
+    assert min(sizes) >= THINNEST
+    seen.page.context.close()
+
+
+@pytest.fixture
+def page(browser: Browser, pages: dict[str, Path]) -> Iterator[Page]:
+    """The four-wheel report on a desk."""
+    seen = opened(browser, pages["four-wheel"])
+    yield seen.page
+    assert seen.said == []
+    assert len(seen.asked) == 1
+    seen.page.context.close()
+
+
+def middle(page: Page, mark: str) -> tuple[float, float]:
+    """The mean of a cell's corners on the map, in pixels of the window, scrolled into sight."""
+    script = """(piece) => {
+        piece.scrollIntoView({block: 'center'});
+        const path = piece.querySelector('path');
+        const numbers = path.getAttribute('d').match(/-?[\\d.]+/g).map(Number);
+        const mean = (start) => { const own = numbers.filter((_, k) => k % 2 === start);
+            return own.reduce((a, b) => a + b, 0) / own.length; };
+        const at = new DOMPoint(mean(0), mean(1)).matrixTransform(path.getScreenCTM());
+        return [at.x, at.y];
+    }"""
+    x, y = page.locator(f"#cell-map-{mark}").evaluate(script)
+    return x, y
+
+
+def lit(page: Page) -> dict[str, set[str]]:
+    """What each kind of lit element is about."""
+    script = "(kind) => [...document.querySelectorAll(`main ${kind}.lit`)].map((e) => e.dataset.about)"
+    return {kind: set(page.evaluate(script, kind)) for kind in ("g", "tr", "section")}
+
+
+def test_a_cell_under_the_pointer_lights_its_equations_and_rows(page: Page) -> None:
+    page.mouse.move(*middle(page, "cell-3"))
+    assert lit(page) == {"g": {"cell-3"}, "tr": {"cell-3"}, "section": {"cell-3"}}
+    assert page.locator("#companion g.lit").count() == 1
+    page.mouse.move(*middle(page, "cell-5"))
+    assert lit(page)["section"] == {"cell-5"}
+
+
+def test_the_copy_of_the_map_fits_beside_the_text(page: Page) -> None:
+    map_box, column = page.locator("#companion svg").bounding_box(), page.locator("nav").bounding_box()
+    assert map_box
+    assert column
+    assert map_box["x"] >= column["x"]
+    assert map_box["x"] + map_box["width"] <= column["x"] + column["width"]
+    assert map_box["y"] + map_box["height"] <= 900
+
+
+def test_a_row_or_equations_under_the_pointer_light_the_cell(page: Page) -> None:
+    page.locator("#cells tr[data-about=cell-2] td").last.hover()
+    assert lit(page)["g"] == {"cell-2"}
+    page.locator("section[data-about=cell-6] p").first.hover()
+    assert lit(page) == {"g": {"cell-6"}, "tr": {"cell-6"}, "section": {"cell-6"}}
+    page.locator("h1").hover()
+    assert lit(page)["g"] == set()
+
+
+def test_cells_are_reached_and_followed_by_the_keyboard(page: Page) -> None:
+    links = page.locator("#cell-map a")
+    assert links.count() == 8
+    links.first.focus()
+    reached = [page.evaluate("document.activeElement.querySelector('[data-about]').dataset.about")]
+    for _ in range(7):
+        page.keyboard.press("Tab")
+        reached.append(page.evaluate("document.activeElement.querySelector('[data-about]').dataset.about"))
+    assert reached == [f"cell-{k}" for k in range(1, 9)]
+    assert lit(page)["section"] == {"cell-8"}
+    page.keyboard.press("Enter")
+    page.wait_for_function("location.hash !== ''")
+    target = page.locator(page.evaluate("location.hash"))
+    assert target.get_attribute("data-about") == "cell-8"
+    target.locator("a.to-map").focus()
+    assert lit(page)["g"] == {"cell-8"}
+    page.keyboard.press("Enter")
+    page.wait_for_url("**#cell-map-cell-8")
+
+
+def shown_path(page: Page) -> str:
+    """The outline of the one path that is shown."""
+    paths = page.locator("#starts g[id$=--path]:visible path")
+    assert paths.count() == 1
+    outline = paths.get_attribute("d")
+    assert outline
+    return outline
+
+
+def test_the_slider_changes_the_path(page: Page) -> None:
+    slider = page.locator("#starts-slider")
+    seen = {shown_path(page): page.locator("#starts output").inner_text()}
+    slider.focus()
+    for number in range(2, 25):
+        page.keyboard.press("ArrowRight")
+        assert page.locator("tr.lit").get_attribute("data-about") == f"start-{number}"
+        seen[shown_path(page)] = page.locator("#starts output").inner_text()
+    assert len(seen) == len(set(seen.values())) == 24
+    page.keyboard.press("Home")
+    assert page.locator("#starts output").inner_text().startswith("1: from (0.2, 0.4) to (0, 0)")
+    page.locator("tr[data-about=start-7]").click()
+    assert slider.input_value() == "6"
+
+
+def test_the_page_serves_with_scripts_off(browser: Browser, pages: dict[str, Path]) -> None:
+    seen = opened(browser, pages["four-wheel"], java_script_enabled=False)
+    assert not seen.page.locator("#starts .slider").is_visible()
+    assert shown_path(seen.page)
+    assert not seen.page.locator("#companion").is_visible()
+    seen.page.mouse.click(*middle(seen.page, "cell-1"))
+    seen.page.wait_for_url("**#r1-s1-r2-cell-1")
+    seen.page.context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_and_figures_are_readable(browser: Browser, pages: dict[str, Path], scheme: Any) -> None:
+    seen = opened(browser, pages["four-wheel"], color_scheme=scheme)
+    places = ("main p", "main td", "figcaption", "main a", "code", "math mi", "#cell-map svg text, #cell-map svg g use")
+    for place in places:
+        assert seen.page.locator(place).first.evaluate(CONTRAST) >= READABLE, place
+    brightness = seen.page.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)[0]")
+    assert (brightness > 128) == (scheme == "light")
+    seen.page.context.close()
+
+
+def test_the_page_prints_without_its_controls(page: Page) -> None:
+    page.emulate_media(media="print", color_scheme="dark")
+    assert not page.locator("nav").is_visible()
+    assert not page.locator("#starts .slider").is_visible()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert len(page.pdf()) > 50_000

@@ -1,0 +1,56 @@
+"""The LaTeX report compiles with plain pdflatex, for every built-in scene and for hostile text, and fits its page."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.reports.derivation import derive_report, render_report
+from nonsmooth.reports.subject import Invocation
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+
+WIDEST = 5.0  # points by which a box may stick out: below a character, unseen on paper
+HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("pdflatex") is None,
+    reason="pdflatex is not installed (Debian: texlive-latex-base, texlive-latex-extra; `make tools` tries)",
+)
+
+
+def compiled(folder: Path, source: str) -> str:
+    """What pdflatex says while it compiles a report."""
+    (folder / "r.tex").write_text(source, encoding="utf-8")
+    line = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "r.tex"]
+    done = subprocess.run(line, cwd=folder, capture_output=True, timeout=120, check=False)
+    said = done.stdout.decode("latin-1")
+    assert done.returncode == 0, said[-2000:]
+    assert (folder / "r.pdf").stat().st_size > 10_000
+    return said
+
+
+def overfull(said: str) -> list[float]:
+    """By how many points boxes stick out."""
+    return [float(points) for points in re.findall(r"Overfull \\[hv]box \(([\d.]+)pt", said)]
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_every_built_in_scene_compiles_and_fits(tmp_path: Path, name: str) -> None:
+    said = compiled(tmp_path, render_report(derive_report(load_scene(name), Invocation(name)), ".tex"))
+    assert max(overfull(said), default=0.0) <= WIDEST
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
+    report = derive_report(load_scene("four-wheel", rule=rule), Invocation("four-wheel", ("--rule", rule)))
+    assert max(overfull(compiled(tmp_path, render_report(report, ".tex"))), default=0.0) <= WIDEST
+
+
+def test_hostile_names_compile(tmp_path: Path) -> None:
+    scene = replace(load_scene("ring-3"), name=HOSTILE)
+    compiled(tmp_path, render_report(derive_report(scene, Invocation(HOSTILE)), ".tex"))
