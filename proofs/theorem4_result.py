@@ -14,9 +14,9 @@ from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.authority import Authority
+from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation, spin_of
 from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
-from nonsmooth.proofs.clauses.fan import build_fan
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.rotation import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback

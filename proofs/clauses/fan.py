@@ -25,14 +25,15 @@ sec. 15-16, for the piecewise constant field; the linear terms are the pose's ow
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
-from functools import cmp_to_key
 from itertools import product
 from typing import Any
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.cones import Cone, build_fan, is_plane, rays_of
+from nonsmooth.proofs.clauses.full_turns import full_turns
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
@@ -48,34 +49,6 @@ class Move(StrEnum):
     TURN = "outward spiral"
     REST = "rest"
     TIE = "tie"
-
-
-@dataclass(frozen=True)
-class Cone:
-    """The part of a cell near the equilibrium: counterclockwise from ray ``start`` to ray ``end``.
-
-    Attributes:
-        start: first ray.
-        end: last ray.
-        twists: the motions in the cone.
-    """
-
-    start: Point
-    end: Point
-    twists: tuple[Twist, ...]
-
-    def holds(self, vector: Point) -> bool:
-        """Whether a nonzero vector points into the closed cone (of angle at most a half turn)."""
-        if not cross(self.start, self.end):  # half-plane
-            return sign(cross(self.start, vector)) >= 0
-        return sign(cross(self.start, vector)) >= 0 and sign(cross(vector, self.end)) >= 0
-
-
-@dataclass(frozen=True)
-class CellCone(Cone):
-    """The cone of a cell of an array."""
-
-    cell: Cell
 
 
 @dataclass(frozen=True)
@@ -147,21 +120,10 @@ def decide_fan(partition: Partition) -> FanResult:
     return decide_cones(build_fan(partition))
 
 
-def build_fan(partition: Partition) -> tuple[CellCone, ...]:
-    """The cones of the cells whose closure holds the origin, counterclockwise."""
-    zero = partition.scene.field.zero
-    cones = [_cone(cell) for cell in partition.cells_at((zero, zero))]
-    cones.sort(key=lambda cone: by_angle(cone.start))
-    if len(cones) == 1:
-        return tuple(cones)
-    # neighbours share one vector per ray, so that gains multiply to the gain of a full turn
-    return tuple(replace(cone, end=cones[(k + 1) % len(cones)].start) for k, cone in enumerate(cones))
-
-
 def decide_cones(cones: Sequence[Cone]) -> FanResult:
     """Decide stability from the fan."""
     fan = tuple(cones)
-    gains, overshoot = _turns(fan)
+    gains, overshoot = full_turns(fan)
     unstable = [*_escapes(fan), *_slides(fan, outward=True)]
     unstable += [_turn_evidence(fan, sense, gain) for sense, gain in gains.items() if sign(gain - 1) > 0]
     if unstable:
@@ -179,46 +141,6 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
     return FanResult(verdict, fan, tuple(rest), gains, overshoot)
 
 
-# ---- geometry of the fan -----------------------------------------------------------------
-
-
-def _cone(cell: Cell) -> CellCone:
-    """The cone of a cell at the origin, from its vertices."""
-    vertices = cell.polygon.vertices
-    count = len(vertices)
-    for k, vertex in enumerate(vertices):
-        if not any(vertex):
-            return CellCone(vertices[(k + 1) % count], vertices[k - 1], cell.twists, cell)
-    for k, vertex in enumerate(vertices):
-        after = vertices[(k + 1) % count]
-        if not cross(vertex, after) and sign(dot(vertex, after)) < 0:
-            return CellCone(after, vertex, cell.twists, cell)
-    return CellCone(vertices[0], vertices[0], cell.twists, cell)  # the origin is inside: the cone is the plane
-
-
-def _compare_angles(a: Point, b: Point) -> int:
-    """Order by angle from the positive x axis, counterclockwise."""
-    upper = [sign(p[1]) > 0 or (sign(p[1]) == 0 and sign(p[0]) > 0) for p in (a, b)]
-    if upper[0] != upper[1]:
-        return -1 if upper[0] else 1
-    return -sign(cross(a, b))
-
-
-by_angle = cmp_to_key(_compare_angles)  # key that sorts rays counterclockwise from the positive x axis
-
-
-def _is_plane(cone: Cone) -> bool:
-    return cone.start is cone.end
-
-
-def _rays(fan: Sequence[Cone]) -> Iterator[tuple[Point, Cone, Cone]]:
-    """Each ray with the cone before it and the cone after it (counterclockwise)."""
-    if len(fan) == 1:
-        return
-    for k, cone in enumerate(fan):
-        yield cone.start, fan[k - 1], cone
-
-
 # ---- moves -------------------------------------------------------------------------------
 
 
@@ -226,7 +148,7 @@ def _escapes(fan: Sequence[Cone]) -> Iterator[Evidence]:
     for cone in fan:
         for twist in cone.twists:
             velocity = twist.velocity
-            if any(velocity) and (_is_plane(cone) or (cone.holds(velocity) and _stays(cone, twist))):
+            if any(velocity) and (is_plane(cone) or (cone.holds(velocity) and _stays(cone, twist))):
                 yield Evidence(Move.ESCAPE, velocity, (twist,), None)
 
 
@@ -240,7 +162,7 @@ def _stays(cone: Cone, twist: Twist) -> bool:
 
 def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[Evidence]:
     """Slides that lead outward, or the rays of equilibria."""
-    for ray, before, after in _rays(fan):
+    for ray, before, after in rays_of(fan):
         twists = tuple(dict.fromkeys(before.twists + after.twists))
         for first, second in product(twists, repeat=2):
             speed = slide_speed(ray, first, second)
@@ -286,89 +208,6 @@ def _rests(fan: Sequence[Cone]) -> Iterator[Evidence]:
         for twist in cone.twists:
             if not any(twist):
                 yield Evidence(Move.REST, cone.start, (twist,), twist.omega)
-
-
-def _may_cross(cone: Cone, twist: Twist, sense: int) -> bool:
-    """Whether a path can enter the cone at one ray and leave it at the other, turning in the given sense."""
-    velocity = twist.velocity
-    return (
-        not _is_plane(cone)
-        and sense * sign(cross(cone.start, velocity)) > 0
-        and sense * sign(cross(cone.end, velocity)) > 0
-    )
-
-
-def _gain(cone: Cone, twist: Twist, sense: int) -> Any:
-    """``s'/s`` for entry at ``s r`` and exit at ``s' r'``: distances in units of the rays' vectors."""
-    at_start, at_end = cross(cone.start, twist.velocity), cross(cone.end, twist.velocity)
-    return at_start / at_end if sense > 0 else at_end / at_start
-
-
-def _turns(fan: Sequence[Cone]) -> tuple[dict[int, Any], Any]:
-    """Gain of a full turn by sense, and the squared overshoot."""
-    gains: dict[int, Any] = {}
-    overshoot: Any = 1
-    for sense in (1, -1):
-        steps = [_step(cone, sense) for cone in (fan if sense > 0 else fan[::-1])]
-        known = [step for step in steps if step is not None]
-        if len(fan) > 1 and len(known) == len(fan):
-            gain: Any = 1
-            for step in known:
-                gain = step[0] * gain
-            gains[sense] = gain
-        firsts = [_departure(cone, sense) for cone in (fan if sense > 0 else fan[::-1])]
-        overshoot = max(overshoot, _largest_chain(firsts, steps))
-    return gains, None if any(len(cone.twists) > 1 for cone in fan) else overshoot
-
-
-def _step(cone: Cone, sense: int) -> tuple[Any, Any] | None:
-    """Largest gain of crossing a cone, in the rays' units and squared in length; None where it cannot be crossed."""
-    gains = [_gain(cone, twist, sense) for twist in cone.twists if _may_cross(cone, twist, sense)]
-    if not gains:
-        return None
-    gain = max(gains)
-    lengths = dot(cone.end, cone.end) / dot(cone.start, cone.start)
-    return gain, gain * gain * (lengths if sense > 0 else 1 / lengths)
-
-
-def _departure(cone: Cone, sense: int) -> Any | None:
-    """Largest squared growth from a start anywhere in the cone to its exit; None where no path leaves that way.
-
-    The path from e to the exit ray r' grows by ``|e x v| |r'|/|r' x v|`` for unit e: largest for e at right angles to v
-    where the cone holds it, on a ray of the cone otherwise.
-    """
-    best: Any | None = None
-    exit_ray = cone.end if sense > 0 else cone.start
-    for twist in cone.twists:
-        v = twist.velocity
-        leaving = sense * cross(exit_ray, v)
-        if _is_plane(cone) or sign(leaving) <= 0:
-            continue
-        across = (sense * v[1], -sense * v[0])
-        if cone.holds(across):
-            reach = dot(v, v)
-        else:
-            starts = [r for r in (cone.start, cone.end) if sign(sense * cross(r, v)) > 0]
-            reach = max(cross(r, v) * cross(r, v) / dot(r, r) for r in starts)
-        growth = reach * dot(exit_ray, exit_ray) / (leaving * leaving)
-        best = growth if best is None else max(best, growth)
-    return best
-
-
-def _largest_chain(firsts: Sequence[Any | None], steps: Sequence[tuple[Any, Any] | None]) -> Any:
-    """Largest squared growth: out of one cone, then through consecutive ones, at most once around."""
-    best: Any = 1
-    for start, first in enumerate(firsts):
-        total = first
-        for offset in range(1, len(steps)):
-            if total is None:
-                break
-            best = max(best, total)
-            step = steps[(start + offset) % len(steps)]
-            total = None if step is None else step[1] * total
-        if total is not None:
-            best = max(best, total)
-    return best
 
 
 def _turn_evidence(fan: Sequence[Cone], sense: int, gain: Any) -> Evidence:

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Demand, find_shapes, shape_regions
-from nonsmooth.proofs.clauses.fan import build_fan
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
 from nonsmooth.proofs.clauses.translation import Witness

@@ -30,8 +30,8 @@ from flint import arb
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Shape
-from nonsmooth.proofs.clauses.fan import CellCone, build_fan
 from nonsmooth.proofs.clauses.quadratic import root_above
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy

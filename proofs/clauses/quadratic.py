@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.fan import CellCone
+from nonsmooth.proofs.clauses.cones import CellCone
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Vector, dot
 

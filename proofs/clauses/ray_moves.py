@@ -17,7 +17,8 @@ from typing import Any
 
 from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity, velocities_at
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.fan import Cone, FanResult, Move, by_angle, decide_cones
+from nonsmooth.proofs.clauses.cones import Cone, by_angle
+from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, trimmed, value

@@ -25,7 +25,8 @@ from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_deriv
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.fan import CellCone, FanResult, build_fan, decide_fan
+from nonsmooth.proofs.clauses.cones import CellCone, build_fan
+from nonsmooth.proofs.clauses.fan import FanResult, decide_fan
 from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text

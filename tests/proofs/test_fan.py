@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.clauses.fan import Cone, Evidence, FanResult, Move, build_fan, decide_cones, slide_speed
+from nonsmooth.proofs.clauses.cones import Cone, build_fan
+from nonsmooth.proofs.clauses.fan import Evidence, FanResult, Move, decide_cones, slide_speed
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -13,7 +13,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.fan import build_fan
+from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.rotation import decide_rotation, rotation_bound
 from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation

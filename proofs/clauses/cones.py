@@ -1,0 +1,90 @@
+"""The fan of cones at the equilibrium: the cells whose closure holds it, each by two rays and its motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cmp_to_key
+
+from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import cross, dot
+
+
+@dataclass(frozen=True)
+class Cone:
+    """The part of a cell near the equilibrium: counterclockwise from ray ``start`` to ray ``end``.
+
+    Attributes:
+        start: first ray.
+        end: last ray.
+        twists: the motions in the cone.
+    """
+
+    start: Point
+    end: Point
+    twists: tuple[Twist, ...]
+
+    def holds(self, vector: Point) -> bool:
+        """Whether a nonzero vector points into the closed cone (of angle at most a half turn)."""
+        if not cross(self.start, self.end):  # half-plane
+            return sign(cross(self.start, vector)) >= 0
+        return sign(cross(self.start, vector)) >= 0 and sign(cross(vector, self.end)) >= 0
+
+
+@dataclass(frozen=True)
+class CellCone(Cone):
+    """The cone of a cell of an array."""
+
+    cell: Cell
+
+
+def build_fan(partition: Partition) -> tuple[CellCone, ...]:
+    """The cones of the cells whose closure holds the origin, counterclockwise."""
+    zero = partition.scene.field.zero
+    cones = [_cone(cell) for cell in partition.cells_at((zero, zero))]
+    cones.sort(key=lambda cone: by_angle(cone.start))
+    if len(cones) == 1:
+        return tuple(cones)
+    # neighbours share one vector per ray, so that gains multiply to the gain of a full turn
+    return tuple(replace(cone, end=cones[(k + 1) % len(cones)].start) for k, cone in enumerate(cones))
+
+
+def _cone(cell: Cell) -> CellCone:
+    """The cone of a cell at the origin, from its vertices."""
+    vertices = cell.polygon.vertices
+    count = len(vertices)
+    for k, vertex in enumerate(vertices):
+        if not any(vertex):
+            return CellCone(vertices[(k + 1) % count], vertices[k - 1], cell.twists, cell)
+    for k, vertex in enumerate(vertices):
+        after = vertices[(k + 1) % count]
+        if not cross(vertex, after) and sign(dot(vertex, after)) < 0:
+            return CellCone(after, vertex, cell.twists, cell)
+    return CellCone(vertices[0], vertices[0], cell.twists, cell)  # the origin is inside: the cone is the plane
+
+
+def _compare_angles(a: Point, b: Point) -> int:
+    """Order by angle from the positive x axis, counterclockwise."""
+    upper = [sign(p[1]) > 0 or (sign(p[1]) == 0 and sign(p[0]) > 0) for p in (a, b)]
+    if upper[0] != upper[1]:
+        return -1 if upper[0] else 1
+    return -sign(cross(a, b))
+
+
+by_angle = cmp_to_key(_compare_angles)  # key that sorts rays counterclockwise from the positive x axis
+
+
+def is_plane(cone: Cone) -> bool:
+    """Whether the cone is the whole plane: the point lies inside its cell."""
+    return cone.start is cone.end
+
+
+def rays_of(fan: Sequence[Cone]) -> Iterator[tuple[Point, Cone, Cone]]:
+    """Each ray with the cone before it and the cone after it (counterclockwise)."""
+    if len(fan) == 1:
+        return
+    for k, cone in enumerate(fan):
+        yield cone.start, fan[k - 1], cone
