@@ -171,6 +171,9 @@ class EllipseCheck(Theorem4Result):
         return verified and about_it and ours and self.verdict is conclude(*clauses)[0]
 
 
+Check: TypeAlias = CellCheck | EllipseCheck
+
+
 def conclude(
     equilibrium: EquilibriumResult | EllipseEquilibrium,
     translation: TranslationResult | EllipseTranslation,

@@ -9,8 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference, intersect
+from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable
-from nonsmooth.reports.records import with_exact
 from nonsmooth.reports.terminal import brief
 from nonsmooth.symbolic.scene_error import one_line
 

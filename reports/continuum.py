@@ -9,7 +9,8 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotation
-from nonsmooth.reports.records import Check, Record, with_exact
+from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.terminal import brief, header_table
 from nonsmooth.symbolic.continuum import ContinuousField, Disc
 from nonsmooth.symbolic.scene import Scene

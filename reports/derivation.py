@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.document import Document
+from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.formats.html import render_html
 from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.parts import PART_NAMES, PARTS
-from nonsmooth.reports.records import Check, Record, check_record, partition_record, states_record
+from nonsmooth.reports.records import check_record, partition_record, states_record
 from nonsmooth.reports.subject import Invocation, Subject
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line

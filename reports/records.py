@@ -1,41 +1,24 @@
-"""Results as JSON records with stable keys: floats for reading, an ``exact`` object beside those that are exact.
-
-In every object, ``exact`` maps a key of the same object to the exact text of its value, nested like the value
-(``"worst_rate": -2.0, "exact": {"worst_rate": "-2"}``).  The texts are formulas that scene files accept; where the
-exact form of a vertex would be endless, an enclosure ``[0.123 +/- 4e-21]`` stands instead.  Sampled values have none.
-"""
+"""Results as JSON records with stable keys; how values are written: :mod:`nonsmooth.reports.exact_record`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from fractions import Fraction
-from typing import Any, TypeAlias
-
-from flint import arb
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
-from nonsmooth.proofs.clauses.input_ranks import input_ranks
 from nonsmooth.proofs.clauses.rotation import Drift
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.clauses.translation import LYAPUNOV, TranslationResult, Witness
+from nonsmooth.proofs.clauses.translation import LYAPUNOV, TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.reports.exact_record import Record, with_exact, witness_record
+from nonsmooth.reports.feedback_record import feedback_record
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import real_text
-from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 
 CHECK_SCHEMA = "nonsmooth-check/1"
 CHECKS_SCHEMA = "nonsmooth-checks/1"
 PARTITION_SCHEMA = "nonsmooth-partition/1"
 SCENES_SCHEMA = "nonsmooth-scenes/1"
-
-Record: TypeAlias = dict[str, Any]
-Check: TypeAlias = CellCheck | EllipseCheck
 
 
 def check_record(result: Check, continuum: Record | None = None) -> Record:
@@ -56,7 +39,7 @@ def check_record(result: Check, continuum: Record | None = None) -> Record:
         "equilibrium": _equilibrium_record(result),
         "translation": _translation_record(result.translation),
         "rotation": _rotation_record(result),
-        "feedback": _feedback_record(result),
+        "feedback": feedback_record(result),
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
         "continuum": continuum,
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
@@ -80,9 +63,9 @@ def partition_record(partition: Partition) -> Record:
                 **with_exact(
                     {"twist": cell.states[0].twist, "polygon": cell.polygon.vertices, "area": cell.polygon.area}
                 ),
-                "rows": row_names(cell.states[0]),
+                "rows": cell.states[0].row_names,
                 "alternatives": [
-                    {**with_exact({"twist": state.twist}), "rows": row_names(state)} for state in cell.states[1:]
+                    {**with_exact({"twist": state.twist}), "rows": state.row_names} for state in cell.states[1:]
                 ],
             }
             for cell in partition.cells
@@ -96,7 +79,7 @@ def states_record(partition: Partition) -> list[Record]:
     """The contact states that own a cell, with their control vector fields by wheel (None beyond three rows)."""
     return [
         {
-            "rows": row_names(state),
+            "rows": state.row_names,
             **with_exact({"twist": state.twist}),
             "control_fields": None if len(state.rows) > 3 else _control_fields_record(state),
         }
@@ -115,11 +98,6 @@ def scenes_record(descriptions: dict[str, str]) -> Record:
         "schema": SCENES_SCHEMA,
         "scenes": [{"name": name, "description": text} for name, text in descriptions.items()],
     }
-
-
-def row_names(state: ContactState) -> list[str]:
-    """For example ``["R1", "S1", "R4"]``."""
-    return [row.name for row in state.rows]
 
 
 def _census_record(result: Check) -> Record:
@@ -179,7 +157,7 @@ def _translation_record(translation: TranslationResult | EllipseTranslation) -> 
         **rate,
         "samples": None if sampled is None else sampled.samples,
         "region": None if radius is None else {"shape": "disc", **with_exact({"radius": radius})},
-        "witness": _witness_record(translation.witness, "value"),
+        "witness": witness_record(translation.witness, "value"),
         "reason": translation.reason,
     }
 
@@ -210,124 +188,3 @@ def _weights_record(drift: Drift) -> Record:
         end: [with_exact({"twist": drift.twists[k], "weight": w}) for k, w in mixture.weights.items()]
         for end, mixture in (("lowest", drift.lowest), ("highest", drift.highest))
     }
-
-
-def _feedback_record(result: Check) -> Record:
-    feedback, authority = result.feedback, result.authority
-    cells = feedback.cells if isinstance(feedback, FeedbackResult) else ()
-    return {
-        "verdict": str(feedback.verdict),
-        "law": feedback.law,
-        **_rate_record(feedback),
-        "lyapunov": _control_lyapunov_record(feedback),
-        "none_serves": feedback.none_serves if isinstance(feedback, FeedbackResult) else None,
-        "margin": _margin_record(feedback),
-        "ranks": _ranks_record(result),
-        "witness": _witness_record(feedback.witness, "theta"),
-        "reason": feedback.reason,
-        "printed_sign_fails": list(feedback.printed_sign_fails) if isinstance(feedback, FeedbackResult) else [],
-        "cells": [_input_cell_record(data) for data in cells],
-        "sampled": _samples_record(feedback) if isinstance(feedback, SampledFeedback) else [],
-        "authority": {"rank": authority.rank, **with_exact({"missing": authority.missing})},
-    }
-
-
-def _ranks_record(result: Check) -> Record | None:
-    """Independent inputs by cell, by pair of neighbouring cells and at the checked point (rule ``nearest``)."""
-    if not isinstance(result, CellCheck) or result.partition.rule is not Rule.NEAREST:
-        return None
-    ranks = input_ranks(result.partition)
-    return {
-        "cells": [{"cell": cell, "rank": rank} for cell, rank in ranks.cells.items()],
-        "sides": [{"cells": list(pair), "rank": rank} for pair, rank in ranks.sides.items()],
-        "equilibrium": ranks.equilibrium,
-    }
-
-
-def _rate_record(feedback: FeedbackResult | SampledFeedback) -> Record:
-    """The certified rate: ``V' <= -rate k V`` near the equilibrium, within ``rate_reach`` where that is bounded."""
-    rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
-    if not isinstance(feedback, FeedbackResult) or rate is None:
-        return {"rate": None, "rate_reach": None}
-    field = feedback.cells[0].cell.twists[0].omega.field
-    return with_exact({"rate": field(2 * rate.kappa), "rate_reach": None if rate.reach is None else field(rate.reach)})
-
-
-def _control_lyapunov_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
-    """``V = c^T P c + w theta^2`` of the law."""
-    if not isinstance(feedback, FeedbackResult) or feedback.law is None:
-        return None
-    (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
-    field = feedback.cells[0].cell.twists[0].omega.field
-    return with_exact({"P": ((field(1 + e), field(f)), (field(f), field(1 - e))), "w": field(w)})
-
-
-def _margin_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
-    """The error in c, as a part of |c|, up to which one input serves; side by side, and over all."""
-    margin = feedback.margin if isinstance(feedback, FeedbackResult) else None
-    if margin is None:
-        return None
-    sides = [
-        {
-            "cells": list(side.cells),
-            **_root_record(side.squared),
-            "witness": _witness_record(side.witness, "theta"),
-        }
-        for side in margin.sides
-    ]
-    return {**_root_record(margin.squared), "is_exact": margin.is_exact, "sides": sides}
-
-
-def _root_record(squared: Any) -> Record:
-    """``sqrt(squared)``."""
-    text = str(squared) if isinstance(squared, Fraction) else real_text(squared)
-    return {"relative": float(squared) ** 0.5, "exact": {"relative": f"sqrt({text})"}}
-
-
-def _input_cell_record(data: InputCell) -> Record:
-    return {
-        "cell": data.cell.index,
-        "rows": row_names(data.state),
-        "nearest": data.nearest.index,
-        "second": data.second.index,
-        "sign_needed": -data.torque_sign or None,  # of u_j for theta > 0; None where u_j does not act
-    }
-
-
-def _samples_record(feedback: SampledFeedback) -> list[Record]:
-    return [
-        {
-            "law": str(sample.law),
-            "states": sample.states,
-            "worst_rate": _floats(sample.worst_rate),
-            "worst_state": _floats(sample.worst_state),
-            "fails": bool(sample.fails),
-        }
-        for sample in feedback.laws
-    ]
-
-
-def _witness_record(witness: Witness | None, value: str) -> Record | None:
-    if witness is None:
-        return None
-    return {**with_exact({"point": witness.point, value: witness.value}), "meaning": witness.meaning}
-
-
-def with_exact(values: Record) -> Record:
-    """The values as floats, and their exact texts under ``exact``."""
-    exact = {key: _texts(value) for key, value in values.items() if value is not None}
-    return {**{key: _floats(value) for key, value in values.items()}, "exact": exact}
-
-
-def _floats(value: Any) -> Any:
-    """Numbers as floats, through nested tuples; None beyond the range of floats (JSON has no infinity)."""
-    if value is None:
-        return None
-    if isinstance(value, Number | Lazy | arb | float | int):
-        number = float(value)
-        return number if math.isfinite(number) else None
-    return [_floats(entry) for entry in value]
-
-
-def _texts(value: Any) -> Any:
-    return real_text(value) if isinstance(value, Number | Lazy | arb) else [_texts(entry) for entry in value]

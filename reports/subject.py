@@ -8,10 +8,9 @@ from functools import cached_property
 
 from nonsmooth.analysis.partitions.agreement import Agreement, compare_rules
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.console import PROGRAM
-from nonsmooth.reports.records import Check
 from nonsmooth.symbolic.scene import Scene
 
 

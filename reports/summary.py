@@ -14,8 +14,9 @@ from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.console import BAD_INPUT, UNDECIDED
+from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.progress import progress
-from nonsmooth.reports.records import CHECK_SCHEMA, Record, check_record
+from nonsmooth.reports.records import CHECK_SCHEMA, check_record
 from nonsmooth.reports.system_views import system_record
 from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.scene import Scene

@@ -11,7 +11,8 @@ from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.system_stability import SystemResult
-from nonsmooth.reports.records import CHECK_SCHEMA, Record, with_exact
+from nonsmooth.reports.exact_record import Record, with_exact
+from nonsmooth.reports.records import CHECK_SCHEMA
 from nonsmooth.reports.terminal import brief, two_columns, verdict_text
 from nonsmooth.symbolic.scene_error import one_line
 

@@ -20,7 +20,8 @@ from nonsmooth.proofs.clauses.rotation import RotationResult
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.reports.records import Check, minimizing_states, other_equilibria, row_names
+from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.records import minimizing_states, other_equilibria
 from nonsmooth.symbolic.formulas import Real, decimal_text, real_text
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -72,7 +73,7 @@ def partition_view(partition: Partition) -> RenderableType:
         for k, state in enumerate(cell.states):
             index, area = (str(cell.index), brief(cell.polygon.area)) if k == 0 else ("", "or")
             twist = [Text(brief(entry)) for entry in state.twist]
-            table.add_row(Text(index), Text(" ".join(row_names(state))), *twist, Text(area))
+            table.add_row(Text(index), Text(state.name), *twist, Text(area))
     exact = "the cells tile the square" if partition.tiles else "the cells do not tile the square"
     head = f"{one_line(partition.scene.name)}: {len(partition.cells)} cells, {len(partition.states)} contact states"
     return Group(

@@ -43,7 +43,12 @@ class ContactState:
     @property
     def name(self) -> str:
         """For example ``R1 S1 R4``."""
-        return " ".join(row.name for row in self.rows)
+        return " ".join(self.row_names)
+
+    @property
+    def row_names(self) -> list[str]:
+        """For example ``["R1", "S1", "R4"]``."""
+        return [row.name for row in self.rows]
 
     @cached_property
     def control_fields(self) -> dict[int, Triple]:

@@ -18,7 +18,7 @@ from nonsmooth.reports.document import (
     Table,
     Text,
 )
-from nonsmooth.reports.records import Record
+from nonsmooth.reports.exact_record import Record
 
 DERIVATION_SCHEMA = "nonsmooth-derivation/1"
 

@@ -6,11 +6,10 @@ import platform
 from collections.abc import Iterable
 from importlib.metadata import version
 
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.console import own_version
 from nonsmooth.reports.document import Bullets, Code, Section, Text
 from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.records import Check
 from nonsmooth.reports.subject import Invocation
 
 LIBRARIES = ("python-flint", "sympy", "numpy", "scipy", "matplotlib")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.continuum.idealization import NoIdealizationError, predictions
+from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.continuum import HEADER, NOTE, continuum_rows, field_text
 from nonsmooth.reports.document import Section, display, table
 from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.records import Check
 
 
 def continuum_section(result: Check) -> Section | None:

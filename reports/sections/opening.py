@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Section, number, point, table
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.records import Check
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene

@@ -10,7 +10,7 @@ from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
 from nonsmooth.proofs.clauses.fan import FanResult
 from nonsmooth.proofs.clauses.rotation import RotationResult
 from nonsmooth.proofs.clauses.translation import TranslationResult, Witness
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.document import (
     Block,
@@ -26,7 +26,6 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.reports.records import Check
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.constraints import Twist

@@ -1,0 +1,47 @@
+"""Values of a JSON record: floats for reading, an ``exact`` object beside those that are exact.
+
+In every object, ``exact`` maps a key of the same object to the exact text of its value, nested like the value
+(``"worst_rate": -2.0, "exact": {"worst_rate": "-2"}``).  The texts are formulas that scene files accept; where the
+exact form of a vertex would be endless, an enclosure ``[0.123 +/- 4e-21]`` stands instead.  Sampled values have none.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+from flint import arb
+
+from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+
+Record: TypeAlias = dict[str, Any]
+
+
+def witness_record(witness: Witness | None, value: str) -> Record | None:
+    """A point with its value under the name ``value``, and what it means."""
+    if witness is None:
+        return None
+    return {**with_exact({"point": witness.point, value: witness.value}), "meaning": witness.meaning}
+
+
+def with_exact(values: Record) -> Record:
+    """The values as floats, and their exact texts under ``exact``."""
+    exact = {key: _texts(value) for key, value in values.items() if value is not None}
+    return {**{key: floats(value) for key, value in values.items()}, "exact": exact}
+
+
+def floats(value: Any) -> Any:
+    """Numbers as floats, through nested tuples; None beyond the range of floats (JSON has no infinity)."""
+    if value is None:
+        return None
+    if isinstance(value, Number | Lazy | arb | float | int):
+        number = float(value)
+        return number if math.isfinite(number) else None
+    return [floats(entry) for entry in value]
+
+
+def _texts(value: Any) -> Any:
+    return real_text(value) if isinstance(value, Number | Lazy | arb) else [_texts(entry) for entry in value]
