@@ -29,6 +29,7 @@ from nonsmooth.reports.sections.stability import (
     lyapunov_section,
     theorem_section,
 )
+from nonsmooth.reports.sections.stress import stress_section
 from nonsmooth.reports.sections.trajectories import trajectories_section
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.rule import Rule
@@ -128,6 +129,7 @@ PARTS = (
     Part("rules", rules_section, without_rules),
     Part("continuum", _continuum, _no_idealization),
     Part("precision", precision_section, lambda subject: _no_whole_partition(subject) or without_precision(subject)),
+    Part("stress", stress_section),
     Part("audit", lambda subject: audit_section(), _not_the_papers),
     Part("left-out", _left_out),
     Part("versions", lambda subject: reproduction_section(subject.invocation)),

@@ -72,5 +72,5 @@ def _entries(row: Row) -> tuple[Entry, ...]:
 
 
 def _number(value: float) -> Math:
-    text = f"{value:.1e}" if value else "0"
+    text = f"{value:.2g}"
     return Math(decimal_latex(text), text)
