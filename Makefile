@@ -12,7 +12,7 @@ TOOL_SECONDS := 300
 REPORT := build/four-wheel.html
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test tools lint format bench precision clean
+.PHONY: help demo test tools lint format bench precision gallery clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -49,6 +49,9 @@ bench: $(INSTALLED) ## run the measured comparisons in tests/benchmarks
 
 precision: $(INSTALLED) ## measure error against run time and write docs/precision.md (some minutes)
 	$(BIN)/python -m nonsmooth.reports.precision_page docs
+
+gallery: $(INSTALLED) ## rebuild docs/gallery.md and the reports in it
+	$(BIN)/python -m nonsmooth.reports.gallery docs
 
 clean: ## remove all that make has built, .venv included
 	rm -rf .venv build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

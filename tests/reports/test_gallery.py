@@ -1,0 +1,68 @@
+"""The gallery in the documents is what the program writes today: the same words, and numbers up to rounding."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.reports.derivation import Report
+from nonsmooth.reports.gallery import PAGE, SHOWN, gallery_files, gallery_page, gallery_report
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+STALE = "the gallery is stale: run make gallery"
+NUMBER = re.compile(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)")
+IDENTITY = re.compile(r'(?<=id=")[^"]*|(?<=#)[\w-]+|Python [\d.]+')  # hashes of coordinates; the interpreter's version
+# Another machine rounds otherwise in the last digit shown, and an integrator may take a step more or less.
+RELATIVE, ABSOLUTE = 0.01, 0.02
+
+
+@cache
+def report(name: str) -> Report:
+    return gallery_report(name)
+
+
+def differences(old: str, new: str) -> list[tuple[str, str]]:
+    """Pieces that differ by more than rounding."""
+    first, second = (NUMBER.split(IDENTITY.sub("", text)) for text in (old, new))
+    if len(first) != len(second):
+        return [("other words", "")]
+    pairs = zip(first, second, strict=True)
+    return [(a, b) for a, b in pairs if a != b and not (NUMBER.fullmatch(a) and NUMBER.fullmatch(b) and close(a, b))]
+
+
+def close(first: str, second: str) -> bool:
+    return math.isclose(float(first), float(second), rel_tol=RELATIVE, abs_tol=ABSOLUTE)
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_the_gallery_is_fresh(name: str) -> None:
+    for path, content in gallery_files(name, report(name)):
+        shown = DOCS.joinpath(path).read_text(encoding="utf-8")
+        assert differences(shown, content.decode()) == [], STALE
+    page = DOCS.joinpath(PAGE).read_text(encoding="utf-8")
+    assert gallery_page({name: report(name)}).split("\n## ")[1].strip() in page, STALE
+
+
+def test_the_page_shows_what_the_gallery_holds() -> None:
+    page = DOCS.joinpath(PAGE).read_text(encoding="utf-8")
+    assert re.findall(r"^## (.+)$", page, re.M) == list(SHOWN)
+    assert {path.stem for path in (DOCS / "gallery").iterdir()} == set(SHOWN)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ("V = 1.414, 7 cells", "V = 1.415, 7 cells", True),
+        ("V = 1.414, 7 cells", "V = 1.5, 7 cells", False),
+        ("V = 1.414, 7 cells", "V = 1.414, 8 cells", False),
+        ("holds", "fails", False),
+        ("1 2", "1 2 3", False),
+        ('<g id="p1a">', '<g id="p2b">', True),
+    ],
+)
+def test_what_counts_as_stale(old: str, new: str, same: bool) -> None:
+    assert (differences(old, new) == []) is same
