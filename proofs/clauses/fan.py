@@ -93,7 +93,7 @@ class FanResult:
         evidence: what is unstable, at rest, or tied (empty for asymptotic stability).
         gains: product of gains of a full turn, by sense (1 counterclockwise, -1 clockwise), where one exists.
         squared_overshoot: square of the largest growth of the distance along a chain of cones (at least one);
-            None where several motions tie in a cone.
+            None where none is claimed: unstable, undecided, or several motions tie in a cone.
     """
 
     verdict: Translation
@@ -127,7 +127,7 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
     unstable = [*_escapes(fan), *_slides(fan, outward=True)]
     unstable += [_turn_evidence(fan, sense, gain) for sense, gain in gains.items() if sign(gain - 1) > 0]
     if unstable:
-        return FanResult(Translation.UNSTABLE, fan, tuple(unstable), gains, overshoot)
+        return FanResult(Translation.UNSTABLE, fan, tuple(unstable), gains, None)
     ties = [*_ties(fan)]
     ties += [
         Evidence(Move.TIE, fan[0].start, (), "a full turn has gain one")
@@ -135,7 +135,7 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
         if not sign(gain - 1)
     ]
     if ties:
-        return FanResult(Translation.UNDECIDED, fan, tuple(ties), gains, overshoot)
+        return FanResult(Translation.UNDECIDED, fan, tuple(ties), gains, None)
     rest = [*_rests(fan), *_slides(fan, outward=False)]
     verdict = Translation.STABLE if rest else Translation.ASYMPTOTICALLY_STABLE
     return FanResult(verdict, fan, tuple(rest), gains, overshoot)

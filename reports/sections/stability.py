@@ -178,13 +178,11 @@ def _translation_blocks(translation: TranslationResult | EllipseTranslation) -> 
 
 def _fan_blocks(fan: FanResult) -> list[Block]:
     """What the cones around the point decide where V does not."""
-    words = (
-        "The fan of the {} cones that meet at the point says: {}. Near the point a solution moves away at most {}-fold."
-    )
-    if fan.squared_overshoot is None:  # several motions tie in a cone
-        return [paragraph("The fan of the {} cones that meet at the point says: {}.", str(len(fan.cones)), fan.reason)]
+    said = paragraph("The fan of the {} cones that meet at the point says: {}.", str(len(fan.cones)), fan.reason)
+    if fan.squared_overshoot is None:
+        return [said]
     growth = f"{math.sqrt(float(fan.squared_overshoot)):.6g}"
-    return [paragraph(words, str(len(fan.cones)), fan.reason, growth)]
+    return [said, paragraph("Near the point the distance of a solution grows at most {}-fold on its way.", growth)]
 
 
 def _translation_witness(witness: Witness) -> Block:

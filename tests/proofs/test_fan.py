@@ -59,6 +59,22 @@ def test_a_line_of_equilibria_is_stable_but_does_not_attract() -> None:
     assert {e.move for e in result.evidence} == {Move.REST}
 
 
+@pytest.mark.parametrize(
+    ("rays", "motions", "bounded"),
+    [
+        ([(0, 1), (0, -1)], [(1, 1), (-1, 1)], False),  # slides outward
+        ([(1, 0), (-1, 0)], [(0, -1), (0, 1)], True),  # rests
+        ([(1, 0), (0, 1), (-1, 0), (0, -1)], [(-1, 1), (-1, -1), (1, -1), (1, 1)], False),  # turns with gain one
+    ],
+)
+def test_no_growth_is_bounded_where_stability_is_not_proved(
+    rays: list[Vector], motions: list[tuple[int | Fraction, ...]], bounded: bool
+) -> None:
+    result = decide(rays, motions)
+    assert (result.squared_overshoot is not None) == bounded
+    assert bounded == (result.verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE))
+
+
 def test_an_escaping_slide_is_unstable() -> None:
     """Trap: f = (-+1, 1) on either side of x = 0 slides up the y axis."""
     result = decide([(0, 1), (0, -1)], [(1, 1), (-1, 1)])
