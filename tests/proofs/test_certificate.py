@@ -48,9 +48,9 @@ def test_each_built_in_scene_has_a_valid_certificate(name: str, rule: str) -> No
     text = certificate_text(certificate)
     assert json.loads(text) == certificate
     assert text.isascii()
-    start = time.perf_counter()
+    start = time.process_time()
     assert check_certificate(certificate) == ""
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     cells, roots = len(certificate["cells"]), len(certificate["field"])
     print(f"{name}, {rule}: {cells} cells, {roots} generators, {len(text)} bytes, {seconds:.3f} s")
     assert len(text) < LARGEST_FILE

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import copy
 import json
+import os
 import subprocess
 import sys
 import time
@@ -111,9 +112,9 @@ def test_a_valid_certificate_within_a_second_with_nothing_installed(four_wheel: 
     path.write_text(certificate_text(four_wheel), encoding="utf-8")
     seconds = []
     for _ in range(3):
-        start = time.perf_counter()
+        start = sum(os.times()[2:4])  # processor time of finished child processes
         result = run_alone(path)
-        seconds.append(time.perf_counter() - start)
+        seconds.append(sum(os.times()[2:4]) - start)
         assert (result.returncode, result.stderr) == (0, "")
         assert result.stdout.startswith("valid")
     print(f"four-wheel: {path.stat().st_size} bytes, {min(seconds):.3f} s with the interpreter")
@@ -266,12 +267,12 @@ def test_work_is_bounded(four_wheel: Record, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_large_fields_are_refused_at_once(four_wheel: Record) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     four_wheel["field"] = [scaled_field(2)] * (checker.MAX_SIZE + 1)
     assert check_certificate(four_wheel) == NO_SINGLE_ROOT
     four_wheel["field"] = [{"polynomial": ["-1", *["0"] * 50_000, "1"], "above": "0"}]
     assert check_certificate(four_wheel) == f"a list of {checker.MAX_SIZE} items"
-    assert time.perf_counter() - start < ALLOWED_SECONDS
+    assert time.process_time() - start < ALLOWED_SECONDS
 
 
 # ---- cells -------------------------------------------------------------------------------
