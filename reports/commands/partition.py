@@ -24,12 +24,18 @@ def partition(
     radius: Radius = None,
     at: At = None,
     show: Annotated[
-        Shown, typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells.")
+        Shown,
+        typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
     ] = Shown.CELLS,
-    compare: Annotated[bool, typer.Option("--compare", help="Compare the three contact rules instead.")] = False,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Compare the three contact rules on the square instead.")
+    ] = False,
     json: Json = False,
 ) -> int:
-    """List or draw the cells of the plane, each with its contact state and twist."""
+    """List or draw the cells of the plane, each with its contact state and twist.
+
+    Exit status: 0 done, 2 bad input.
+    """
     from nonsmooth.analysis.partitions.contact_partition import build_partition
     from nonsmooth.symbolic.files.scene_file import load_scene
 

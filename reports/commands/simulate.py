@@ -33,24 +33,35 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     context: typer.Context,
     scene: SceneText,
     start: Annotated[
-        str | None, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0: one number per state.")
+        str | None,
+        typer.Option(
+            "--from", metavar="X,Y,THETA", help="Start in world coordinates, such as 0.2,0.4,0: one number per state."
+        ),
     ] = None,
     grid: Annotated[
-        int | None, typer.Option("--grid", metavar="N", help="Map the ends of N x N starts instead of one path.")
+        int | None,
+        typer.Option("--grid", metavar="N", help="Map where N x N starts in the square end, instead of one path."),
     ] = None,
     until: Annotated[
-        float | None, typer.Option("--until", metavar="T", help="Last time: 2; with --grid, until all have ended.")
+        float | None,
+        typer.Option("--until", metavar="T", help="Last time; 2 unless given, with --grid until all have ended."),
     ] = None,
-    heading: Annotated[float, typer.Option("--heading", metavar="THETA", help="Start heading, with --grid.")] = 0.0,
-    kinematics: Annotated[Kinematics, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
-        Kinematics.EXACT
-    ),
+    heading: Annotated[
+        float, typer.Option("--heading", metavar="THETA", help="Heading of all starts in radians, with --grid.")
+    ] = 0.0,
+    kinematics: Annotated[
+        Kinematics, typer.Option("--kinematics", help="Exact pose, or leading order as in the paper.")
+    ] = (Kinematics.EXACT),
     method: Annotated[
         Method, typer.Option("--method", help="Events, the paper's hysteresis, smoothing, or full dynamics.")
     ] = Method.EVENTS,
-    width: Annotated[float, typer.Option("--width", help="Width of hysteresis or smoothing.")] = 1e-3,
-    feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop (rule nearest).")] = False,
-    law: Annotated[Law, typer.Option("--law", help="Feedback law, with --feedback.")] = Law.CORRECTED,
+    width: Annotated[
+        float, typer.Option("--width", help="Width of --method hysteresis or smoothed, in units of the state.")
+    ] = 1e-3,
+    feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop with gain 1 (rule nearest).")] = False,
+    law: Annotated[
+        Law, typer.Option("--law", help="Feedback law, with --feedback; printed is the paper's.")
+    ] = Law.CORRECTED,
     mass: Annotated[
         float | None,
         typer.Option("--mass", metavar="M", help="With --method dynamics: mass per weight, 1/g; 0.1 unless given."),
@@ -58,22 +69,31 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     inertia: Annotated[
         float | None,
         typer.Option(
-            "--inertia", metavar="I", help="Inertia per weight; that of a disc as large as the array unless given."
+            "--inertia",
+            metavar="I",
+            help="With --method dynamics: inertia per weight; that of a disc as large as the array unless given.",
         ),
     ] = None,
     compare_masses: Annotated[
         bool,
-        typer.Option("--compare-masses", help="Distance of full dynamics from each rule, for M, M/10, ..., M/10000."),
+        typer.Option(
+            "--compare-masses",
+            help="With --method dynamics: its distance from each rule's path, for M, M/10, ..., M/10000.",
+        ),
     ] = False,
     output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="FILE", help=".csv, .json, .svg, .png or .pdf")
+        str | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Samples: .csv or .json; picture: .svg, .png or .pdf."),
     ] = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique."""
+    """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.
+
+    Exit status: 0 done, 2 bad input.
+    """
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.symbolic.files.equations_file import holds_system, load_equations
