@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.choices import Shown
-from nonsmooth.reports.console import refusals_named, write, write_json, write_views
+from nonsmooth.reports.console import refusals_named, refuse_given, write, write_json, write_views
 from nonsmooth.reports.options import At, Json, Picture, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 
-def partition(
+def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
+    context: typer.Context,
     scene: SceneText,
     output: Picture = None,
     rule: RuleOption = None,
@@ -39,6 +40,10 @@ def partition(
     from nonsmooth.analysis.partitions.contact_partition import build_partition
     from nonsmooth.symbolic.files.scene_file import load_scene
 
+    if output is None:
+        refuse_given(context, ("show",), "-o FILE, which it draws", "none")
+    if compare:
+        refuse_given(context, ("show",), "a picture of one contact rule", "--compare")
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     path = None
     if output is not None:

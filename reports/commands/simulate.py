@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.console import RefusedError, refusals_named
+from nonsmooth.reports.console import RefusedError, refusals_named, refuse_given
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
@@ -103,18 +103,22 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         _positive("--until", until)
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
     _positive("--width", width)
+    if method not in (Method.HYSTERESIS, Method.SMOOTHED):
+        refuse_given(context, ("width",), "--method hysteresis or smoothed", f"--method {method}")
     if holds_system(scene):
-        _refuse(context, OF_ARRAYS, "an array of wheels", "a plain switched system")
+        refuse_given(context, OF_ARRAYS, "an array of wheels", "a plain switched system")
         if method is Method.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
         equations = load_equations(scene)
         numbers = _start(start, equations.states)
         return _follow_system(equations, numbers, until or UNTIL, (method, width), path, json=json)
     if grid is not None:
-        _refuse(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
+        refuse_given(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
         map_run = _grid_run(grid, heading, until, kinematics)
         return _map(load_scene(scene, rule=rule, radius=radius, at=at), map_run, path, json=json)
-    _refuse(context, ("heading",), "--grid", "none")
+    refuse_given(context, ("heading",), "--grid", "none")
+    if not feedback:
+        refuse_given(context, ("law",), "--feedback", "none")
     x, y, theta = _start(start, views.POSE)
     run = views.Run((x, y, theta), until or UNTIL, kinematics, method, law if feedback else None, width)
     dynamics = _dynamics_options(run, mass, inertia, compare_masses=compare_masses)
@@ -135,9 +139,20 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
     try:
         trajectory = views.follow(partition, run)
     except ValueError as error:
-        raise RefusedError(f"{loaded.origin}: {error}") from None
+        raise RefusedError(_outside(loaded, run.start) or f"{loaded.origin}: {error}") from None
     show(views.ShownTrajectory(partition, run, trajectory), path, json=json)
     return 0
+
+
+def _outside(scene: Scene, start: Sequence[float]) -> str:
+    """What is wrong with a start outside the checked square; empty for one inside."""
+    radius = scene.check.radius
+    sides = [(float(centre - radius), float(centre + radius)) for centre in scene.check.equilibrium]
+    if all(low <= x <= high for (low, high), x in zip(sides, start, strict=False)):
+        return ""
+    square = " x ".join(f"[{low:g}, {high:g}]" for low, high in sides)
+    required = f"--from: required a start in the checked square {square}"
+    return f"{required}, received ({start[0]:g}, {start[1]:g}); --radius and --at set the square"
 
 
 def _follow_system(
@@ -172,14 +187,6 @@ def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
         partition = build_partition(loaded)
     show(ShownMap(partition, run, build_map(partition, run)), path, json=json)
     return 0
-
-
-def _refuse(context: typer.Context, names: Collection[str], required: str, received: str) -> None:
-    """Refuse the options of these parameters where they are given."""
-    for parameter in context.command.params:
-        source = context.get_parameter_source(parameter.name or "")
-        if parameter.name in names and source is not None and source.name == "COMMANDLINE":
-            raise RefusedError(f"{max(parameter.opts, key=len)}: required {required}, received {received}")
 
 
 def _grid_run(count: int, heading: float, until: float | None, kinematics: Kinematics) -> GridRun:
