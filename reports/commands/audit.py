@@ -14,7 +14,7 @@ Lyapunov = Annotated[
     typer.Option(
         "--lyapunov",
         metavar="EXPR",
-        help="V in x and y from the checked point, Abs and sign allowed; replaces the scene's.",
+        help="V of the displacement from the checked point, in x and y or the states; replaces the scene's.",
     ),
 ]
 
