@@ -52,6 +52,8 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         path = output_path(output, PICTURES)
     if compare:
         return _compare(loaded, path, json=json)
+    if path is not None and show is Shown.ARRAY and not json:
+        return _draw_array(loaded, path)
     with refusals_named(loaded):
         cells = build_partition(loaded)
     if path is not None:
@@ -84,6 +86,16 @@ def _drawn(cells: Partition, show: Shown, suffix: str) -> bytes:
             from nonsmooth.reports.figures.cell_map import cell_map
 
             return cell_map(cells, suffix)
+
+
+def _draw_array(scene: Scene, path: Path) -> int:
+    """The wheels alone, under any contact rule."""
+    from nonsmooth.reports.figures.array import array_figure
+    from nonsmooth.reports.files import write_whole
+
+    write_whole(path, array_figure(scene, path.suffix.lower()))
+    write(f"{path}: {len(scene.wheels)} wheels\n")
+    return 0
 
 
 def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
