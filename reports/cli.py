@@ -51,7 +51,10 @@ def options(
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
     ] = False,
 ) -> None:
-    """Stability of planar arrays of driven wheels, clause by clause, with exact certificates or witnesses."""
+    """Stability of planar arrays of driven wheels and of switched systems, with exact certificates or witnesses.
+
+    Exit status: 0 holds or done, 1 does not hold, 2 bad input, 3 undecided.
+    """
 
 
 def main() -> None:

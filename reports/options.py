@@ -33,16 +33,25 @@ SceneTexts = Annotated[
 RuleOption = Annotated[Rule | None, _RULE]
 RulesOption = Annotated[RuleOrAll | None, _RULE]
 Radius = Annotated[
-    str | None, typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2.")
+    str | None,
+    typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2; replaces the scene's."),
 ]
-At = Annotated[str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4.")]
+At = Annotated[
+    str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4; replaces the scene's.")
+]
 NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; the verdicts are the same.")]
 CertificateFile = Annotated[
-    str | None, typer.Option("--certificate", metavar="FILE", help="Write a certificate that anyone can verify: .json.")
+    str | None,
+    typer.Option(
+        "--certificate", metavar="FILE", help="Write a certificate for verify: .json (one scene, rule nearest or box)."
+    ),
 ]
 Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
-Picture = Annotated[str | None, typer.Option("-o", "--output", metavar="FILE", help="Draw them: .svg, .png or .pdf.")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+Picture = Annotated[
+    str | None,
+    typer.Option("-o", "--output", metavar="FILE", help="Draw them, instead of a table: .svg, .png or .pdf."),
+]
 Report = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Report: .html, .tex, .md or .json.")
 ]

@@ -107,7 +107,8 @@ class ShownMap:
 
     def summary(self) -> str:
         """How many starts and kinds of ends."""
-        return f"{len(self.found.starts)} starts, {len(self.found.ends)} kinds of ends"
+        kinds = len(self.found.ends)
+        return f"{len(self.found.starts)} starts, {kinds} {'kind' if kinds == 1 else 'kinds'} of ends"
 
     def view(self) -> RenderableType:
         """The shares of the ends, the range of headings, the latest arrival and what is not unique."""

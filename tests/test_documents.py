@@ -30,6 +30,8 @@ ROOT = Path(__file__).resolve().parents[1]
 WITH_COMMANDS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 
+ROOMS = ("symbolic", "analysis", "proofs", "reports")
+
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 HERE_DOCUMENT = re.compile(r"cat > (\S+) <<'(\w+)'")
 STATED = re.compile(r"#.*exit status (\d+)")
@@ -37,6 +39,7 @@ ALLOWED = re.compile(r"(.*) \|\| test \$\? -eq (\d+)")
 NOT_RUN = {"make", "git", "pip", "."}  # they install, build or change the shell
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 CODE_NAME = re.compile(r"`((?:symbolic|analysis|proofs|reports)(?:\.\w+)+)`")
+SOURCE = re.compile(r"([A-Z][^\W\d_]+)(?: and others)? \(?((?:18|19|20)\d\d)\b")  # Filippov 1988, Paden (1994)
 CODE_PATH = re.compile(r"`((?:symbolic|analysis|proofs|reports|tests|docs)/[\w./-]*)`")
 REGISTRIES = re.compile(r"pypi\.org|pythonhosted\.org|anaconda\.org|npmjs\.|crates\.io|rubygems\.org", re.IGNORECASE)
 
@@ -253,3 +256,26 @@ def resolves(name: str) -> bool:
             return is_dataclass(value) and part == rest[-1] and part in value.__dataclass_fields__
         value = getattr(value, part)
     return True
+
+
+# ---- sources -------------------------------------------------------------------------------------
+
+
+def cited(text: str) -> set[tuple[str, str]]:
+    """Last author and year of every source that a text names."""
+    return set(SOURCE.findall(" ".join(text.split())))
+
+
+def test_every_cited_source_is_in_the_references() -> None:
+    theory, references = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8").split("## References")
+    entries = [" ".join(entry.split()) for entry in references.split("\n- ")]
+    texts = {path: path.read_text(encoding="utf-8") for room in ROOMS for path in (ROOT / room).rglob("*.py")}
+    found = {(source, path.name) for path, text in texts.items() for source in cited(text)}
+    found |= {(source, "theory.md") for source in cited(theory)}
+    assert {("Filippov", "1988"), ("Paden", "1994")} <= {source for source, _ in found}
+    lost = [(name, year, where) for (name, year), where in found if not in_references(entries, name, year)]
+    assert lost == []
+
+
+def in_references(entries: list[str], name: str, year: str) -> bool:
+    return any(name in entry and year in entry for entry in entries)

@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 import tokenize
 import tomllib
 from collections.abc import Iterator
@@ -13,6 +14,8 @@ ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("symbolic", "analysis", "proofs", "reports")  # each may import the rooms to its left
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
+IMPORTED_AS = {"python-flint": "flint", "mujoco-core": "mujoco", "z3-solver": "z3"}
+RUN_AS_COMMANDS = {"pytest-xdist", "mypy", "ruff", "pre-commit"}  # for the tests, but imported by none
 EVALUATES_TEXT = {"eval", "exec", "sympify", "parse_expr"}
 TOLERANCE_NAMES = {"isclose", "allclose", "tol", "atol", "rtol", "tolerance"}
 TOLERANCE_NUMBER = re.compile(r"\b\d*\.?\d*e-\d+", re.IGNORECASE)
@@ -152,6 +155,29 @@ def test_exact_rooms_have_no_tolerance(room: str) -> None:
                 if small_number or (token.type == tokenize.NAME and token.string in TOLERANCE_NAMES):
                     found.append(f"{place(path, token.start[0])} {token.string}")
     assert found == []
+
+
+def declared(key: str) -> set[str]:
+    """Libraries that pyproject.toml names under a key of [project], as they are imported."""
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    listed = project["dependencies"] if key == "dependencies" else project["optional-dependencies"][key]
+    names = {re.split(r"[ >=;]", line)[0] for line in listed}
+    return {IMPORTED_AS.get(name, name) for name in names}
+
+
+def imported_libraries(folders: tuple[str, ...]) -> set[str]:
+    """Third-party libraries that the folders import anywhere."""
+    modules = {module for folder in folders for _, node in imports(folder) for module in imported_modules(node)}
+    tops = {module.partition(".")[0] for module in modules}
+    return tops - set(sys.stdlib_module_names) - {"nonsmooth", "tests"}
+
+
+def test_dependencies_are_those_that_are_imported() -> None:
+    assert imported_libraries(ROOMS) == declared("dependencies")
+    for_tests = imported_libraries(("tests",)) - declared("dependencies")
+    assert for_tests - declared("bench") <= declared("test")
+    assert declared("test") - for_tests == RUN_AS_COMMANDS
 
 
 def test_constraints_are_names_and_versions_only() -> None:

@@ -11,7 +11,11 @@ from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 Lyapunov = Annotated[
     str | None,
-    typer.Option("--lyapunov", metavar="EXPR", help="V in x and y, Abs and sign allowed; replaces the scene's."),
+    typer.Option(
+        "--lyapunov",
+        metavar="EXPR",
+        help="V of the displacement from the checked point, in x and y or the states; replaces the scene's.",
+    ),
 ]
 
 
@@ -23,7 +27,10 @@ def audit(
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Decide whether somebody's function is a Lyapunov function on the checked square."""
+    """Decide whether somebody's function is a Lyapunov function on the checked square.
+
+    Exit status: 0 valid, 1 invalid, 2 bad input, 3 undecided.
+    """
     from nonsmooth.proofs.systems.lyapunov_audit import audit as audit_function
     from nonsmooth.proofs.verified import verified
     from nonsmooth.symbolic.files.system_file import load_any

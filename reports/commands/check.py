@@ -26,7 +26,10 @@ def check(
     continuum: Continuum = False,
     json: Json = False,
 ) -> int:
-    """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table."""
+    """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table.
+
+    Exit status: 0 holds (or stable), 1 fails or hypotheses not met, 2 bad input, 3 undecided; of many the worst.
+    """
     from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.system import SystemScene
 

@@ -9,8 +9,13 @@ import typer
 from nonsmooth.reports.console import RefusedError, refusals_named, write
 from nonsmooth.reports.options import At, Json, Radius, Report, RuleOption, SceneText
 
-Only = Annotated[str | None, typer.Option("--only", metavar="NAMES", help="Only these sections, as a,b,c.")]
-Without = Annotated[str | None, typer.Option("--without", metavar="NAMES", help="All sections but these, as a,b,c.")]
+Only = Annotated[
+    str | None,
+    typer.Option("--only", metavar="NAMES", help="Only these sections, such as verdict,cells; a wrong name lists all."),
+]
+Without = Annotated[
+    str | None, typer.Option("--without", metavar="NAMES", help="All sections but these, such as precision,stress.")
+]
 
 
 def derive(
@@ -23,7 +28,10 @@ def derive(
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Write the derivation report; without -o, as Markdown to standard output."""
+    """Write the derivation report; without -o, as Markdown to standard output.
+
+    Exit status: 0 written, whatever the verdict; 2 bad input.
+    """
     from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
     from nonsmooth.reports.files import output_path, write_whole
     from nonsmooth.reports.subject import Invocation

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.choices import Shown
-from nonsmooth.reports.console import refusals_named, write, write_json, write_views
+from nonsmooth.reports.console import refusals_named, refuse_given, write, write_json, write_views
 from nonsmooth.reports.options import At, Json, Picture, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
@@ -17,22 +17,33 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 
-def partition(
+def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
+    context: typer.Context,
     scene: SceneText,
     output: Picture = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     show: Annotated[
-        Shown, typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells.")
+        Shown,
+        typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
     ] = Shown.CELLS,
-    compare: Annotated[bool, typer.Option("--compare", help="Compare the three contact rules instead.")] = False,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Compare the three contact rules on the square instead.")
+    ] = False,
     json: Json = False,
 ) -> int:
-    """List or draw the cells of the plane, each with its contact state and twist."""
+    """List or draw the cells of the plane, each with its contact state and twist.
+
+    Exit status: 0 done, 2 bad input.
+    """
     from nonsmooth.analysis.partitions.contact_partition import build_partition
     from nonsmooth.symbolic.files.scene_file import load_scene
 
+    if output is None:
+        refuse_given(context, ("show",), "-o FILE, which it draws", "none")
+    if compare:
+        refuse_given(context, ("show",), "a picture of one contact rule", "--compare")
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     path = None
     if output is not None:
@@ -41,6 +52,8 @@ def partition(
         path = output_path(output, PICTURES)
     if compare:
         return _compare(loaded, path, json=json)
+    if path is not None and show is Shown.ARRAY and not json:
+        return _draw_array(loaded, path)
     with refusals_named(loaded):
         cells = build_partition(loaded)
     if path is not None:
@@ -73,6 +86,16 @@ def _drawn(cells: Partition, show: Shown, suffix: str) -> bytes:
             from nonsmooth.reports.figures.cell_map import cell_map
 
             return cell_map(cells, suffix)
+
+
+def _draw_array(scene: Scene, path: Path) -> int:
+    """The wheels alone, under any contact rule."""
+    from nonsmooth.reports.figures.array import array_figure
+    from nonsmooth.reports.files import write_whole
+
+    write_whole(path, array_figure(scene, path.suffix.lower()))
+    write(f"{path}: {len(scene.wheels)} wheels\n")
+    return 0
 
 
 def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:

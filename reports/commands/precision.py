@@ -20,10 +20,14 @@ if TYPE_CHECKING:
 def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     scene: SceneText,
     output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="FILE", help=".svg, .png, .pdf, .csv or .json")
+        str | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Rows: .json or .csv; log-log figure: .svg, .png or .pdf."),
     ] = None,
     study: Annotated[
-        list[str] | None, typer.Option("--study", metavar="NAME", help="This study only; may be given several times.")
+        list[str] | None,
+        typer.Option(
+            "--study", metavar="NAME", help="This study only, such as derivation; may be given several times."
+        ),
     ] = None,
     runs: Annotated[int, typer.Option("--runs", metavar="N", help="Runs of which the shortest counts.")] = 3,
     time_limit: Annotated[
@@ -34,7 +38,10 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Measure methods against exact answers: error, time, and how one depends on the other."""
+    """Measure methods against exact answers: error, time, and how one depends on the other.
+
+    Exit status: 0 done, 2 bad input, 130 interrupted (finished rows are kept).
+    """
     from nonsmooth.analysis.studies.measurement import Limits
     from nonsmooth.reports import precision as views
     from nonsmooth.reports.files import PICTURES, output_path, write_whole

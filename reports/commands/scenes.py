@@ -7,7 +7,7 @@ from nonsmooth.reports.options import Json
 
 
 def scenes(json: Json = False) -> int:
-    """List the built-in scenes."""
+    """List the built-in scenes: arrays of wheels, then plain switched systems."""
     from nonsmooth.symbolic.files.scene_file import builtin_descriptions
     from nonsmooth.symbolic.files.system_file import system_descriptions
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.console import RefusedError, refusals_named
+from nonsmooth.reports.console import RefusedError, refusals_named, refuse_given
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
@@ -33,24 +33,35 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     context: typer.Context,
     scene: SceneText,
     start: Annotated[
-        str | None, typer.Option("--from", metavar="X,Y,THETA", help="Start, such as 0.2,0.4,0: one number per state.")
+        str | None,
+        typer.Option(
+            "--from", metavar="X,Y,THETA", help="Start in world coordinates, such as 0.2,0.4,0: one number per state."
+        ),
     ] = None,
     grid: Annotated[
-        int | None, typer.Option("--grid", metavar="N", help="Map the ends of N x N starts instead of one path.")
+        int | None,
+        typer.Option("--grid", metavar="N", help="Map where N x N starts in the square end, instead of one path."),
     ] = None,
     until: Annotated[
-        float | None, typer.Option("--until", metavar="T", help="Last time: 2; with --grid, until all have ended.")
+        float | None,
+        typer.Option("--until", metavar="T", help="Last time; 2 unless given, with --grid until all have ended."),
     ] = None,
-    heading: Annotated[float, typer.Option("--heading", metavar="THETA", help="Start heading, with --grid.")] = 0.0,
-    kinematics: Annotated[Kinematics, typer.Option("--kinematics", help="Exact pose or leading order.")] = (
-        Kinematics.EXACT
-    ),
+    heading: Annotated[
+        float, typer.Option("--heading", metavar="THETA", help="Heading of all starts in radians, with --grid.")
+    ] = 0.0,
+    kinematics: Annotated[
+        Kinematics, typer.Option("--kinematics", help="Exact pose, or leading order as in the paper.")
+    ] = (Kinematics.EXACT),
     method: Annotated[
         Method, typer.Option("--method", help="Events, the paper's hysteresis, smoothing, or full dynamics.")
     ] = Method.EVENTS,
-    width: Annotated[float, typer.Option("--width", help="Width of hysteresis or smoothing.")] = 1e-3,
-    feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop (rule nearest).")] = False,
-    law: Annotated[Law, typer.Option("--law", help="Feedback law, with --feedback.")] = Law.CORRECTED,
+    width: Annotated[
+        float, typer.Option("--width", help="Width of --method hysteresis or smoothed, in units of the state.")
+    ] = 1e-3,
+    feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop with gain 1 (rule nearest).")] = False,
+    law: Annotated[
+        Law, typer.Option("--law", help="Feedback law, with --feedback; printed is the paper's.")
+    ] = Law.CORRECTED,
     mass: Annotated[
         float | None,
         typer.Option("--mass", metavar="M", help="With --method dynamics: mass per weight, 1/g; 0.1 unless given."),
@@ -58,22 +69,31 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     inertia: Annotated[
         float | None,
         typer.Option(
-            "--inertia", metavar="I", help="Inertia per weight; that of a disc as large as the array unless given."
+            "--inertia",
+            metavar="I",
+            help="With --method dynamics: inertia per weight; that of a disc as large as the array unless given.",
         ),
     ] = None,
     compare_masses: Annotated[
         bool,
-        typer.Option("--compare-masses", help="Distance of full dynamics from each rule, for M, M/10, ..., M/10000."),
+        typer.Option(
+            "--compare-masses",
+            help="With --method dynamics: its distance from each rule's path, for M, M/10, ..., M/10000.",
+        ),
     ] = False,
     output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="FILE", help=".csv, .json, .svg, .png or .pdf")
+        str | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Samples: .csv or .json; picture: .svg, .png or .pdf."),
     ] = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique."""
+    """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.
+
+    Exit status: 0 done, 2 bad input.
+    """
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.symbolic.files.equations_file import holds_system, load_equations
@@ -83,18 +103,22 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         _positive("--until", until)
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
     _positive("--width", width)
+    if method not in (Method.HYSTERESIS, Method.SMOOTHED):
+        refuse_given(context, ("width",), "--method hysteresis or smoothed", f"--method {method}")
     if holds_system(scene):
-        _refuse(context, OF_ARRAYS, "an array of wheels", "a plain switched system")
+        refuse_given(context, OF_ARRAYS, "an array of wheels", "a plain switched system")
         if method is Method.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
         equations = load_equations(scene)
         numbers = _start(start, equations.states)
         return _follow_system(equations, numbers, until or UNTIL, (method, width), path, json=json)
     if grid is not None:
-        _refuse(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
+        refuse_given(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
         map_run = _grid_run(grid, heading, until, kinematics)
         return _map(load_scene(scene, rule=rule, radius=radius, at=at), map_run, path, json=json)
-    _refuse(context, ("heading",), "--grid", "none")
+    refuse_given(context, ("heading",), "--grid", "none")
+    if not feedback:
+        refuse_given(context, ("law",), "--feedback", "none")
     x, y, theta = _start(start, views.POSE)
     run = views.Run((x, y, theta), until or UNTIL, kinematics, method, law if feedback else None, width)
     dynamics = _dynamics_options(run, mass, inertia, compare_masses=compare_masses)
@@ -115,9 +139,20 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
     try:
         trajectory = views.follow(partition, run)
     except ValueError as error:
-        raise RefusedError(f"{loaded.origin}: {error}") from None
+        raise RefusedError(_outside(loaded, run.start) or f"{loaded.origin}: {error}") from None
     show(views.ShownTrajectory(partition, run, trajectory), path, json=json)
     return 0
+
+
+def _outside(scene: Scene, start: Sequence[float]) -> str:
+    """What is wrong with a start outside the checked square; empty for one inside."""
+    radius = scene.check.radius
+    sides = [(float(centre - radius), float(centre + radius)) for centre in scene.check.equilibrium]
+    if all(low <= x <= high for (low, high), x in zip(sides, start, strict=False)):
+        return ""
+    square = " x ".join(f"[{low:g}, {high:g}]" for low, high in sides)
+    required = f"--from: required a start in the checked square {square}"
+    return f"{required}, received ({start[0]:g}, {start[1]:g}); --radius and --at set the square"
 
 
 def _follow_system(
@@ -152,14 +187,6 @@ def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
         partition = build_partition(loaded)
     show(ShownMap(partition, run, build_map(partition, run)), path, json=json)
     return 0
-
-
-def _refuse(context: typer.Context, names: Collection[str], required: str, received: str) -> None:
-    """Refuse the options of these parameters where they are given."""
-    for parameter in context.command.params:
-        source = context.get_parameter_source(parameter.name or "")
-        if parameter.name in names and source is not None and source.name == "COMMANDLINE":
-            raise RefusedError(f"{max(parameter.opts, key=len)}: required {required}, received {received}")
 
 
 def _grid_run(count: int, heading: float, until: float | None, kinematics: Kinematics) -> GridRun:

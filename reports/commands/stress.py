@@ -33,7 +33,10 @@ def stress(
     at: At = None,
     json: Json = False,
 ) -> int:
-    """Stress a scene: extreme scales, ratios, gains and starts, with the error of every result."""
+    """Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.
+
+    Exit status: 0 all rows ok, 1 not, 2 bad input, 130 interrupted (finished rows are kept).
+    """
     from nonsmooth.reports import stress_views as views
     from nonsmooth.reports.files import PICTURES, output_path, write_whole
     from nonsmooth.symbolic.files.system_file import load_any

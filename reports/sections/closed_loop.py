@@ -7,7 +7,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.document import Entry, Figure, Math, Section, table
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.sections.starts import start_text, usual_start
+from nonsmooth.reports.sections.starts import start_text, typed_start, usual_start
 from nonsmooth.reports.simulate import GAIN, Run, follow
 from nonsmooth.reports.subject import Subject
 
@@ -58,8 +58,15 @@ def _figure(subject: Subject, path: Trajectory) -> Figure:
 
         return trajectory_figure(partition, path, ".svg")
 
-    start = ",".join(f"{value:.6g}" for value in _start(subject))
-    options = ("--from", start, "--until", f"{UNTIL:g}", "--feedback", "-o", "closed-loop.pdf")
+    options = (
+        "--from",
+        typed_start(_start(subject), subject.scene),
+        "--until",
+        f"{UNTIL:g}",
+        "--feedback",
+        "-o",
+        "closed-loop.pdf",
+    )
     return Figure(
         "closed-loop",
         prose(

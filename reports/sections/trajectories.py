@@ -13,7 +13,7 @@ from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Sectio
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.closed_loop import closed_loop_section
 from nonsmooth.reports.sections.law import without_law
-from nonsmooth.reports.sections.starts import Start, start_text, starts
+from nonsmooth.reports.sections.starts import Start, start_text, starts, typed_start
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.formulas import decimal_latex
 
@@ -128,7 +128,13 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
         prose("Without feedback (the paper's Figure 4): x, y and `theta` over time, and the path over the cells."),
         "Curves of x, y and theta over time without feedback, and the path over the cells.",
         subject.invocation.line(
-            "simulate", "--from", _typed(start), "--until", f"{float(path.end.t):.6g}", "-o", "open-loop.pdf"
+            "simulate",
+            "--from",
+            typed_start(start, subject.scene),
+            "--until",
+            f"{float(path.end.t):.6g}",
+            "-o",
+            "open-loop.pdf",
         ),
         draw,
     )
@@ -149,7 +155,7 @@ def _starts_figure(subject: Subject, places: list[Start], paths: list[Trajectory
         "starts",
         prose("The path from one start at a time, the first where none can be chosen; all are listed below."),
         "Path over the cells and curves over time from one of the starts.",
-        subject.invocation.line("simulate", "--from", _typed(places[0]), "-o", "path.pdf"),
+        subject.invocation.line("simulate", "--from", typed_start(places[0], subject.scene), "-o", "path.pdf"),
         draw,
         tuple(Frame(start_mark(k), label) for k, label in enumerate(labels, 1)),
     )
@@ -178,8 +184,3 @@ def _starts_table(places: list[Start], paths: list[Trajectory]) -> Block:
     header = ("start", "(x, y)", "last t", "ends at (x, y)", prose("`theta` there"), "how it ends")
     marks = [(start_mark(k),) for k in range(1, len(rows) + 1)]
     return table(header, rows, (1.5, 3, 1.6, 3, 2.2, 4), marks)
-
-
-def _typed(start: Start) -> str:
-    """``x,y,theta`` for a command line."""
-    return ",".join(f"{value:.6g}" for value in start)

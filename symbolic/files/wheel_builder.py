@@ -58,8 +58,9 @@ class WheelBuilder:
             key = f"{place.key}.heading"
             direction = heading.psi(self._numbers, key)(place.position)
         if not direction[0] and not direction[1]:
-            where = f"a nonzero direction at wheel {index}, position {_text(place.position)}"
-            raise self._error(key, where, Fact("(0, 0)"))
+            where = f"wheel {index}, position {_text(place.position)}"
+            required = f"a nonzero direction at {where} (or a heading such as [1, 0] of its own)"
+            raise self._error(key, required, Fact("(0, 0)"))
         return direction
 
     def _speed_of_field(self, speed: Speed) -> Number | None:

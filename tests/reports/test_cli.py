@@ -320,6 +320,23 @@ BAD = {
     "option without value": (["check", "four-wheel", "--radius"], "requires an argument"),
     "unknown section": (["derive", "four-wheel", "--without", "verdict,x y"], "--without: required names among"),
     "no such picture": (["partition", "four-wheel", "--show", "tea"], "'tea' is not one of 'cells', 'array', 'rates'"),
+    "nothing to show on": (["partition", "four-wheel", "--show", "rates"], "--show: required -o FILE"),
+    "compared and shown": (
+        ["partition", "four-wheel", "--compare", "--show", "array", "-o", "c.svg"],
+        "--show: required a picture of one contact rule, received --compare",
+    ),
+    "start outside": (
+        ["simulate", "four-wheel", "--at", "1/4,0", "--from", "0.8,0,0"],
+        "--from: required a start in the checked square [-0.25, 0.75] x [-0.5, 0.5], received (0.8, 0)",
+    ),
+    "law in an open loop": (
+        ["simulate", "four-wheel", "--from", "0.2,0.4,0", "--law", "gradient"],
+        "--law: required --feedback, received none",
+    ),
+    "width without band": (
+        ["simulate", "four-wheel", "--from", "0.2,0.4,0", "--width", "1e-2"],
+        "--width: required --method hysteresis or smoothed, received --method events",
+    ),
     "unknown suffix": (["derive", "ring-3", "-o", "r.docx"], "a file name that ends in .html, .tex, .md or .json"),
     "no suffix": (["derive", "four-wheel", "-o", "report"], "required a file name that ends in"),
     "empty output": (["partition", "four-wheel", "-o", ""], "required a file name that ends in"),

@@ -73,7 +73,7 @@ MALFORMED = [
     (FRICTION + "[grid]\nrows = 10000000000000000000000\ncolumns = 1", "grid.rows", "at most"),
     (FRICTION + "[grid]\nrows = -2\ncolumns = 2", "grid.rows", "at least 1"),
     (FRICTION + "[grid]\nrows = 2\ncolumns = 2\npitch = -1", "grid.pitch", "positive"),
-    (FRICTION + "[grid]\nrows = 3\ncolumns = 3", "field", "wheel 5, position (0, 0)"),
+    (FRICTION + "[grid]\nrows = 3\ncolumns = 3", "field", "wheel 5, position (0, 0) (or a heading such as [1, 0]"),
     # headings and fields
     (FRICTION + WHEEL + "heading = [0, 0]\n" + TWO, "wheel[1].heading", "nonzero"),
     (FRICTION + WHEEL + "heading = [1, 2, 3]\n" + TWO, "wheel[1].heading", "two numbers"),

@@ -1,0 +1,101 @@
+"""The page on design against the program: its JSON table, its commands and its layout leave nothing out."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.main import get_command
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+ROOMS = ("symbolic", "analysis", "proofs", "reports")
+UNLISTED = {"schema", "exact"}  # described above the table
+ARRAY, SYSTEM = "nonsmooth-check/1", "nonsmooth-check/1` of a plain"
+CASES = {
+    "check four-wheel": ARRAY,
+    "check ring-5 --rule ellipse": ARRAY,
+    "check eq-3": SYSTEM,
+    "check four-wheel eq-3": "nonsmooth-checks/1",
+    "partition four-wheel": "nonsmooth-partition/1",
+    "partition four-wheel --compare": "nonsmooth-agreement/1",
+    "derive four-wheel --only verdict,cells": "nonsmooth-derivation/1",
+    "simulate four-wheel --from 0.2,0.4,0": "nonsmooth-trajectory/1",
+    "simulate eq-3 --from 0.2,0.4": "nonsmooth-trajectory/1",
+    "simulate four-wheel --from 0.2,0.4,0 --method dynamics": "nonsmooth-trajectory/1",
+    "simulate four-wheel --from 0.2,0.4,0 --until 0.1 --method dynamics --compare-masses": "nonsmooth-masses/1",
+    "simulate four-wheel --grid 4": "nonsmooth-map/1",
+    "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
+    "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
+    "scenes": "nonsmooth-scenes/1",
+}
+
+
+def described(schema: str) -> set[str]:
+    """The words in backquotes of a row of the JSON table."""
+    (row,) = [
+        line
+        for line in PAGE.splitlines()
+        if line.startswith(f"| `{schema}") and (schema is SYSTEM or "of a plain" not in line)
+    ]
+    return {word for words in re.findall(r"`([^`]*)`", row) for word in re.findall(r"\w+", words)}
+
+
+def clause(name: str) -> set[str]:
+    """The keys of a clause, from the table of clauses."""
+    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", PAGE.split("The clauses of a check")[1], re.MULTILINE)
+    return set(re.findall(r"`(\w+)`", row)) | {"verdict", "reason"}
+
+
+def printed(capsys: pytest.CaptureFixture[str], command: str) -> dict[str, Any]:
+    assert run(app, [*command.split(), "--json"]) in {0, 1, 3}
+    record: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return record
+
+
+@pytest.mark.parametrize("command", CASES)
+def test_every_key_is_in_the_table(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    record, schema = printed(capsys, command), CASES[command]
+    assert record["schema"] == schema.split("`")[0]
+    assert set(record) - UNLISTED <= described(schema)
+    rows = record.get("rows") or []
+    assert all(set(row) <= described(schema) for row in rows)
+    if schema == ARRAY:
+        for name in ("equilibrium", "translation", "rotation", "feedback"):
+            assert set(record[name]) - UNLISTED <= clause(name)
+
+
+def test_a_certificate_is_in_the_table(tmp_path: Path) -> None:
+    file = tmp_path / "c.json"
+    assert run(app, ["check", "four-wheel", "--certificate", str(file)]) == 0
+    clauses = {"equilibrium", "translation", "rotation", "feedback"}
+    assert set(json.loads(file.read_text(encoding="utf-8"))) - UNLISTED - clauses <= described(
+        "nonsmooth-certificate/1"
+    )
+
+
+def test_every_schema_of_the_code_is_in_the_table() -> None:
+    files = [path.read_text(encoding="utf-8") for room in ROOMS for path in (ROOT / room).rglob("*.py")]
+    schemas = {name for text in files for name in re.findall(r'"(nonsmooth-\w+/\d+)"', text)}
+    assert len(schemas) > len(set(CASES.values())) - 2
+    assert all(f"| `{name}`" in PAGE for name in schemas)
+
+
+def test_every_command_is_in_the_table_and_has_an_example() -> None:
+    for name, command in get_command(app).commands.items():  # type: ignore[attr-defined]
+        assert f"| `nonsmooth {name}" in PAGE, name
+        assert f"nonsmooth {name}" in (command.epilog or ""), name
+        assert name == "scenes" or "Exit status: 0" in (command.help or ""), name
+        described_options = [parameter.help for parameter in command.params if parameter.name != "help"]
+        assert all(text and text.endswith(".") for text in described_options), name
+
+
+def test_every_part_is_in_the_layout() -> None:
+    parts = {path.parent.relative_to(ROOT).as_posix() for room in ROOMS for path in (ROOT / room).rglob("__init__.py")}
+    assert {part for part in parts if f"| `{part}/` |" not in PAGE} == set()
