@@ -163,7 +163,9 @@ class EllipseCheck(Theorem4Result):
         clauses = self.clauses
         verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
         point = self.equilibrium.point
-        about_it = point.scene == self.scene.recentred() and point.region in load_regions(point.scene)
+        about_it = point.scene == self.scene.recentred() and point.region in load_regions(
+            point.scene, point.scene.check.equilibrium
+        )
         together = self.translation.point == point and self.rotation == spin_of(point)
         lemma = self.translation.lemma
         about_it = about_it and (lemma is None or lemma.scene == point.scene)

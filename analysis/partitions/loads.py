@@ -53,8 +53,10 @@ def at_least_zero(form: Affine, label: str) -> HalfPlane:
     return HalfPlane((-form[1], -form[2]), form[0], label)
 
 
-def load_regions(scene: Scene) -> tuple[LoadRegion, ...]:
+def load_regions(scene: Scene, holding: Point | None = None) -> tuple[LoadRegion, ...]:
     """Split the checked square by the affine pieces of the loads.
+
+    With a point, only the regions that hold it are sought: a hundred wheels have hundreds of regions.
 
     Raises:
         LoadError: where the body tips, wheels are collinear, or a table gives a negative load.
@@ -65,7 +67,7 @@ def load_regions(scene: Scene) -> tuple[LoadRegion, ...]:
         _require_positive(scene, table.rows, domain)
         return (LoadRegion(domain, table.rows, frozenset(w.index for w in scene.wheels)),)
     _require_support(scene, domain)
-    return _elastic_regions(scene, domain)
+    return _elastic_regions(scene, domain, holding)
 
 
 def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
@@ -150,20 +152,26 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
     )
 
 
-def _elastic_regions(scene: Scene, domain: Polygon) -> tuple[LoadRegion, ...]:
-    """Walk from the region where the search starts to its neighbours until the square is covered."""
+def _elastic_regions(scene: Scene, domain: Polygon, holding: Point | None) -> tuple[LoadRegion, ...]:
+    """Walk from the region where the search starts to its neighbours until the square (or the point) is covered."""
     moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
     everyone = frozenset(range(len(moments)))
     found: dict[frozenset[int], LoadRegion | None] = {}
-    waiting = [_loaded_at(moments, everyone, domain.centre)]
+    waiting = [_loaded_at(moments, everyone, domain.centre if holding is None else holding)]
     while waiting:
         active = waiting.pop()
         if active in found:
             continue
-        region, crossings = _region(moments, active, domain)
-        found[active] = region
-        waiting += [active ^ {i} for i in crossings]
+        found[active] = region = _region(moments, active, domain)
+        if region is not None:
+            waiting += [active ^ {i} for i in _crossings(region.polygon, holding)]
     return tuple(region for region in found.values() if region is not None)
+
+
+def _crossings(polygon: Polygon, holding: Point | None) -> list[int]:
+    """The wheels whose state changes at the sides of a region (at those that hold a point)."""
+    sides = (side for side in polygon.sides if side.label.startswith("load"))
+    return [int(side.label.split()[1]) for side in sides if holding is None or not sign(side.slack(holding))]
 
 
 def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -> frozenset[int]:
@@ -183,8 +191,8 @@ def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) 
         active = active | {max(contact, key=lambda i: values[i])}
 
 
-def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> tuple[LoadRegion | None, list[int]]:
-    """The polygon on which exactly ``active`` carries load, and the wheels whose state changes at its sides."""
+def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> LoadRegion | None:
+    """The polygon on which exactly ``active`` carries load; None where it has no area."""
     forms = _forms(moments, active)
     zero = moments[0][0] - moments[0][0]
     polygon = domain
@@ -192,11 +200,10 @@ def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) 
         bound = form if i in active else (-form[0], -form[1], -form[2])
         clipped = polygon.clipped(at_least_zero(bound, f"load {i}"))
         if clipped is None:
-            return None, []
+            return None
         polygon = clipped
-    crossings = [int(side.label.split()[1]) for side in polygon.sides if side.label.startswith("load")]
     forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
-    return LoadRegion(polygon, forces, frozenset(i + 1 for i in active)), crossings
+    return LoadRegion(polygon, forces, frozenset(i + 1 for i in active))
 
 
 def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:

@@ -10,6 +10,7 @@ Both follow one solution without noticing where others branch off: ``unique`` is
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -22,6 +23,7 @@ from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventK
 RELATIVE_TOLERANCE = 1e-9  # of the adaptive integrator within a mode: far below the error of any usable width
 ABSOLUTE_TOLERANCE = 1e-12  # in units of the state
 MAX_SWITCHES = 1_000_000  # a width of 1e-6 over a path of unit length
+MAX_EVALUATIONS = 100_000  # of the smoothed field: some seconds; a layer thinner than the tolerance is never crossed
 LOCATED = 0.5  # of the width: a switch farther off is not resolved by floats, and the zigzag would stand still
 
 
@@ -143,7 +145,8 @@ def simulate_smoothed(field: AnyField, start: Sequence[float], until: float, wid
     """Signs smoothed over ``width`` to either side of a surface, by SciPy's LSODA (which turns implicit where stiff).
 
     Raises:
-        ValueError: for a width or last time that is not positive, or a start outside the domain.
+        ValueError: for a width or last time that is not positive, a start outside the domain, or a width so small
+            that the integrator does not get through the layer.
         TrajectoryError: where the integrator gives up.
     """
     from scipy.integrate import solve_ivp
@@ -154,7 +157,13 @@ def simulate_smoothed(field: AnyField, start: Sequence[float], until: float, wid
     if modes.initial(x) is None:
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
 
+    evaluations = itertools.count(1)
+
     def mixed(t: float, x: Vector) -> Vector:
+        if next(evaluations) > MAX_EVALUATIONS:
+            raise ValueError(
+                f"required a width that {MAX_EVALUATIONS} evaluations resolve, received {width:g} at t = {t:.6g}"
+            )
         return np.asarray(sum(weight * velocity(t, x) for velocity, weight in modes.blend(x, width)))
 
     solution = solve_ivp(mixed, (0.0, until), x, method="LSODA", rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)

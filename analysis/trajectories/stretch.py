@@ -102,7 +102,8 @@ def follow_face(
             stiff = True
             solver = Radau(velocity, solver.t, solver.y, until, rtol=rtol, atol=atol, first_step=solver.step_size)
         before = (solver.t, solver.y, solver.f)
-        message = solver.step()
+        with np.errstate(over="ignore", invalid="ignore"):  # a trial beyond floats is refused, and a shorter one made
+            message = solver.step()
         if solver.status == "failed":
             raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
         following = [guard.value(solver.t, solver.y) for guard in guards]

@@ -38,6 +38,8 @@ from nonsmooth.symbolic.constraints import (
     scaled,
     side_row,
 )
+from nonsmooth.symbolic.formulas import Real
+from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 
@@ -125,10 +127,14 @@ class Linearization:
         return a * d - b * c
 
     @property
-    def spectral_abscissa(self) -> Number:
-        """Largest real part of the eigenvalues of A."""
+    def spectral_abscissa(self) -> Real:
+        """Largest real part of the eigenvalues of A; a ball where it is the root of a late quotient."""
         discriminant = self.trace * self.trace - 4 * self.determinant
-        return (self.trace + discriminant.sqrt()) / 2 if discriminant.sign() > 0 else self.trace / 2
+        if discriminant.sign() <= 0:
+            return self.trace / 2
+        if isinstance(discriminant, Lazy):  # its root is no number of the scene's field
+            return (self.trace.ball + discriminant.ball.sqrt()) / 2
+        return (self.trace + discriminant.sqrt()) / 2
 
     @property
     def is_positive_definite(self) -> bool:
@@ -138,11 +144,13 @@ class Linearization:
 
     @property
     def rotation_map(self) -> tuple[Number, Number]:
-        """The row m of ``theta_inf - theta_0 = m . c_0`` (where omega = 0): ``m = -M_3 A^-1``."""
-        (a, b), (c, d) = self.translation
-        p, q = self.columns[0][2], self.columns[1][2]
-        scale = self.determinant.inverse()
-        return (q * c - p * d) * scale, (p * b - q * a) * scale
+        """The row m of ``theta_inf - theta_0 = m . c_0`` (where omega = 0 and A is regular): ``m A = -M_3``.
+
+        So ``(m, 1)`` is orthogonal to both columns of ``M = -H^-1 G``, thus parallel to ``H (G_x x G_y)``.
+        """
+        normal = outer(*self.slope)
+        x, y, z = (inner(row, normal) for row in self.hessian)
+        return divided(x, z), divided(y, z)
 
     def check(self) -> bool:
         """Re-verify ``H M + G = 0``."""
@@ -253,7 +261,7 @@ def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization 
     determinant = inner(rows[0], columns[0])
     if not determinant:
         return None
-    scale = -determinant.inverse()
+    scale = divided(-scene.field.one, determinant)
     x, y = (scaled(combine(slope, columns), scale) for slope in slopes)
     return Linearization(omega, (rows[0], rows[1], rows[2]), (slopes[0], slopes[1]), (x, y))
 
@@ -293,7 +301,7 @@ def _least_norm(columns: Sequence[Triple], target: Triple) -> tuple[list[Number]
     determinant = inner(rows[0], adjugate[0])
     if not determinant:
         return None, 2
-    multiplier = scaled(combine(target, adjugate), determinant.inverse())
+    multiplier = scaled(combine(target, adjugate), divided(determinant.field.one, determinant))
     return [inner(column, multiplier) for column in columns], 3
 
 

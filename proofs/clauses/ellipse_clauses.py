@@ -97,7 +97,7 @@ def decide_ellipse(
     Raises:
         nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
     """
-    point = ellipse_point(scene, load_regions(scene))
+    point = ellipse_point(scene, load_regions(scene, scene.check.equilibrium))
     lemma = cocircular_array(scene)
     sampled = None
     if samples and (lemma is None or always):

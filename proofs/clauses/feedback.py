@@ -77,14 +77,16 @@ class InputCell:
     def idle_plane(self) -> Witness:
         """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
 
-        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre with
-        ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where ``g_omega = 0``.
+        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre (a vertex, where
+        the centre is the equilibrium) with ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where
+        ``g_omega = 0``.
         """
         meaning = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
         ((x, y, turn),) = self.state.control_fields.values()
         if not turn:
             return Witness((turn, turn), turn.field.one, meaning)
-        point = self.cell.polygon.centre
+        polygon = self.cell.polygon
+        point = polygon.centre if any(polygon.centre) else polygon.vertices[0]
         return Witness(point, -dot(point, (x, y)) / turn, meaning)
 
     def stall(self) -> Point | None:

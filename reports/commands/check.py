@@ -9,6 +9,7 @@ from nonsmooth.reports.options import At, CertificateFile, Continuum, Json, NoPr
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
@@ -34,6 +35,7 @@ def check(
     from nonsmooth.symbolic.system import SystemScene
 
     rules = [None] if rule is None else rule.rules
+    path = None if certificate is None else _certificate_path(certificate, len(rules))
     loaded = [load_any(scene, rule=name, radius=radius, at=at) for scene in scenes for name in rules]
     if len(scenes) > 1:
         _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
@@ -42,7 +44,7 @@ def check(
         _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SystemScene)]
-    return _check_array(arrays, certificate, prune=not no_prune, continuum=continuum, json=json)
+    return _check_array(arrays, path, prune=not no_prune, continuum=continuum, json=json)
 
 
 def _check_many(scenes: Sequence[Scene | SystemScene], *, prune: bool, json: bool) -> int:
@@ -59,7 +61,7 @@ def _check_many(scenes: Sequence[Scene | SystemScene], *, prune: bool, json: boo
     return worst_status(lines)
 
 
-def _check_array(scenes: list[Scene], certificate: str | None, *, prune: bool, continuum: bool, json: bool) -> int:
+def _check_array(scenes: list[Scene], path: Path | None, *, prune: bool, continuum: bool, json: bool) -> int:
     """One array, under one contact rule or all."""
     from nonsmooth.proofs.theorem4 import check_theorem4
     from nonsmooth.proofs.verified import verified
@@ -69,8 +71,8 @@ def _check_array(scenes: list[Scene], certificate: str | None, *, prune: bool, c
     for scene in scenes:
         with refusals_named(scene):
             results.append(verified(check_theorem4(scene, prune=prune)))
-    if certificate is not None:
-        _write_certificate(results, certificate)
+    if path is not None:
+        _write_certificate(results[0], path)
     if json:
         _write_records(results, found)
     else:
@@ -144,16 +146,22 @@ def _check_system(scene: SystemScene, *, json: bool) -> int:
     return result.exit_status
 
 
-def _write_certificate(results: list[CellCheck | EllipseCheck], target: str) -> None:
-    """One certificate for one check."""
-    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
-    from nonsmooth.reports.files import output_path, write_whole
+def _certificate_path(target: str, rules: int) -> Path:
+    """Where the certificate of one check goes, refused before any work."""
+    from nonsmooth.reports.files import output_path
 
-    if len(results) > 1:
+    if rules > 1:
         raise RefusedError("--certificate: required one contact rule, received all")
-    path = output_path(target, (".json",))
+    return output_path(target, (".json",))
+
+
+def _write_certificate(result: CellCheck | EllipseCheck, path: Path) -> None:
+    """The certificate of one check."""
+    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+    from nonsmooth.reports.files import write_whole
+
     try:
-        text = certificate_text(build_certificate(results[0]))
+        text = certificate_text(build_certificate(result))
     except CertificateError as error:
-        raise RefusedError(f"{results[0].scene.origin}: {error}") from None
+        raise RefusedError(f"{result.scene.origin}: {error}") from None
     write_whole(path, text.encode())

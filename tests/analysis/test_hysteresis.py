@@ -17,6 +17,7 @@ from nonsmooth.analysis.fields.smooth_field import affine_surface
 from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.fields.switching_modes import AnyField
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.trajectories import hysteresis
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -124,3 +125,12 @@ def test_a_tiny_width_is_followed_where_floats_resolve_it() -> None:
     path = simulate_hysteresis(field, (0.0,), 1e-11, 1e-13)
     assert len(path.events) == 50  # one after every 2e-13 but the first, which takes 1e-13
     assert max(abs(state[0]) for state in path.states) <= 1.001e-13
+
+
+def test_a_layer_that_is_never_crossed_is_refused(arrays: Arrays, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thinner than the tolerance, it would be integrated for ever."""
+    field = array_field(build_nearest_partition(arrays.four_wheel(ROLL)), Kinematics.EXACT)
+    monkeypatch.setattr(hysteresis, "MAX_EVALUATIONS", 20_000)
+    assert simulate_smoothed(field, START, UNTIL, 1e-3).end.t == UNTIL
+    with pytest.raises(ValueError, match="required a width that 20000 evaluations resolve, received 1e-12"):
+        simulate_smoothed(field, START, UNTIL, 1e-12)

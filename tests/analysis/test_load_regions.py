@@ -70,6 +70,20 @@ def test_most_random_arrays_stand_and_many_lose_contact_somewhere(arrays: Arrays
     assert sum(len(load_regions(scene)) > 1 for scene in standing) == 17
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_regions_that_hold_a_point_are_found_without_the_others(arrays: Arrays, seed: int) -> None:
+    scene = random_scene(arrays, seed)
+    if not stands(scene):
+        return
+    regions = load_regions(scene)
+    corners = {vertex for region in regions for vertex in region.polygon.vertices}
+    for point in [scene.check.equilibrium, *corners]:
+        found = load_regions(scene, point)
+        expected = [region for region in regions if region.polygon.contains(point)]
+        assert len(found) == len(expected)
+        assert {region.loaded for region in found} == {region.loaded for region in expected}
+
+
 def test_a_body_that_would_tip_is_refused_with_the_largest_radius(arrays: Arrays) -> None:
     with pytest.raises(LoadError, match=r"check.radius: required at most 1 .*received 11/10: at .* tips"):
         load_regions(arrays.four_wheel(radius=Fraction(11, 10)))

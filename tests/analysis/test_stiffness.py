@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, feedback_field
-from nonsmooth.analysis.fields.feedback_laws import corrected_law
+from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.smooth_field import Vector, affine_surface
@@ -18,6 +18,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT, comes_to_rest, decay_rate
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.four_wheel import ROLL
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -91,3 +92,17 @@ def test_oscillations_are_not_stiff() -> None:
     path = simulate(linear(np.array([[0.0, 1.0], [-1.0, 0.0]])), (1.0, 0.0), 400.0)
     assert path.method == EXPLICIT
     assert path.end.state == pytest.approx((math.cos(400), -math.sin(400)), abs=1e-9)
+
+
+@pytest.mark.parametrize(("seed", "start"), [(2, (-0.286, -0.242, 0.377)), (36, (-0.383, -0.122, 0.473))])
+def test_a_trial_step_beyond_floats_is_shortened(arrays: Arrays, seed: int, start: tuple[float, float, float]) -> None:
+    """Exact kinematics under feedback are cubic in the pose, so a step too long for the next cell overflows.
+
+    ``V = |c|^2 + theta^2`` falls all the same.
+    """
+    partition = build_nearest_partition(arrays.cocircular(seed, ROLL))
+    path = simulate(feedback_field(partition, gradient_law(1.0), Kinematics.EXACT), start, 3)
+    assert path.end.reason is EndReason.TIME
+    heights = (np.array(path.states) ** 2).sum(axis=1)
+    assert (np.diff(heights) <= ACCURACY).all()
+    assert heights[-1] < heights[0] / 2

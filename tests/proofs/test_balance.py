@@ -147,3 +147,36 @@ def test_torque_authority_against_numerical_rank(arrays: Arrays, seed: int) -> N
     authority = roll_authority(scene)
     assert authority.rank == np.linalg.matrix_rank(np.array(rows))
     assert authority.check(scene)
+
+
+def many_wheels(arrays: Arrays, rows: int) -> Scene:
+    """A grid under the rims (-x, -2 y), with side friction that differs from wheel to wheel."""
+    scene = arrays.grid(rows, rows)
+    wheels = [
+        replace(
+            wheel,
+            direction=(wheel.direction[0], wheel.direction[1] * 2),
+            friction=replace(wheel.friction, side=scene.field(1 + k % 3) / 4),
+        )
+        for k, wheel in enumerate(scene.wheels)
+    ]
+    return replace(scene, wheels=tuple(wheels))
+
+
+@pytest.mark.parametrize("rows", [4, 10])
+def test_many_square_roots_leave_the_linearization_exact(arrays: Arrays, rows: int) -> None:
+    """An exact inverse of det H would have up to 2^r terms over r square roots: quotients are put off."""
+    scene = many_wheels(arrays, rows)
+    linear = linearize(scene, load_regions(scene)[0], scene.field.zero)
+    assert linear is not None
+    assert linear.check()
+    assert not replace(linear, columns=(linear.columns[1], linear.columns[0])).check()
+    hessian, slope = (np.array([[float(x) for x in row] for row in part]) for part in (linear.hessian, linear.slope))
+    motion = -np.linalg.solve(hessian, slope.T)
+    columns = np.array([[float(x) for x in column] for column in linear.columns])
+    assert np.abs(columns.T - motion).max() < 1e-12
+    rates = np.linalg.eigvals(motion[:2])
+    assert float(linear.spectral_abscissa) == pytest.approx(rates.real.max(), rel=1e-12)
+    turned = -motion[2] @ np.linalg.inv(motion[:2])
+    assert [float(x) for x in linear.rotation_map] == pytest.approx(turned, abs=1e-12)
+    assert np.abs(turned).max() > 1e-3

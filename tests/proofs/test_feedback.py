@@ -17,10 +17,12 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell, decide_feedback
 from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, dot, turned
+from tests.conftest import HALF, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
 
 if TYPE_CHECKING:
@@ -334,3 +336,20 @@ def test_a_named_subset_of_cells_does_not_narrow_the_check(arrays: Arrays) -> No
     failing = decide(arrays.four_wheel(ROLL, (0, 1)))
     claim = replace(failing, verdict=Feedback.STABILIZABLE, local=frozenset(), witness=None)
     assert not claim.check()
+
+
+def test_one_input_acts_where_the_cell_is_centred_on_the_equilibrium(arrays: Arrays) -> None:
+    """The witness lies off the equilibrium: at the cell's centre theta would be zero too."""
+    wheels = [
+        WheelData((0, 0), (1, 0)),
+        WheelData((1, 2), (-1, -4)),
+        WheelData((2, Fraction(-5, 2)), (3, -1)),
+        WheelData((Fraction(-3, 2), -HALF), (3, 1)),
+    ]
+    scene = arrays.scene(wheels, ROLL)
+    result = decide_feedback(build_nearest_partition(scene))
+    assert result.verdict is Feedback.NO_CERTIFICATE
+    assert result.witness is not None
+    assert any(result.witness.point)
+    assert result.check()
+    assert check_theorem4(scene).check()

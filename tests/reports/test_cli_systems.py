@@ -150,3 +150,15 @@ def test_bad_input_ends_in_one_line(invoke: Invoke, tmp_path: Path, case: str) -
     assert outcome.err.startswith(f"nonsmooth: {message}")
     assert outcome.err.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("case", ["a certificate of all rules", "another suffix"])
+def test_bad_output_is_refused_before_the_work(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
+    def work(*_: object, **__: object) -> None:
+        raise AssertionError("the scene was checked")
+
+    monkeypatch.setattr("nonsmooth.proofs.theorem4.check_theorem4", work)
+    arguments, message = BAD[case]
+    outcome = invoke(*arguments)
+    assert outcome.status == BAD_INPUT
+    assert outcome.err.startswith(f"nonsmooth: {message}")
