@@ -63,8 +63,8 @@ def _orthogonal(row: Triple) -> tuple[Triple, Triple]:
     zero = one - one
     axes = [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
     crossed = [outer(row, axis) for axis in axes]
-    nonzero = [v for v in crossed if any(v)]
-    return _leading_one(nonzero[0]), _leading_one(nonzero[1])
+    first, second = independent(crossed)  # a row without moment makes two of the three parallel
+    return _leading_one(crossed[first]), _leading_one(crossed[second])
 
 
 def _leading_one(vector: Triple) -> Triple:

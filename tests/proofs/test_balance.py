@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions, value_at
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.balance import linearize, rest_balance
+from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 
@@ -135,6 +136,16 @@ def test_torque_authority_is_the_rank_of_the_roll_rows(arrays: Arrays) -> None:
     parallel = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 0), (-1, 0), (2, 0)])])
     assert roll_authority(parallel).rank == 1
     assert roll_authority(parallel).check(parallel)
+
+
+def test_rims_on_one_line_through_the_point_leave_two_twists_missing(arrays: Arrays) -> None:
+    """Their row has no moment: the missing twists are the motion across it and the rotation."""
+    scene = arrays.scene(arrays.inward([(1, Fraction(3, 2)), (-1, Fraction(-3, 2))]), ROLL)
+    authority = roll_authority(scene)
+    assert authority.rank == 1
+    assert np.linalg.matrix_rank(np.array([[float(x) for x in twist] for twist in authority.missing])) == 2
+    assert authority.check(scene)
+    assert check_theorem4(scene).check()
 
 
 @pytest.mark.parametrize("seed", range(20))
