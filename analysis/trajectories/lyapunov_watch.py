@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.analysis.fields.switched_field import ConstantField
-from nonsmooth.analysis.trajectories.result import Piece, TrajectoryError
+from nonsmooth.analysis.trajectories.result import Piece
 from nonsmooth.symbolic.scene import dot
 
 # Relative to the largest V: states and times err by a few 2^-53 per event, and V doubles that.
 RISE_SLACK = 1e-12
 
 
-class LyapunovViolationError(TrajectoryError):
+class LyapunovViolationError(RuntimeError):
     """V rose faster than its certified bound: the path or the bound is wrong, which is a fault of this program."""
 
     def __init__(self, place: str, rise: float, allowed: float, duration: float) -> None:

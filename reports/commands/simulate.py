@@ -131,6 +131,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
 def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
     """One path of an array."""
     from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.analysis.trajectories.result import TrajectoryError
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.shown import show
 
@@ -138,7 +139,7 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
         partition = build_partition(loaded)
     try:
         trajectory = views.follow(partition, run)
-    except ValueError as error:
+    except (ValueError, TrajectoryError) as error:
         raise RefusedError(_outside(loaded, run.start) or f"{loaded.origin}: {error}") from None
     show(views.ShownTrajectory(partition, run, trajectory), path, json=json)
     return 0

@@ -18,6 +18,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError
+from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import parse
@@ -471,3 +473,23 @@ def test_a_fault_of_the_program_is_no_verdict(monkeypatch: pytest.MonkeyPatch, i
     outcome = invoke("check", "four-wheel")
     assert (outcome.status, outcome.out) == (70, "")
     assert "please report this" in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [
+        (TrajectoryError("no Filippov continuation at t = 1"), 2),  # a field outside the integrator's assumptions
+        (LyapunovViolationError("cell 1", 1.0, 0.0, 1.0), 70),  # a fault of the program, never hidden as bad input
+    ],
+)
+def test_a_path_that_cannot_go_on_is_refused_and_a_violated_bound_is_a_fault(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch, error: Exception, status: int
+) -> None:
+    def give_up(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("nonsmooth.reports.simulate.follow", give_up)
+    outcome = invoke("simulate", "four-wheel", "--from", "0.2,0.4,0")
+    assert (outcome.status, outcome.out) == (status, "")
+    assert ("Traceback" in outcome.err) == (status == 70)
+    assert "four-wheel: no Filippov continuation" in outcome.err or status == 70
