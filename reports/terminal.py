@@ -201,11 +201,11 @@ def verdict_text(verdict: str, *, bold: bool = False) -> Text:
     return Text(str(verdict), f"bold {style}" if bold else style)
 
 
-def header_table(*header: str) -> Table:
-    """A table with a header, its last column as wide as there is room."""
+def header_table(*header: str, widest: str | None = None) -> Table:
+    """A table with a header; one column, the last unless another is named, is as wide as there is room."""
     table = Table(box=box.ROUNDED, header_style="bold")
-    for k, name in enumerate(header):
-        table.add_column(Text(name), overflow="fold", ratio=None if k < len(header) - 1 else 1)
+    for name in header:
+        table.add_column(Text(name), overflow="fold", ratio=1 if name == (widest or header[-1]) else None)
     return table
 
 

@@ -24,7 +24,7 @@ from nonsmooth.reports import precision as views
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
 from nonsmooth.reports.figures.precision import build_figure
-from nonsmooth.reports.precision import STUDIES, Precision, measure, precision_record
+from nonsmooth.reports.precision import STUDIES, Precision, measure
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -162,7 +162,7 @@ def test_a_study_that_is_left_out_says_why() -> None:
         raise LeftOut("there is no yardstick")
 
     found = measured(Study("absent", "absent", "error [1]", build), study({"exact": proportional}))
-    absent, present = precision_record(found)["studies"]
+    absent, present = found.record()["studies"]
     assert (absent["left_out"], absent["reference"]) == ("there is no yardstick", None)
     assert present["left_out"] is None
     assert found.complete
