@@ -71,6 +71,10 @@ class EllipseTranslation:
         return self.point.scene.field.zero if self.lemma is not None else None
 
     @property
+    def quadratic(self) -> None:
+        """No other Lyapunov function is looked for."""
+
+    @property
     def reason(self) -> str:
         """One sentence for people."""
         linear = self.point.linearization

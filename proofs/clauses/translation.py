@@ -77,6 +77,10 @@ class TranslationResult:
         return self.worst.value
 
     @property
+    def sampled(self) -> None:
+        """Nothing is sampled: V* is exact on the cells."""
+
+    @property
     def decay_rate(self) -> Number | None:
         """Kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
         rate = self.worst_rate
