@@ -13,7 +13,7 @@ from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.rotation import RotationResult, drift_at_rest
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number

@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, 
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.scene import Wheel, dot, turned

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.partitions.partition import Cell
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.control_lyapunov import Demand
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number

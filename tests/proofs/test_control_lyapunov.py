@@ -21,7 +21,7 @@ from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, 
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback_rate import certified_rate
 from nonsmooth.proofs.clauses.input_cell import InputCell
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays, WheelData
