@@ -69,6 +69,24 @@ class Theorem4Result:
     skipped: tuple[Skipped, ...]
     seconds: dict[str, float]
 
+    @property
+    def minimizing_states(self) -> int | None:
+        """How many contact states own a cell of the square; None where not all cells were built, or there are none."""
+        return None
+
+    @property
+    def other_equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
+        """Equilibria of the square beside the checked point; None where they were not searched for."""
+        return None
+
+    @property
+    def theta_is_weakly_stable(self) -> bool | None:
+        """Whether some solution keeps theta near its start; None where that is not decided.
+
+        The verdicts themselves are strong: they speak of every solution.
+        """
+        return None
+
 
 @dataclass(frozen=True)
 class CellCheck(Theorem4Result):
@@ -90,8 +108,20 @@ class CellCheck(Theorem4Result):
     others: tuple[JudgedEquilibrium, ...] | None
 
     @property
+    def minimizing_states(self) -> int | None:
+        """How many contact states own a cell of the square; None where not all cells were built."""
+        return len(self.partition.states) if self.partition.complete else None
+
+    @property
+    def other_equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
+        """Equilibria of the square beside the checked point; None where they were not searched for."""
+        if self.others is None:
+            return None
+        return tuple(e for e in self.others if len(e.found.points) > 1 or any(e.found.points[0]))
+
+    @property
     def theta_is_weakly_stable(self) -> bool:
-        """Whether some solution keeps theta near its start: the verdicts themselves are strong, of every solution.
+        """Whether some solution keeps theta near its start.
 
         The body arrives after a bounded rotation and may rest without turning, since the drift holds zero.
         """

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference, intersect
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable
-from nonsmooth.reports.terminal import brief
+from nonsmooth.reports.terminal import brief, header_table
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ AGREE, DIFFER = "#009E73", "#E69F00"  # bluish green and orange: told apart by c
 
 def agreement_view(agreement: Agreement) -> RenderableType:
     """Shares and differences as a table."""
-    table = Table("rules", "agreement on the square")
+    table = header_table("rules", "agreement on the square")
     shared = agreement.shared
     table.add_row("nearest and box", f"same motion on a share of {brief(shared.share)} of the area (exact)")
     for name, difference in _differences(agreement):

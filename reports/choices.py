@@ -38,7 +38,7 @@ class Method(StrEnum):
     DYNAMICS = "dynamics"
 
 
-class Shown(StrEnum):
+class Drawing(StrEnum):
     """What a picture of an array shows."""
 
     CELLS = "cells"

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.reports.simulate import SCHEMA
+from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
@@ -76,7 +76,7 @@ class ShownPath:
         head = (
             f"{one_line(self.scene.name)}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}, from rest"
         )
-        table = Table("t", "x", "y", "theta", "speed", "omega")
+        table = header_table("t", "x", "y", "theta", "speed", "omega")
         for k in range(MOMENTS):
             t = float(end.t) * k / (MOMENTS - 1)
             x, y, theta, *velocity, omega = self.path.state(t).tolist()
@@ -134,7 +134,7 @@ class ShownMasses:
         """Distances by mass, and what they tend to."""
         study = self.study
         rules = [rule for rule in RULES if rule not in study.skipped]
-        table = Table("mass", *(f"from rule {rule}" for rule in rules))
+        table = header_table("mass", *(f"from rule {rule}" for rule in rules))
         for row in study.rows:
             table.add_row(f"{row.body.mass:.3g}", *(_pair(row.distance(rule)) for rule in rules))
         limits = {limit.rule: limit for limit in study.limits}

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.formulas import real_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.clauses.input_ranks import input_ranks
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Check

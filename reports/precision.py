@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,6 +64,49 @@ class Precision:
         """The rows of all studies."""
         return [row for measured in self.studies for row in measured.rows]
 
+    @property
+    def head(self) -> str:
+        """What was measured, and how."""
+        return f"{one_line(self.scene.name)}: error against run time, best of {self.limits.runs} runs"
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys."""
+        return {
+            "schema": SCHEMA,
+            "scene": self.scene.name,
+            "rule": str(self.scene.contact.rule),
+            "runs": self.limits.runs,
+            "time_limit": self.limits.seconds,
+            "complete": self.complete,
+            "studies": [_study_record(measured) for measured in self.studies],
+            "rows": [_row_record(row) for row in self.rows],
+            "slopes": [_slope_record(slope) for measured in self.studies for slope in measured.slopes],
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """One row per line; other errors and counts of work as ``name=value`` pairs."""
+        yield (*COLUMNS, "details", "work")
+        for row in self.rows:
+            entry = _row_record(row)
+            yield (*(entry[name] for name in COLUMNS), _pairs(row.details), _pairs(row.work))
+
+    def picture(self, suffix: str) -> bytes:
+        """Error against run time, one panel for each study."""
+        from nonsmooth.reports.figures.precision import precision_figure
+
+        return precision_figure(self, suffix)
+
+    def summary(self) -> str:
+        """How many rows of how many studies."""
+        return f"{len(self.rows)} rows of {len(self.studies)} studies"
+
+    def view(self) -> RenderableType:
+        """One table for each study, with the slopes of its methods, parted by empty lines."""
+        views: list[RenderableType] = [Text(f"{self.head}, time limit {self.limits.seconds:g} s")]
+        for measured in self.studies:
+            views += [Text(), _study_view(measured)]
+        return Group(*views, *([] if self.complete else [Text(), Text("interrupted: the rows above are finished")]))
+
 
 def measure(scene: Scene, studies: Sequence[Study], limits: Limits, report: Report) -> Precision:
     """Measure studies one after the other; an interrupt keeps every finished row."""
@@ -99,21 +140,6 @@ def _measured(scene: Scene, study: Study, limits: Limits, report: Report) -> tup
 # ---- JSON and CSV --------------------------------------------------------------------------------
 
 
-def precision_record(precision: Precision) -> dict[str, Any]:
-    """JSON with stable keys."""
-    return {
-        "schema": SCHEMA,
-        "scene": precision.scene.name,
-        "rule": str(precision.scene.contact.rule),
-        "runs": precision.limits.runs,
-        "time_limit": precision.limits.seconds,
-        "complete": precision.complete,
-        "studies": [_study_record(measured) for measured in precision.studies],
-        "rows": [_row_record(row) for row in precision.rows],
-        "slopes": [_slope_record(slope) for measured in precision.studies for slope in measured.slopes],
-    }
-
-
 def _study_record(measured: Measured) -> dict[str, Any]:
     study, plan = measured.study, measured.plan
     entry: dict[str, Any] = {"study": study.name, "title": study.title, "quantity": study.quantity}
@@ -140,28 +166,11 @@ def _slope_record(slope: Slope) -> dict[str, Any]:
     }
 
 
-def precision_table(precision: Precision) -> bytes:
-    """Rows as CSV; other errors and counts of work as ``name=value`` pairs."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow((*COLUMNS, "details", "work"))
-    for row in precision.rows:
-        entry = _row_record(row)
-        pairs = [" ".join(f"{k.replace(' ', '_')}={v!r}" for k, v in entry[key].items()) for key in ("details", "work")]
-        writer.writerow(["" if entry[name] is None else entry[name] for name in COLUMNS] + pairs)
-    return stream.getvalue().encode()
+def _pairs(named: Mapping[str, float]) -> str:
+    return " ".join(f"{name.replace(' ', '_')}={value!r}" for name, value in named.items())
 
 
 # ---- terminal ------------------------------------------------------------------------------------
-
-
-def precision_views(precision: Precision) -> list[RenderableType]:
-    """One table for each study, with the slopes of its methods."""
-    limits = precision.limits
-    head = f"{one_line(precision.scene.name)}: error against run time, best of {limits.runs} runs"
-    views: list[RenderableType] = [Text(f"{head}, time limit {limits.seconds:g} s")]
-    views += [_study_view(measured) for measured in precision.studies]
-    return views if precision.complete else [*views, Text("interrupted: the rows above are finished")]
 
 
 def _study_view(measured: Measured) -> RenderableType:

@@ -8,8 +8,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
 from nonsmooth.proofs.clauses.rotation import Drift
 from nonsmooth.proofs.clauses.translation import LYAPUNOV, TranslationResult
-from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact, witness_record
 from nonsmooth.reports.feedback_record import feedback_record
 from nonsmooth.symbolic.contact_states import ContactState
@@ -106,26 +105,12 @@ def _census_record(result: Check) -> Record:
         "possible": census.possible,
         "singular": census.singular,
         "distinct_twists": census.distinct_twists,
-        "minimizing": minimizing_states(result),
+        "minimizing": result.minimizing_states,
     }
 
 
-def minimizing_states(result: Check) -> int | None:
-    """How many contact states own a cell of the square; None where not all cells were built, or there are none."""
-    if isinstance(result, CellCheck) and result.partition.complete:
-        return len(result.partition.states)
-    return None
-
-
-def other_equilibria(result: Check) -> list[JudgedEquilibrium] | None:
-    """Equilibria of the square beside the checked point; None where they were not searched for."""
-    if not isinstance(result, CellCheck) or result.others is None:
-        return None
-    return [e for e in result.others if len(e.found.points) > 1 or any(e.found.points[0])]
-
-
 def _equilibrium_record(result: Check) -> Record:
-    found = other_equilibria(result)
+    found = result.other_equilibria
     others = [
         {
             "place": str(e.found.place),
@@ -147,7 +132,7 @@ def _equilibrium_record(result: Check) -> Record:
 def _translation_record(translation: TranslationResult | EllipseTranslation) -> Record:
     radius = translation.region_radius
     rate = with_exact({"worst_rate": translation.worst_rate})
-    sampled = translation.sampled if isinstance(translation, EllipseTranslation) else None
+    sampled = translation.sampled
     if sampled is not None:
         rate = {"worst_rate": sampled.largest_relative, "exact": {}}
     return {
@@ -164,7 +149,7 @@ def _translation_record(translation: TranslationResult | EllipseTranslation) -> 
 
 def _quadratic_record(translation: TranslationResult | EllipseTranslation) -> Record | None:
     """The Lyapunov function ``c^T P c`` that serves where |c|^2 does not: its decay ``V* <= -decay |c|`` and region."""
-    found = translation.quadratic if isinstance(translation, TranslationResult) else None
+    found = translation.quadratic
     if found is None:
         return None
     return {"lyapunov": str(found), "decay": float(found.decay), **with_exact({"level": found.level})}
@@ -175,7 +160,7 @@ def _rotation_record(result: Check) -> Record:
     drift = rotation.drift
     return {
         "verdict": str(rotation.verdict),
-        "weakly_stable": result.theta_is_weakly_stable if isinstance(result, CellCheck) else None,
+        "weakly_stable": result.theta_is_weakly_stable,
         **with_exact({"drift": None if drift is None else drift.interval}),
         "weights": None if drift is None else _weights_record(drift),
         "reason": rotation.reason,

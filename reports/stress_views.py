@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.extremes.row import StressRow
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -33,68 +31,73 @@ LARGEST = 10.0  # where larger errors, and those that are no numbers, are drawn
 ROW_HEIGHT = 0.24  # inches
 
 
-def stress_record(name: str, rows: Sequence[StressRow], *, complete: bool) -> dict[str, Any]:
-    """JSON with stable keys."""
-    return {
-        "schema": SCHEMA,
-        "scene": name,
-        "complete": complete,
-        "ok": complete and all(row.ok for row in rows),
-        "rows": [row.record() for row in rows],
-    }
+@dataclass(frozen=True)
+class StressRun:
+    """The rows of a scene; ``complete`` is False where the work was interrupted."""
+
+    name: str
+    rows: tuple[StressRow, ...]
+    complete: bool
+
+    @property
+    def ok(self) -> bool:
+        """Whether every case was tried and is as it should be."""
+        return self.complete and all(row.ok for row in self.rows)
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys."""
+        return {
+            "schema": SCHEMA,
+            "scene": self.name,
+            "complete": self.complete,
+            "ok": self.ok,
+            "rows": [row.record() for row in self.rows],
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """The rows; empty where there is no number."""
+        yield KEYS
+        for row in self.rows:
+            yield row.record().values()
+
+    def picture(self, suffix: str) -> bytes:
+        """Errors by case; ``suffix`` as for the cell map."""
+        return figure_bytes(lambda: build_figure(self), suffix)
+
+    def summary(self) -> str:
+        """How many rows, and how many are not ok."""
+        bad = sum(not row.ok for row in self.rows)
+        end = "" if self.complete else "; interrupted, later cases are missing"
+        return f"{one_line(self.name)}: {len(self.rows)} rows, {'all ok' if not bad else f'{bad} not ok'}{end}"
+
+    def view(self) -> RenderableType:
+        """The rows as a table, each case under its own heading; what is not ok is said again below."""
+        table = header_table("parameter", "verdict", "error", "condition", "ok", widest="verdict")
+        for k, row in enumerate(self.rows):
+            if not k or self.rows[k - 1].case != row.case:
+                if k:
+                    table.add_section()
+                table.add_row(Text(), Text(row.case, "bold"))
+            mark = Text("ok", "green") if row.ok else Text("NOT OK", "bold red")
+            numbers = (Text(_brief(value), no_wrap=True, justify="right") for value in (row.error, row.condition))
+            table.add_row(Text(row.parameter), Text(row.verdict), *numbers, mark)
+        bad = [row for row in self.rows if not row.ok]
+        said = [Text(f"not ok: {row.case}, {row.parameter}: {row.verdict}; {row.note}", "red") for row in bad]
+        return Group(table, *said, Text(self.summary(), "bold"), Text(LEGEND, "dim"))
 
 
-def stress_table(rows: Sequence[StressRow]) -> bytes:
-    """The rows as CSV; empty where there is no number."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(KEYS)
-    for row in rows:
-        writer.writerow(["" if value is None else value for value in row.record().values()])
-    return stream.getvalue().encode()
-
-
-def stress_view(name: str, rows: Sequence[StressRow], *, complete: bool) -> RenderableType:
-    """The rows as a table, each case under its own heading; what is not ok is said again below."""
-    table = Table(box=box.ROUNDED, header_style="bold")
-    for title in ("parameter", "verdict", "error", "condition", "ok"):
-        table.add_column(Text(title), overflow="fold", ratio=1 if title == "verdict" else None)
-    for k, row in enumerate(rows):
-        if not k or rows[k - 1].case != row.case:
-            if k:
-                table.add_section()
-            table.add_row(Text(), Text(row.case, "bold"))
-        mark = Text("ok", "green") if row.ok else Text("NOT OK", "bold red")
-        numbers = (Text(_brief(value), no_wrap=True, justify="right") for value in (row.error, row.condition))
-        table.add_row(Text(row.parameter), Text(row.verdict), *numbers, mark)
-    bad = [row for row in rows if not row.ok]
-    said = [Text(f"not ok: {row.case}, {row.parameter}: {row.verdict}; {row.note}", "red") for row in bad]
-    return Group(table, *said, Text(stress_summary(name, rows, complete=complete), "bold"), Text(LEGEND, "dim"))
-
-
-def stress_summary(name: str, rows: Sequence[StressRow], *, complete: bool) -> str:
-    """One line."""
-    bad = sum(not row.ok for row in rows)
-    end = "" if complete else "; interrupted, later cases are missing"
-    return f"{one_line(name)}: {len(rows)} rows, {'all ok' if not bad else f'{bad} not ok'}{end}"
-
-
-def stress_figure(name: str, rows: Sequence[StressRow], suffix: str) -> bytes:
-    """Errors by case as the bytes of a picture; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(name, rows), suffix)
-
-
-def build_figure(name: str, rows: Sequence[StressRow]) -> Figure:
+def build_figure(run: StressRun) -> Figure:
     """One line of points for each case, on a logarithmic axis of the error."""
     from matplotlib.figure import Figure
 
-    cases = list(dict.fromkeys(row.case for row in rows))
+    cases = list(dict.fromkeys(row.case for row in run.rows))
     figure = Figure(figsize=(8.4, 1.4 + ROW_HEIGHT * len(cases)), layout="constrained")
     axes = figure.subplots()
+    silent = [row for row in run.rows if row.ok and row.error is None]
     kinds = (
-        ("ok", "o", OK_COLOR, [row for row in rows if row.ok and row.error is not None]),
-        ("refused, or ended without a number, as it should", "s", REFUSED_COLOR, _silent(rows)),
-        ("not ok", "X", FAIL_COLOR, [row for row in rows if not row.ok]),
+        ("ok", "o", OK_COLOR, [row for row in run.rows if row.ok and row.error is not None]),
+        ("refused, or ended without a number, as it should", "s", REFUSED_COLOR, silent),
+        ("not ok", "X", FAIL_COLOR, [row for row in run.rows if not row.ok]),
     )
     for label, marker, color, own in kinds:
         xs, ys = [_drawn(row.error) for row in own], [cases.index(row.case) for row in own]
@@ -108,7 +111,7 @@ def build_figure(name: str, rows: Sequence[StressRow]) -> Figure:
     axes.set_axisbelow(True)
     axes.tick_params(colors=INK)
     axes.set_xlabel("relative error against exact or 60-digit arithmetic (at the left border: none)")
-    axes.set_title(stress_summary(name, rows, complete=True), parse_math=False)
+    axes.set_title(run.summary(), parse_math=False)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
     return figure
 
@@ -118,10 +121,6 @@ def _drawn(error: float | None) -> float:
     if error is None:
         return NOTHING
     return min(max(error, NOTHING), LARGEST) if math.isfinite(error) else LARGEST
-
-
-def _silent(rows: Sequence[StressRow]) -> list[StressRow]:
-    return [row for row in rows if row.ok and row.error is None]
 
 
 def _brief(value: float | None) -> str:

@@ -21,7 +21,6 @@ from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.records import minimizing_states, other_equilibria
 from nonsmooth.symbolic.formulas import Real, decimal_text, real_text
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -119,15 +118,14 @@ def _census(result: Check) -> str:
     counted = [f"{census.possible} possible"]
     if census.singular is not None:
         counted += [f"{census.singular} singular", f"{census.distinct_twists} distinct twists"]
-    minimizing = minimizing_states(result)
-    if minimizing is not None:
-        counted.append(f"{minimizing} minimizing")
+    if result.minimizing_states is not None:
+        counted.append(f"{result.minimizing_states} minimizing")
     return f"contact states: {', '.join(counted)}"
 
 
 def _equilibrium_evidence(result: Check) -> list[str]:
     lines = [result.equilibrium.reason]
-    others = other_equilibria(result)
+    others = result.other_equilibria
     if others is not None:
         shown = [_equilibrium(e) for e in others[:MOST_EQUILIBRIA]]
         more = [f"and {len(others) - MOST_EQUILIBRIA} more"] * (len(others) > MOST_EQUILIBRIA)
@@ -146,14 +144,14 @@ def _point(point: tuple[Real, Real]) -> str:
 
 def _translation_evidence(translation: TranslationResult | EllipseTranslation) -> list[str]:
     lines = [translation.reason]
-    sampled = translation.sampled if isinstance(translation, EllipseTranslation) else None
+    sampled = translation.sampled
     if sampled is not None:
         lines.append(
             f"largest V*/|c| at {sampled.samples} sampled points of the square: {sampled.largest_relative:.6g}"
         )
     elif translation.worst_rate is not None:
         lines.append(f"max V*/|c| = {brief(translation.worst_rate)} on the square")
-    quadratic = translation.quadratic if isinstance(translation, TranslationResult) else None
+    quadratic = translation.quadratic
     if quadratic is not None:
         lines.append(f"V = {quadratic} decreases: V* <= -{float(quadratic.decay):.4g} |c|")
         lines.append(f"region: V < {brief(quadratic.level)}")
@@ -201,11 +199,11 @@ def verdict_text(verdict: str, *, bold: bool = False) -> Text:
     return Text(str(verdict), f"bold {style}" if bold else style)
 
 
-def header_table(*header: str) -> Table:
-    """A table with a header, its last column as wide as there is room."""
+def header_table(*header: str, widest: str | None = None) -> Table:
+    """A table with a header; one column, the last unless another is named, is as wide as there is room."""
     table = Table(box=box.ROUNDED, header_style="bold")
-    for k, name in enumerate(header):
-        table.add_column(Text(name), overflow="fold", ratio=None if k < len(header) - 1 else 1)
+    for name in header:
+        table.add_column(Text(name), overflow="fold", ratio=1 if name == (widest or header[-1]) else None)
     return table
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import reduce
 from typing import NamedTuple, TypeAlias
 
 from nonsmooth.symbolic.numbers.number import Number
@@ -62,6 +63,11 @@ class Row:
         return f"{self.kind}{self.wheel.index}"
 
     @property
+    def unit_normal(self) -> Triple:
+        """``(d_i, d_i . J p_i)`` or ``(n_i, n_i . J p_i)``, of a unit rim direction."""
+        return scaled(self.normal, self.wheel.length.inverse())
+
+    @property
     def friction(self) -> Number:
         """Coulomb coefficient: mu_R along the rim, mu_S across it."""
         return self.wheel.friction.roll if self.kind is RowKind.ROLL else self.wheel.friction.side
@@ -105,6 +111,11 @@ def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, .
 def outer(a: Triple, b: Triple) -> Triple:
     """Cross product in three dimensions."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def total(zero: Number, vectors: Iterable[Triple]) -> Triple:
+    """Sum of vectors, zero where there are none."""
+    return reduce(added, vectors, (zero, zero, zero))
 
 
 def inner(a: Triple, b: Triple) -> Number:

@@ -76,27 +76,42 @@ def parse(value: object, variables: Collection[str] = ()) -> Expression:
     Raises:
         ExpressionError: for anything outside the whitelist.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
-        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
-    if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:  # str() refuses very long integers
-        raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
-    text = str(value).strip()
-    if len(text) > MAX_LENGTH:
-        raise ExpressionError(f"required at most {MAX_LENGTH} characters, received {len(text)}")
-    if isinstance(value, float | Decimal):
-        decimal_value(text)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
-            tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(f'required a number or a formula such as "sqrt(2)/2", received {shown(value)}') from None
+    text, tree = parse_tree(value, MAX_LENGTH, 'a number or a formula such as "sqrt(2)/2"')
     _check(tree, text, frozenset(variables))
     names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(variables)
     expression = Expression(text, tree, frozenset(names))
     if base_order(expression.turns()) > MAX_FIELD_ORDER:
         raise ExpressionError(f"required angles of few different denominators, received {shown(text)}")
     return expression
+
+
+def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
+    """The text of a TOML number or string, and its tree, of which nothing is checked yet.
+
+    Args:
+        value: what the file holds.
+        longest: characters of a string.
+        required: what should have stood there, with an example.
+
+    Raises:
+        ExpressionError: for other values, long texts, decimals out of bounds, and what Python cannot parse.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
+        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
+    if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:  # str() refuses very long integers
+        raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
+    text = str(value).strip()
+    most = longest if isinstance(value, str) else MAX_LENGTH
+    if len(text) > most:
+        raise ExpressionError(f"required at most {most} characters, received {len(text)}")
+    if isinstance(value, float | Decimal):
+        decimal_value(text)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
+            return text, ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        raise ExpressionError(f"required {required}, received {shown(value)}") from None
 
 
 def decimal_value(text: str) -> Fraction:

@@ -8,16 +8,14 @@ SymPy would turn ``cos(pi/10)`` into nested square roots.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, ctx
 
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number, bits
-from nonsmooth.symbolic.printing import cosine_form, number_text, ordered_masks
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.printing import Summand, latex_sum, number_summands, plain_sum, signed
 
 if TYPE_CHECKING:
     import sympy
@@ -35,14 +33,6 @@ Real: TypeAlias = Number | Lazy | arb
 Monomial: TypeAlias = tuple[str, ...]
 
 
-class Summand(NamedTuple):
-    """One signed summand in both notations, its sign kept apart."""
-
-    negative: bool
-    plain: str
-    latex: str
-
-
 @dataclass(frozen=True)
 class Formula:
     """``sum_k number_k * monomial_k``; a monomial is a tuple of symbol names, () for a constant."""
@@ -55,11 +45,7 @@ class Formula:
         Args:
             longest: round coefficients of more characters to DIGITS digits; None keeps all exact.
         """
-        text = ""
-        for summand in self.summands(longest):
-            first, later = ("-", " - ") if summand.negative else ("", " + ")
-            text += (later if text else first) + summand.plain
-        return text or "0"
+        return plain_sum(self.summands(longest))
 
     def latex(self, line_break: str = "", longest: int | None = None) -> str:
         """LaTeX; with a ``line_break`` (see LINE_BREAK) long formulas continue on further lines."""
@@ -67,8 +53,7 @@ class Formula:
         for summand in self.summands(longest):
             if line_break and length and length + len(summand.plain) > LINE_LENGTH:
                 text, length = text + line_break, 0
-            first, later = ("-", " - ") if summand.negative else ("", " + ")
-            text += (later if text else first) + summand.latex
+            text += signed(summand, summand.latex, first=not text)
             length += len(summand.plain) + 3
         return text or "0"
 
@@ -85,13 +70,12 @@ class Formula:
         """The nonzero summands; a coefficient that is a sum itself stays in parentheses while it is short."""
         parts: list[Summand] = []
         for number, monomial in self.terms:
-            length = len(number_text(number))
             coefficients = number_summands(number)
-            if longest is not None and length > longest:
+            inner = plain_sum(coefficients)
+            if longest is not None and len(inner) > longest:
                 coefficients = [_rounded(number)]
-            elif len(coefficients) > 1 and monomial and length <= LINE_LENGTH:
-                inner = Formula(((number, ()),))
-                coefficients = [Summand(False, f"({inner.plain()})", rf"\left({inner.latex()}\right)")]
+            elif len(coefficients) > 1 and monomial and len(inner) <= LINE_LENGTH:
+                coefficients = [Summand(False, f"({inner})", rf"\left({latex_sum(coefficients)}\right)")]
             parts += [_times(summand, monomial) for summand in coefficients]
         return parts
 
@@ -147,18 +131,6 @@ def symbol_latex(name: str) -> str:
     return f"{stem}_{{{index}}}" if index else stem
 
 
-def number_summands(number: Number) -> list[Summand]:
-    """The number as signed products of a rational, at most one cosine, and square roots."""
-    parts: list[Summand] = []
-    for mask in ordered_masks(number):
-        plain_roots, latex_roots = _roots(number, mask)
-        for turn, weight in cosine_form(number.field, number.terms[mask]).items():
-            plain = [f"cos({_angle(turn, 'pi', '*')})"] * bool(turn) + plain_roots
-            latex = [rf"\cos({_angle(turn, chr(92) + 'pi ', '')})"] * bool(turn) + latex_roots
-            parts.append(_product(weight, plain, latex))
-    return parts
-
-
 def _rounded(number: Number) -> Summand:
     decimal = decimal_text(abs(number))
     return Summand(number.sign() < 0, decimal, decimal_latex(decimal))
@@ -170,33 +142,3 @@ def _times(summand: Summand, monomial: Monomial) -> Summand:
     plain = [summand.plain] * (summand.plain != "1") + list(monomial)
     latex = [summand.latex] * (summand.plain != "1") + [symbol_latex(name) for name in monomial]
     return Summand(summand.negative, "*".join(plain), " ".join(latex))
-
-
-def _product(weight: Fraction, plain: Sequence[str], latex: Sequence[str]) -> Summand:
-    """``weight * factors`` with the denominator under the whole product."""
-    top, bottom = abs(weight.numerator), weight.denominator
-    number = [str(top)] * (top != 1 or not plain)
-    plain_top, latex_top = "*".join([*number, *plain]), " ".join([*number, *latex])
-    if bottom == 1:
-        return Summand(weight < 0, plain_top, latex_top)
-    return Summand(weight < 0, f"{plain_top}/{bottom}", rf"\frac{{{latex_top}}}{{{bottom}}}")
-
-
-def _angle(turn: Fraction, pi: str, times: str) -> str:
-    top = pi if turn.numerator == 1 else f"{turn.numerator}{times}{pi}"
-    return top.strip() if turn.denominator == 1 else f"{top.strip()}/{turn.denominator}"
-
-
-def _roots(number: Number, mask: int) -> tuple[list[str], list[str]]:
-    """The square roots of one term: rational radicands share one root, nested ones stay factors."""
-    rational, nested = 1, list[Number]()
-    for i in bits(mask):
-        radicand = number.field.radicands[i]
-        value = radicand.as_rational()
-        if value is None:
-            nested.append(radicand)
-        else:
-            rational *= int(value.p)
-    plain = [f"sqrt({rational})"] * (rational > 1) + [f"sqrt({g})" for g in nested]
-    latex = [rf"\sqrt{{{rational}}}"] * (rational > 1) + [rf"\sqrt{{{number_latex(g)}}}" for g in nested]
-    return plain, latex

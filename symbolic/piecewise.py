@@ -8,14 +8,12 @@ formula is a polynomial (:meth:`PiecewiseExpression.polynomial`); who asks decid
 from __future__ import annotations
 
 import ast
-import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
-from decimal import Decimal
 from fractions import Fraction
 from typing import TypeAlias
 
-from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, turn_of
+from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, parse_tree, turn_of
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import shown
 
@@ -67,19 +65,7 @@ def parse_piecewise(value: object, states: Collection[str]) -> PiecewiseExpressi
     Raises:
         ExpressionError: for anything outside the whitelist.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
-        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
-    if not isinstance(value, str):
-        parse(value)
-    text = str(value).strip()
-    if len(text) > MAX_TEXT:
-        raise ExpressionError(f"required at most {MAX_TEXT} characters, received {len(text)}")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
-            tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(f'required a formula such as "-sign(x)", received {shown(value)}') from None
+    text, tree = parse_tree(value, MAX_TEXT, 'a formula such as "-sign(x)"')
     expression = PiecewiseExpression(text, tree, frozenset(states))
     _check(tree, expression, MAX_DEPTH)
     return expression

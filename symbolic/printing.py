@@ -1,15 +1,16 @@
-"""Numbers as text and as SymPy: sums of square roots and cosines, e.g. ``-1/2 + 3*sqrt(5)/4``.
+"""Numbers as plain text, LaTeX and SymPy: sums of square roots and cosines, e.g. ``-1/2 + 3*sqrt(5)/4``.
 
-A base element is rewritten from powers of ``c = 2 cos(2 pi/N)`` to cosines of multiple angles,
-``c^k = sum_j binom(k, j) 2 cos(2 pi (k - 2j)/N) / ...``: that is the form a reader recognizes, and the
+A base element is rewritten from powers of ``2 cos t``, ``t = 2 pi/N``, to cosines of multiple angles,
+``(2 cos t)^k = sum_j binom(k, j) cos((k - 2 j) t)``, ``j = 0, ..., k``: that is the form a reader recognizes, and the
 scene-file parser reads it back.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from flint import fmpq
 
@@ -45,10 +46,7 @@ def _folded(turn: Fraction, weight: Fraction) -> tuple[Fraction, Fraction]:
 
 
 def _multiple_angles(coefficient: Coefficient) -> list[Fraction]:
-    """Weights w with ``sum_k q_k (2 cos t)^k = sum_m w_m cos(m t)``.
-
-    They follow from ``(2 cos t)^k = sum_j binom(k, j) cos((k - 2 j) t)``.
-    """
+    """Weights w with ``sum_k q_k (2 cos t)^k = sum_m w_m cos(m t)``."""
     weights = [0] * len(coefficient)
     for k, top in enumerate(int(c) for c in coefficient.numer().coeffs()):
         for j in range(k + 1):
@@ -56,18 +54,49 @@ def _multiple_angles(coefficient: Coefficient) -> list[Fraction]:
     return [Fraction(weight, int(coefficient.denom())) for weight in weights]
 
 
+class Summand(NamedTuple):
+    """One signed summand in both notations, its sign kept apart."""
+
+    negative: bool
+    plain: str
+    latex: str
+
+
+def signed(summand: Summand, text: str, *, first: bool) -> str:
+    """A notation of a summand with its sign, as it stands at the beginning of a sum or within it."""
+    if first:
+        return f"-{text}" if summand.negative else text
+    return f" - {text}" if summand.negative else f" + {text}"
+
+
+def plain_sum(summands: Iterable[Summand]) -> str:
+    """Summands on one line, ``0`` where there are none."""
+    return "".join(signed(s, s.plain, first=not k) for k, s in enumerate(summands)) or "0"
+
+
+def latex_sum(summands: Iterable[Summand]) -> str:
+    """Summands in LaTeX, ``0`` where there are none."""
+    return "".join(signed(s, s.latex, first=not k) for k, s in enumerate(summands)) or "0"
+
+
 def number_text(number: Number) -> str:
     """Plain text that :mod:`nonsmooth.symbolic.expression` reads back to the same number."""
-    text = ""
-    for mask in ordered_masks(number):
-        root = _radical_text(number, mask)
+    return plain_sum(number_summands(number))
+
+
+def number_summands(number: Number) -> list[Summand]:
+    """The number as signed products of a rational, at most one cosine, and square roots."""
+    parts: list[Summand] = []
+    for mask in _ordered_masks(number):
+        plain_roots, latex_roots = _roots(number, mask)
         for turn, weight in cosine_form(number.field, number.terms[mask]).items():
-            factors = [f"cos({_multiple_of_pi(turn)})"] * bool(turn) + [root] * bool(root)
-            text += _signed(weight, "*".join(factors), first=not text)
-    return text or "0"
+            plain = [f"cos({_angle(turn, 'pi', '*')})"] * bool(turn) + plain_roots
+            latex = [rf"\cos({_angle(turn, chr(92) + 'pi ', '')})"] * bool(turn) + latex_roots
+            parts.append(_product(weight, plain, latex))
+    return parts
 
 
-def ordered_masks(number: Number) -> list[int]:
+def _ordered_masks(number: Number) -> list[int]:
     """Terms by their radicals, smallest first: the text does not depend on the order in which roots were adjoined."""
     return sorted(number.terms, key=lambda mask: _radical_key(number, mask))
 
@@ -79,36 +108,34 @@ def _radical_key(number: Number, mask: int) -> tuple[list[str], int]:
     return nested, math.prod(int(value.p) for value in values if value is not None)
 
 
-def _signed(weight: Fraction, factors: str, *, first: bool) -> str:
-    magnitude = abs(weight)
-    body = factors or str(magnitude)
-    if factors:
-        body = factors if magnitude.numerator == 1 else f"{magnitude.numerator}*{factors}"
-        body += "" if magnitude.denominator == 1 else f"/{magnitude.denominator}"
-    if first:
-        return f"-{body}" if weight < 0 else body
-    return f" - {body}" if weight < 0 else f" + {body}"
+def _product(weight: Fraction, plain: Sequence[str], latex: Sequence[str]) -> Summand:
+    """``weight * factors`` with the denominator under the whole product."""
+    top, bottom = abs(weight.numerator), weight.denominator
+    number = [str(top)] * (top != 1 or not plain)
+    plain_top, latex_top = "*".join([*number, *plain]), " ".join([*number, *latex])
+    if bottom == 1:
+        return Summand(weight < 0, plain_top, latex_top)
+    return Summand(weight < 0, f"{plain_top}/{bottom}", rf"\frac{{{latex_top}}}{{{bottom}}}")
 
 
-def _multiple_of_pi(turn: Fraction) -> str:
-    numerator = "pi" if turn.numerator == 1 else f"{turn.numerator}*pi"
-    return numerator if turn.denominator == 1 else f"{numerator}/{turn.denominator}"
+def _angle(turn: Fraction, pi: str, times: str) -> str:
+    top = pi if turn.numerator == 1 else f"{turn.numerator}{times}{pi}"
+    return top.strip() if turn.denominator == 1 else f"{top.strip()}/{turn.denominator}"
 
 
-def _radical_text(number: Number, mask: int) -> str:
-    """``sqrt(6)`` for the product of sqrt(2) and sqrt(3); nested radicands stay factors."""
-    if not mask:
-        return ""
-    rational, nested = 1, []
-    for i in range(mask.bit_length()):
-        if mask >> i & 1:
-            radicand = number.field.radicands[i]
-            value = radicand.as_rational()
-            if value is None:
-                nested.append(f"sqrt({radicand})")
-            else:
-                rational *= int(value.p)
-    return "*".join([f"sqrt({rational})"] * (rational > 1) + nested)
+def _roots(number: Number, mask: int) -> tuple[list[str], list[str]]:
+    """The square roots of one term: rational radicands share one root, nested ones stay factors."""
+    rational, nested = 1, list[list[Summand]]()
+    for i in bits(mask):
+        radicand = number.field.radicands[i]
+        value = radicand.as_rational()
+        if value is None:
+            nested.append(number_summands(radicand))
+        else:
+            rational *= int(value.p)
+    plain = [f"sqrt({rational})"] * (rational > 1) + [f"sqrt({plain_sum(g)})" for g in nested]
+    latex = [rf"\sqrt{{{rational}}}"] * (rational > 1) + [rf"\sqrt{{{latex_sum(g)}}}" for g in nested]
+    return plain, latex
 
 
 def number_to_sympy(number: Number) -> sympy.Expr:
@@ -118,9 +145,8 @@ def number_to_sympy(number: Number) -> sympy.Expr:
     total = sympy.Integer(0)
     for mask in sorted(number.terms):
         root = sympy.Integer(1)
-        for i in range(mask.bit_length()):
-            if mask >> i & 1:
-                root *= sympy.sqrt(number.field.radicands[i].to_sympy())
+        for i in bits(mask):
+            root *= sympy.sqrt(number.field.radicands[i].to_sympy())
         for turn, weight in cosine_form(number.field, number.terms[mask]).items():
             cosine = sympy.cos(sympy.Rational(turn.numerator, turn.denominator) * sympy.pi)
             total += sympy.Rational(weight.numerator, weight.denominator) * cosine * root

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -129,16 +129,8 @@ def array_subject(partition: Partition, kinematics: Kinematics) -> Subject:
 def system_subject(scene: SystemScene) -> Subject:
     """A plain system, followed by the general integrator."""
     field, radius = system_field(scene), float(scene.check.radius)
-    return Subject(field, _planar(scene), system_pieces(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
-
-
-def _planar(scene: SystemScene) -> ConstantField | None:
-    return constant_system(scene, exact=True)
-
-
-def with_smooth_truth(subject: Subject) -> Subject:
-    """The same subject measured by the reference at 60 digits only."""
-    return replace(subject, exact=None)
+    exact = constant_system(scene, exact=True)
+    return Subject(field, exact, system_pieces(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
 
 
 def _edge_middles(field: ConstantField) -> list[tuple[Floats, Floats]]:

@@ -18,7 +18,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, turn
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -116,7 +116,7 @@ def paper_speeds(model: ContactModel, states: Floats) -> Floats:
 def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
     """``u_i = d_i . (v + omega J(p_i - c))`` for the wanted pose rate ``(v, omega) = -k (c, theta)``."""
     arms = model.positions - states[:, None, :2]
-    turning = np.stack([-arms[..., 1], arms[..., 0]], axis=-1) * states[:, None, 2:]
+    turning = turn(arms) * states[:, None, 2:]
     return np.asarray(-GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1))
 
 

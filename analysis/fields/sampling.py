@@ -8,7 +8,9 @@ lower bound of the true one; it is reported as sampled, never as proved.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,8 @@ from nonsmooth.symbolic.scene import Scene
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
+
+TwistsAt: TypeAlias = Callable[[Scene, NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,14 @@ class SampledDerivative:
 
 def sample_upper_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
     """Evaluate ``2 c . v`` under rule ``nearest`` at random points of the checked square (centred scene)."""
+    return _largest_rates(scene, literal_twists, samples, seed)
+
+
+def _largest_rates(scene: Scene, twists_at: TwistsAt, samples: int, seed: int) -> SampledDerivative:
     rng = np.random.default_rng(seed)
     radius = float(scene.check.radius)
     points = rng.uniform(-radius, radius, size=(samples, 2))
-    rates = 2 * (literal_twists(scene, points)[:, :2] * points).sum(axis=1)
+    rates = 2 * (twists_at(scene, points)[:, :2] * points).sum(axis=1)
     relative = rates / np.hypot(*points.T)
     best = int(np.argmax(relative))
     return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
@@ -90,13 +98,7 @@ def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArra
 
 def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
     """Evaluate ``2 c . v`` under rule ``ellipse`` at random points of the checked square (centred scene)."""
-    rng = np.random.default_rng(seed)
-    radius = float(scene.check.radius)
-    points = rng.uniform(-radius, radius, size=(samples, 2))
-    rates = 2 * (ellipse_twists(scene, points)[:, :2] * points).sum(axis=1)
-    relative = rates / np.hypot(*points.T)
-    best = int(np.argmax(relative))
-    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
+    return _largest_rates(scene, ellipse_twists, samples, seed)
 
 
 def ellipse_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:

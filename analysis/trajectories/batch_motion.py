@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nonsmooth.analysis.fields.contact_model import Floats, turn
 from nonsmooth.analysis.fields.switched_field import Flow
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.analysis.trajectories.slides import (
@@ -17,13 +17,10 @@ from nonsmooth.analysis.trajectories.slides import (
     SERIES_TERMS,
 )
 
-Floats = NDArray[np.float64]
-
 
 def velocities(flow: Flow, points: Floats) -> Floats:
     """``c'`` at points (m, 2)."""
-    turned = np.stack([-points[:, 1], points[:, 0]], axis=1)
-    return np.array([flow.vx, flow.vy]) + flow.turn * turned
+    return np.array([flow.vx, flow.vy]) + flow.turn * turn(points)
 
 
 def positions(flow: Flow, points: Floats, times: Floats) -> Floats:
@@ -33,7 +30,7 @@ def positions(flow: Flow, points: Floats, times: Floats) -> Floats:
         return points + v * times[:, None]
     along = np.sin(flow.turn * times) / flow.turn
     across = 2 * np.sin(flow.turn * times / 2) ** 2 / flow.turn
-    return points + along[:, None] * v + across[:, None] * np.stack([-v[:, 1], v[:, 0]], axis=1)
+    return points + along[:, None] * v + across[:, None] * turn(v)
 
 
 def crossing_times(
@@ -70,7 +67,7 @@ def _time(w: float, z: Floats) -> Floats:
 
 
 class EdgeSpeeds(NamedTuple):
-    """Speeds of the two neighbours along the normal and along a unit direction, and how the former change."""
+    """Speeds of the two neighbours of an edge: towards its left, and along its direction."""
 
     left: Floats
     right: Floats

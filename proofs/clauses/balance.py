@@ -1,4 +1,4 @@
-"""Equilibrium and linearization under rule ``ellipse``, exactly.
+"""Equilibrium at rest under rule ``ellipse``, exactly.
 
 At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with friction ellipses
 ``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, iff ``0 in dD(0)``.  Where every loaded wheel slips at rest (``u_i != 0``),
@@ -8,38 +8,28 @@ D is smooth there and that is the balance ::
 
 Wheels that stick at rest (``u_i = 0``) may carry any force in their ellipse.  The least-norm forces that restore
 balance are tried: inside the ellipses they prove equilibrium, strictly inside (with rows of rank three) they prove
-that rest is the only minimizer in a neighbourhood.  Arrays with torque may *spin* at the equilibrium: the twist
-``(0, 0, omega)`` is a minimizer iff the gradient ``sum N_i (mu_R^2 r_i a_i + mu_S^2 s_i b_i)/f_i`` vanishes at it.
-
-About such a smooth minimizer, to first order ``xi = (0, 0, omega) - H^-1 G c`` with ::
-
-    H = sum N_i mu_R^2 mu_S^2/f_i^3 w_i w_i^T,   w_i = s_i a_i - r_i b_i,      G = d gradient/dc through N_i(c)
-
-and ``c' = A c``, A the translation part of ``-H^-1 G`` plus ``omega J``: field operations on the scene's numbers, so
-the eigenvalues are decided exactly.  (At rest H is ``sum N_i mu_S^2/(mu_R |u_i|) b_i b_i^T``.)
+that rest is the only minimizer in a neighbourhood.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
+from nonsmooth.analysis.partitions.loads import LoadRegion
 from nonsmooth.symbolic.constraints import (
     Row,
     Triple,
-    added,
     cofactors,
     combine,
     gram,
     inner,
-    outer,
     roll_row,
     scaled,
     side_row,
+    total,
 )
-from nonsmooth.symbolic.formulas import Real
-from nonsmooth.symbolic.numbers.lazy import Lazy, divided
+from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 
@@ -92,113 +82,14 @@ class RestBalance:
         return bool(self.stuck) and self.rank == 3 and all(f.squared < 1 for f in self.stuck or ())
 
 
-@dataclass(frozen=True)
-class Linearization:
-    """``xi = (0, 0, omega) + M c`` and ``c' = A c`` to first order at a smooth minimizer.
-
-    Attributes:
-        omega: rotation rate at the equilibrium.
-        hessian: H (3 x 3).
-        slope: the columns of G, one per coordinate of c.
-        columns: the columns of ``M = -H^-1 G``: change of the twist per unit of x and of y.
-    """
-
-    omega: Number
-    hessian: tuple[Triple, Triple, Triple]
-    slope: tuple[Triple, Triple]
-    columns: tuple[Triple, Triple]
-
-    @property
-    def translation(self) -> tuple[tuple[Number, Number], tuple[Number, Number]]:
-        """A of ``c' = A c``, by rows."""
-        x, y = self.columns
-        return (x[0], y[0] - self.omega), (x[1] + self.omega, y[1])
-
-    @property
-    def trace(self) -> Number:
-        """Sum of the eigenvalues of A."""
-        (a, _), (_, d) = self.translation
-        return a + d
-
-    @property
-    def determinant(self) -> Number:
-        """Product of the eigenvalues of A."""
-        (a, b), (c, d) = self.translation
-        return a * d - b * c
-
-    @property
-    def spectral_abscissa(self) -> Real:
-        """Largest real part of the eigenvalues of A; a ball where it is the root of a late quotient."""
-        discriminant = self.trace * self.trace - 4 * self.determinant
-        if discriminant.sign() <= 0:
-            return self.trace / 2
-        if isinstance(discriminant, Lazy):  # its root is no number of the scene's field
-            return (self.trace.ball + discriminant.ball.sqrt()) / 2
-        return (self.trace + discriminant.sqrt()) / 2
-
-    @property
-    def is_positive_definite(self) -> bool:
-        """Whether H is positive definite, so that the minimizer is unique and smooth in c (Sylvester)."""
-        a, b, c = self.hessian
-        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, outer(b, c)).sign() > 0
-
-    @property
-    def rotation_map(self) -> tuple[Number, Number]:
-        """The row m of ``theta_inf - theta_0 = m . c_0`` (where omega = 0 and A is regular): ``m A = -M_3``.
-
-        So ``(m, 1)`` is orthogonal to both columns of ``M = -H^-1 G``, thus parallel to ``H (G_x x G_y)``.
-        """
-        normal = outer(*self.slope)
-        x, y, z = (inner(row, normal) for row in self.hessian)
-        return divided(x, z), divided(y, z)
-
-    def check(self) -> bool:
-        """Re-verify ``H M + G = 0``."""
-        return all(
-            inner(row, column) + slope[r] == 0
-            for column, slope in zip(self.columns, self.slope, strict=True)
-            for r, row in enumerate(self.hessian)
-        )
-
-
-@dataclass(frozen=True)
-class Slip:
-    """Slip of a loaded wheel under the twist ``(0, 0, omega)``.
-
-    Attributes:
-        force: its load as an affine form of c.
-        along: ``r_i``.
-        across: ``s_i``.
-        rows: ``a_i`` and ``b_i``.
-        friction: ``mu_R^2`` and ``mu_S^2``.
-    """
-
-    force: Affine
-    along: Number
-    across: Number
-    rows: tuple[Triple, Triple]
-    friction: tuple[Number, Number]
-
-    @property
-    def squared_size(self) -> Number:
-        """``f_i^2``."""
-        return self.friction[0] * self.along * self.along + self.friction[1] * self.across * self.across
-
-    @property
-    def pull(self) -> Triple:
-        """``(mu_R^2 r_i a_i + mu_S^2 s_i b_i)``: the gradient of ``f_i^2/2``."""
-        a, b = self.rows
-        return added(scaled(a, self.friction[0] * self.along), scaled(b, self.friction[1] * self.across))
-
-
 def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     """Balance of forces at rest at the centred scene's equilibrium, which the load region holds."""
     forces = [form[0] for form in region.forces]
-    residual = _sum(scene, (_pull(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force))
     loaded = [(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force]
+    residual = total(scene.field.zero, (_pull(wheel, force) for wheel, force in loaded))
     sticking = [(wheel, force) for wheel, force in loaded if not _slips_smoothly(wheel)]
     columns = [
-        (wheel.index, row.kind, scaled(_unit(row), force * friction))
+        (wheel.index, row.kind, scaled(row.unit_normal, force * friction))
         for wheel, force in sticking
         for row, friction in _sticking_rows(wheel)
         if friction
@@ -214,58 +105,6 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     return RestBalance(residual, stuck, rank, not sticking)
 
 
-def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip, ...]:
-    """Slips of the loaded wheels that have friction, under the twist ``(0, 0, omega)``."""
-    slips = []
-    for wheel, form in zip(scene.wheels, region.forces, strict=True):
-        squares = (wheel.friction.roll**2, wheel.friction.side**2)
-        if any(form) and any(squares):
-            a, b = _unit(roll_row(wheel)), _unit(side_row(wheel))
-            slips.append(Slip(form, a[2] * omega - wheel.speed, b[2] * omega, (a, b), squares))
-    return tuple(slips)
-
-
-def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
-    """Gradient of D at c = 0, where no loaded wheel sticks."""
-    return _sum(scene, (scaled(s.pull, s.force[0] / s.squared_size.sqrt()) for s in slips if s.force[0]))
-
-
-def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
-    """Rates omega at which a wheel alone would have its least slip: the spin of arrays whose wheels are all alike.
-
-    ``mu_R^2 r a_3 + mu_S^2 s b_3 = 0`` gives ``omega = mu_R^2 a_3 u/(mu_R^2 a_3^2 + mu_S^2 b_3^2)``.
-    """
-    rates: dict[Number, None] = {}
-    for slip in slips_at(scene, region, scene.field.zero):
-        (a, b), (roll, side) = slip.rows, slip.friction
-        stiffness = roll * a[2] * a[2] + side * b[2] * b[2]
-        if stiffness:
-            rates[-roll * a[2] * slip.along / stiffness] = None
-    return tuple(rates)
-
-
-def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization | None:
-    """First-order twist about ``(0, 0, omega)``; None where a wheel sticks there or H is singular."""
-    slips = slips_at(scene, region, omega)
-    if not all(slip.squared_size for slip in slips):
-        return None
-    zero = scene.field.zero
-    hessian = [[zero] * 3 for _ in range(3)]
-    slopes = [(zero, zero, zero), (zero, zero, zero)]
-    for slip in slips:
-        size = slip.squared_size.sqrt()
-        _add_curvature(hessian, slip, size)
-        slopes = [added(g, scaled(slip.pull, slip.force[1 + axis] / size)) for axis, g in enumerate(slopes)]
-    rows = [(row[0], row[1], row[2]) for row in hessian]
-    columns = cofactors(rows[0], rows[1], rows[2])
-    determinant = inner(rows[0], columns[0])
-    if not determinant:
-        return None
-    scale = divided(-scene.field.one, determinant)
-    x, y = (scaled(combine(slope, columns), scale) for slope in slopes)
-    return Linearization(omega, (rows[0], rows[1], rows[2]), (slopes[0], slopes[1]), (x, y))
-
-
 def _slips_smoothly(wheel: Wheel) -> bool:
     """Whether the wheel's term of D is smooth at rest: it slips along its rim and that costs."""
     return bool(wheel.scaled_speed) and bool(wheel.friction.roll)
@@ -279,17 +118,7 @@ def _sticking_rows(wheel: Wheel) -> list[tuple[Row, Number]]:
 
 def _pull(wheel: Wheel, force: Number) -> Triple:
     """``N mu_R sgn(u) a``; zero for a wheel at rest."""
-    return scaled(_unit(roll_row(wheel)), force * wheel.friction.roll * wheel.scaled_speed.sign())
-
-
-def _add_curvature(hessian: list[list[Number]], slip: Slip, size: Number) -> None:
-    """Add ``N mu_R^2 mu_S^2/f^3 w w^T``."""
-    a, b = slip.rows
-    w = added(scaled(a, slip.across), scaled(b, -slip.along))
-    factor = slip.force[0] * slip.friction[0] * slip.friction[1] / (size * slip.squared_size)
-    for r in range(3):
-        for s in range(3):
-            hessian[r][s] = hessian[r][s] + factor * w[r] * w[s]
+    return scaled(roll_row(wheel).unit_normal, force * wheel.friction.roll * wheel.scaled_speed.sign())
 
 
 def _least_norm(columns: Sequence[Triple], target: Triple) -> tuple[list[Number] | None, int]:
@@ -303,16 +132,3 @@ def _least_norm(columns: Sequence[Triple], target: Triple) -> tuple[list[Number]
         return None, 2
     multiplier = scaled(combine(target, adjugate), divided(determinant.field.one, determinant))
     return [inner(column, multiplier) for column in columns], 3
-
-
-def _unit(row: Row) -> Triple:
-    """The row scaled back to a unit rim direction."""
-    return scaled(row.normal, row.wheel.length.inverse())
-
-
-def _sum(scene: Scene, vectors: Iterable[Triple]) -> Triple:
-    zero = scene.field.zero
-    total: Affine = (zero, zero, zero)
-    for vector in vectors:
-        total = added(total, vector)
-    return total

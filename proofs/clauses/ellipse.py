@@ -20,16 +20,8 @@ from enum import StrEnum
 from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
-from nonsmooth.proofs.clauses.balance import (
-    Linearization,
-    RestBalance,
-    Slip,
-    gradient,
-    linearize,
-    rest_balance,
-    slips_at,
-    spin_candidates,
-)
+from nonsmooth.proofs.clauses.balance import RestBalance, rest_balance
+from nonsmooth.proofs.clauses.linearization import Linearization, Slip, gradient, linearize, slips_at, spin_candidates
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows

@@ -13,7 +13,7 @@ from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.rotation import RotationResult, drift_at_rest
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
@@ -69,6 +69,10 @@ class EllipseTranslation:
     def worst_rate(self) -> Number | None:
         """Supremum of ``V*/|c|`` over the square: zero by the lemma (the field vanishes at the equilibrium)."""
         return self.point.scene.field.zero if self.lemma is not None else None
+
+    @property
+    def quadratic(self) -> None:
+        """No other Lyapunov function is looked for."""
 
     @property
     def reason(self) -> str:

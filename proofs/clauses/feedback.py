@@ -17,92 +17,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.cones import build_fan
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Demand, find_shapes, shape_regions
+from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
+from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.constraints import RowKind
-from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
+from nonsmooth.symbolic.scene import Wheel, dot, turned
 
 LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
 SHAPED_LAW = (
     "u_i = -k a, u_j = -k b with b = (w theta - P c.J(p_i - c))/(d_j.J(p_j - p_i)), a = P c.d_i - (d_i.d_j) b, "
     "P = [[{}, {}], [{}, {}]], w = {}"
 )
-
-
-@dataclass(frozen=True)
-class InputCell:
-    """One closed cell with the data of its law.
-
-    Attributes:
-        cell: the cell.
-        state: its contact state.
-        nearest: wheel i, both rows held.
-        second: wheel j, one row held.
-        lever: ``d_j . J(p_j - p_i)`` scaled by ``|D_j|``, or None where the third row is a side row.
-        projections: ``c . D_i`` at the vertices (a positive multiple of ``c . d_i``).
-    """
-
-    cell: Cell
-    state: ContactState
-    nearest: Wheel
-    second: Wheel
-    lever: Number | None
-    projections: tuple[Number, ...]
-
-    @property
-    def torque_sign(self) -> int:
-        """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
-        return 0 if self.lever is None else self.lever.sign()
-
-    @property
-    def demand(self) -> Demand:
-        """What a control Lyapunov function must satisfy in the cell."""
-        vertices = tuple(vertex for vertex in self.cell.polygon.vertices if any(vertex))
-        return Demand(vertices, self.nearest.direction)
-
-    def coefficients(self, point: Point, theta: Number) -> tuple[Number, ...]:
-        """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
-        fields = self.state.control_fields.values()
-        return tuple(point[0] * x + point[1] * y + theta * turn for x, y, turn in fields)
-
-    def idle_plane(self) -> Witness:
-        """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
-
-        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre (a vertex, where
-        the centre is the equilibrium) with ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where
-        ``g_omega = 0``.
-        """
-        meaning = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
-        ((x, y, turn),) = self.state.control_fields.values()
-        if not turn:
-            return Witness((turn, turn), turn.field.one, meaning)
-        polygon = self.cell.polygon
-        point = polygon.centre if any(polygon.centre) else polygon.vertices[0]
-        return Witness(point, -dot(point, (x, y)) / turn, meaning)
-
-    def stall(self) -> Point | None:
-        """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
-        vertices = self.cell.polygon.vertices
-        for k, here in enumerate(self.projections):
-            if not here and any(vertices[k]):
-                return vertices[k]
-            following = (k + 1) % len(vertices)
-            after = self.projections[following]
-            if here.sign() * after.sign() < 0:
-                t = here / (here - after)
-                point = tuple(p + t * (q - p) for p, q in zip(vertices[k], vertices[following], strict=True))
-                if any(point):
-                    return point
-        return None
 
 
 @dataclass(frozen=True)
@@ -148,33 +79,30 @@ class FeedbackResult:
         """Re-verify the sign condition (stabilizable) or the witness (no certificate)."""
         if self.verdict is Feedback.NOT_APPLICABLE:
             return True
-        local = [data for data in self.cells if _is_local(data.cell)]
-        genuine = bool(local) and all(data == _input_cell(data.cell, data.state) for data in local)
+        local = [data for data in self.cells if is_local(data.cell)]
+        genuine = bool(local) and all(data == build_input_cell(data.cell, data.state) for data in local)
         if self.verdict is Feedback.STABILIZABLE:
             signs = all(data.lever is not None and data.demand.sign(self.lyapunov) for data in local)
             decreasing = signs and self.lyapunov.is_positive
             sound = self.margin is None or self.margin.check(self.lyapunov)
             return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
-        if not genuine or self.witness is None or not any(_is_idle(data, self.witness) for data in local):
+        if not genuine or self.witness is None or not any(data.is_idle(self.witness) for data in local):
             return False
         return not self.none_serves or not shape_regions([data.demand for data in local])
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
     """Decide the feedback clause for a centred partition of rule ``nearest``."""
-    scene = partition.scene
-    blocked = side_friction_rules(_acting_wheels(scene, partition))
+    blocked = side_friction_rules(_acting_wheels(partition))
+    single = _single_input(partition)
+    witness = None if single is None else single.idle_plane()
     if blocked:
-        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), _single_input(partition), blocked)
-    cells = tuple(_input_cell(cell, state) for cell in partition.cells for state in cell.states)
-    local = frozenset(cell.index for cell in partition.cells if _is_local(cell))
-    for data in cells:
-        if data.cell.index in local and data.lever is None:
-            witness = data.idle_plane()
-            reason = (
-                f"cell {data.cell.index} ({data.state.name}) holds a side row in third place, so one input acts alone"
-            )
-            return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason)
+        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), witness, blocked)
+    cells = tuple(build_input_cell(cell, state) for cell in partition.cells for state in cell.states)
+    local = frozenset(cell.index for cell in partition.cells if is_local(cell))
+    if single is not None:
+        held = f"cell {single.cell.index} ({single.state.name}) holds a side row in third place"
+        return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, f"{held}, so one input acts alone")
     for data in cells:
         stall = data.stall() if data.cell.index in local else None
         if stall is not None:
@@ -212,15 +140,10 @@ def _shaped(
     return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason, none_serves=none_serves)
 
 
-def _single_input(partition: Partition) -> Witness | None:
-    """Where a side row in third place leaves one input alone at the equilibrium: the plane on which V' vanishes."""
-    for cell in partition.cells:
-        if _is_local(cell):
-            for state in cell.states:
-                data = _input_cell(cell, state)
-                if data.lever is None:
-                    return data.idle_plane()
-    return None
+def _single_input(partition: Partition) -> InputCell | None:
+    """A closed cell at the equilibrium whose side row in third place leaves one input alone."""
+    local = (build_input_cell(cell, state) for cell in partition.cells if is_local(cell) for state in cell.states)
+    return next((data for data in local if data.lever is None), None)
 
 
 def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
@@ -234,34 +157,8 @@ def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
     return None
 
 
-def _acting_wheels(scene: Scene, partition: Partition) -> list[Wheel]:
+def _acting_wheels(partition: Partition) -> list[Wheel]:
     """The wheels whose rows are held at the equilibrium."""
-    near = [state for cell in partition.cells if _is_local(cell) for state in cell.states]
+    near = [state for cell in partition.cells if is_local(cell) for state in cell.states]
     held = {row.wheel.index for state in near for row in state.rows}
-    return [wheel for wheel in scene.wheels if wheel.index in held]
-
-
-def _input_cell(cell: Cell, state: ContactState) -> InputCell:
-    nearest, second = state.rows[0].wheel, state.rows[2].wheel
-    lever = None
-    if state.rows[2].kind is RowKind.ROLL:
-        gap = (second.position[0] - nearest.position[0], second.position[1] - nearest.position[1])
-        lever = dot(second.direction, turned(gap))
-    projections = tuple(dot(vertex, nearest.direction) for vertex in cell.polygon.vertices)
-    return InputCell(cell, state, nearest, second, lever, projections)
-
-
-def _is_local(cell: Cell) -> bool:
-    """Whether the closed cell holds the equilibrium."""
-    zero = cell.twists[0].omega.field.zero
-    return cell.polygon.contains((zero, zero))
-
-
-def _is_idle(data: InputCell, witness: Witness) -> bool:
-    """Whether no input of the closed cell changes V at the witness, which is not the equilibrium itself."""
-    nonzero = any(witness.point) or bool(witness.value)
-    return (
-        nonzero
-        and data.cell.polygon.contains(witness.point)
-        and not any(data.coefficients(witness.point, witness.value))
-    )
+    return [wheel for wheel in partition.scene.wheels if wheel.index in held]

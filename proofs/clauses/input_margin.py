@@ -34,7 +34,7 @@ from typing import Any
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.cones import CellCone
 from nonsmooth.proofs.clauses.control_lyapunov import ControlLyapunov
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent
 from nonsmooth.symbolic.numbers.lazy import divided

@@ -21,7 +21,8 @@ from nonsmooth.proofs.clauses.cones import Cone, by_angle
 from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, trimmed, value
+from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
 from nonsmooth.proofs.systems.ladder import mixtures
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist

@@ -17,7 +17,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.verdicts import Rotation
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.constraints import Triple, Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -37,10 +37,7 @@ class Drift:
 
     def check(self) -> bool:
         """Re-verify both linear programs."""
-        zero, one = _constants(self.twists)
-        columns = [(t.vx, t.vy, one) for t in self.twists]
-        target = (zero, zero, one)
-        omegas = [t.omega for t in self.twists]
+        columns, target, omegas = _program(self.twists)
         return self.highest.check(columns, target, omegas) and self.lowest.check(columns, target, [-w for w in omegas])
 
 
@@ -69,11 +66,9 @@ class RotationResult:
 
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
     """The drift of a hull of twists; None where the hull holds no zero velocity."""
-    zero, one = _constants(twists)
-    columns = [(t.vx, t.vy, one) for t in twists]
-    omegas = [t.omega for t in twists]
-    highest = best_mixture(columns, (zero, zero, one), omegas)
-    lowest = best_mixture(columns, (zero, zero, one), [-w for w in omegas])
+    columns, target, omegas = _program(twists)
+    highest = best_mixture(columns, target, omegas)
+    lowest = best_mixture(columns, target, [-w for w in omegas])
     return None if highest is None or lowest is None else Drift(twists, lowest, highest)
 
 
@@ -120,6 +115,8 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
     return max(near) * translation.quadratic.arrival_per_distance  # from starts in its region
 
 
-def _constants(twists: tuple[Twist, ...]) -> tuple[Number, Number]:
+def _program(twists: tuple[Twist, ...]) -> tuple[list[Triple], Triple, list[Number]]:
+    """Columns and target of convex weights that rest in (x, y), and the rates that they mix."""
     field = twists[0].omega.field
-    return field.zero, field.one
+    columns = [(t.vx, t.vy, field.one) for t in twists]
+    return columns, (field.zero, field.zero, field.one), [t.omega for t in twists]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.authority import Authority, roll_authority
 from nonsmooth.proofs.clauses.feedback import side_friction_rules
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene

@@ -23,26 +23,19 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_derivatives
 from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.cones import CellCone, build_fan
+from nonsmooth.proofs.clauses.decrease_region import region_radius, squared_reach
 from nonsmooth.proofs.clauses.fan import FanResult, decide_fan
 from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import cross, dot
 
 LYAPUNOV = "x**2 + y**2"
-
-
-@dataclass(frozen=True)
-class Witness:
-    """A point and the exact value that refutes or limits a claim there."""
-
-    point: Point
-    value: Number
-    meaning: str
 
 
 @dataclass(frozen=True)
@@ -75,6 +68,10 @@ class TranslationResult:
     def worst_rate(self) -> Number:
         """``max V*/|c|`` over the square, exactly."""
         return self.worst.value
+
+    @property
+    def sampled(self) -> None:
+        """Nothing is sampled: V* is exact on the cells."""
 
     @property
     def decay_rate(self) -> Number | None:
@@ -121,8 +118,7 @@ class TranslationResult:
         radius = self.region_radius
         if radius is None or radius.sign() <= 0:
             return False
-        segments = (s for d in self.derivatives for s in _violating_segments(d, strict=strict))
-        return all(squared_distance(*segment) >= radius * radius for segment in segments)
+        return squared_reach(self.derivatives, strict=strict, within=radius) >= radius * radius
 
     def _is_attained(self, witness: Witness) -> bool:
         """Whether the positive value is V* of some cell near the equilibrium whose closure holds the point."""
@@ -150,7 +146,7 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
         quadratic = find_quadratic(build_fan(partition)) if fan.verdict is Translation.ASYMPTOTICALLY_STABLE else None
         return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic)
     strict = highest.sign() < 0
-    radius = _region_radius(partition, derivatives, strict=strict)
+    radius = region_radius(derivatives, strict=strict, within=partition.scene.check.radius)
     if strict:
         reason = "V* < 0 at every nonzero vertex of the closed cells that meet at the equilibrium"
         return TranslationResult(Translation.ASYMPTOTICALLY_STABLE, derivatives, worst, radius, None, reason)
@@ -234,42 +230,3 @@ def _rests_on_ray(derivatives: tuple[CellDerivative, ...], point: Point) -> bool
 def _borders(cell: Cell, direction: Point) -> bool:
     """Whether a cell whose closure holds the equilibrium holds the points near it along the direction."""
     return all(side.slack(direction).sign() >= 0 for side in cell.polygon.sides if not side.offset)
-
-
-def _region_radius(partition: Partition, derivatives: tuple[CellDerivative, ...], *, strict: bool) -> Number:
-    """Radius of the largest disc about the equilibrium, inside the square, on which V* < 0 (or <= 0)."""
-    radius = partition.scene.check.radius
-    nearest = radius * radius
-    for derivative in derivatives:
-        for start, end in _violating_segments(derivative, strict=strict):
-            nearest = min(nearest, squared_distance(start, end))
-    return radius if nearest == radius * radius else nearest.sqrt()
-
-
-def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator[tuple[Point, Point]]:
-    """Boundary segments of the part of the closed cell where V* is not as required (without the equilibrium)."""
-    worst, _ = derivative.largest
-    polygon = derivative.cell.polygon
-    zero = worst.field.zero
-    if worst.sign() < 0 or (not strict and not worst) or polygon.contains((zero, zero)):
-        return
-    vx, vy = derivative.twist.velocity
-    part = polygon.clipped(HalfPlane((-vx, -vy), zero)) if vx or vy else polygon
-    if part is None:  # V* vanishes on a side or at a vertex only
-        flat = [p for p, rate in zip(polygon.vertices, derivative.rates, strict=True) if not rate]
-        yield flat[0], flat[-1]
-        return
-    for k, start in enumerate(part.vertices):
-        yield start, part.vertices[(k + 1) % len(part.vertices)]
-
-
-def squared_distance(start: Point, end: Point) -> Number:
-    """Squared distance of the origin from a segment."""
-    along = (end[0] - start[0], end[1] - start[1])
-    length, shift = dot(along, along), -dot(start, along)
-    if shift.sign() <= 0:
-        return dot(start, start)
-    if shift >= length:
-        return dot(end, end)
-    area = cross(start, along)
-    return area * area / length

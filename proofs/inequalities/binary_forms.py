@@ -14,8 +14,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from nonsmooth.proofs.inequalities.dense_polynomials import difference, product, trimmed, value, without_zeros
 from nonsmooth.proofs.inequalities.forms import Pieces, Problem, Vector, surd_sign
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
 from nonsmooth.proofs.inequalities.subdivision import Violation
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number
@@ -42,8 +43,12 @@ class Line:
         """A polynomial with all zeros among its roots; empty where the function vanishes or is not decided by it."""
         if not trimmed(self.radial):
             return trimmed(self.plain)
-        difference = trimmed(_sum(_product(self.plain, self.plain), _product(self.square, _square_of(self.radial)), -1))
-        return difference or trimmed(self.plain)
+        return trimmed(self.norm) or trimmed(self.plain)
+
+    @cached_property
+    def norm(self) -> list[Number]:
+        """``A^2 - q B^2``."""
+        return difference(product(self.plain, self.plain), product(self.square, product(self.radial, self.radial)))
 
     @staticmethod
     def samples(roots: Sequence[RealRoot]) -> list[Fraction]:
@@ -59,8 +64,7 @@ class Line:
         first, second = root.sign_of(self.plain), root.sign_of(self.radial) * root.sign_of(self.square)
         if first * second >= 0:
             return first or second
-        difference = _sum(_product(self.plain, self.plain), _product(self.square, _square_of(self.radial)), -1)
-        return first * root.sign_of(difference)
+        return first * root.sign_of(self.norm)
 
     def end_sign(self, *, last: bool) -> int:
         """Sign at ``t = 0`` or, scaled, at infinity."""
@@ -144,29 +148,3 @@ def _dense(terms: Terms, edge: tuple[int, int], degree: int, field: NumberField)
     first, second = edge
     found = {e[second]: c for e, c in terms.items() if e[first] + e[second] == degree}
     return tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
-
-
-def without_zeros(coefficients: list[Number]) -> list[Number]:
-    """Without the root zero."""
-    first = next(k for k, c in enumerate(coefficients) if c)
-    return coefficients[first:]
-
-
-def _product(first: Sequence[Number], second: Sequence[Number]) -> list[Number]:
-    zero = first[0].field.zero
-    total = [zero] * (len(first) + len(second) - 1)
-    for i, a in enumerate(first):
-        for j, b in enumerate(second):
-            total[i + j] = total[i + j] + a * b
-    return total
-
-
-def _square_of(values: Sequence[Number]) -> list[Number]:
-    return _product(values, values)
-
-
-def _sum(first: Sequence[Number], second: Sequence[Number], factor: int) -> list[Number]:
-    count = max(len(first), len(second))
-    zero = first[0].field.zero
-    padded = [[*values, *[zero] * (count - len(values))] for values in (first, second)]
-    return [a + factor * b for a, b in zip(*padded, strict=True)]

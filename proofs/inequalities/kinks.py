@@ -14,23 +14,20 @@ are isolated exactly, and at a root the signs are certified there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, pairwise
-from typing import Any, TypeAlias
+from typing import Any
 
 from nonsmooth.analysis.fields.switched_cells import LyapunovCell
 from nonsmooth.analysis.partitions.region import Segment
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated, trimmed, value
+from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, difference, product, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
 from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-
-Curve: TypeAlias = tuple[Number, ...]  # a polynomial in t, ascending
-Signs: TypeAlias = Callable[[Curve], int]
 
 
 class Trend(StrEnum):
@@ -82,7 +79,7 @@ class Kink:
     edge: Segment
 
     @cached_property
-    def _table(self) -> tuple[tuple[Curve, Curve], ...]:
+    def _table(self) -> tuple[tuple[Coefficients, Coefficients], ...]:
         """``(m_fA, m_fB)`` for each velocity, in t."""
         velocities = tuple(dict.fromkeys((*self.first.velocities, *self.second.velocities)))
         (a, b), (c, d) = self.first.gradient, self.second.gradient
@@ -90,7 +87,7 @@ class Kink:
         degree = max(p.degree for pair in products for p in pair)
         return tuple((self.along(p, degree), self.along(q, degree)) for p, q in products)
 
-    def along(self, polynomial: Polynomial, degree: int | None = None) -> Curve:
+    def along(self, polynomial: Polynomial, degree: int | None = None) -> Coefficients:
         """A polynomial on the edge, times a power of w that is positive there."""
         top = polynomial.degree if degree is None else degree
         exact = [tuple(map(evaluated, g)) for g in self.edge]
@@ -114,18 +111,18 @@ class Kink:
         curves = {tuple(trimmed(curve)) for curve in self._curves()}
         return separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
 
-    def _curves(self) -> list[Curve]:
+    def _curves(self) -> list[Coefficients]:
         table = self._table
-        bends = [_minus(a, b) for a, b in table]
+        bends = [difference(a, b) for a, b in table]
         curves = [curve for pair in table for curve in pair] + bends
-        curves += [_minus(a, b) for a, _ in table for _, b in table]
+        curves += [difference(a, b) for a, _ in table for _, b in table]
         curves += [self._mixed(i, j) for i, j in combinations(range(len(table)), 2)]
         return curves
 
-    def _mixed(self, i: int, j: int) -> Curve:
+    def _mixed(self, i: int, j: int) -> Coefficients:
         """Numerator ``a_i m_jA - a_j m_iA``."""
         (p, q), (r, s) = self._table[i], self._table[j]
-        return _minus(_times(_minus(p, q), r), _times(_minus(r, s), p))
+        return difference(product(difference(p, q), r), product(difference(r, s), p))
 
     def samples(self) -> list[Fraction]:
         """One point between any two neighbouring roots, and one before and after them."""
@@ -149,38 +146,22 @@ class Kink:
     def trends_at(self, place: Fraction | RealRoot) -> Trends:
         """The signs of the three maxima at a parameter."""
 
-        def sign_of(curve: Curve) -> int:
+        def sign_of(curve: Coefficients) -> int:
             return place.sign_of(curve) if isinstance(place, RealRoot) else value(curve, place).sign()
 
         table = self._table
         signs = [(sign_of(a), sign_of(b)) for a, b in table]
-        bends = [sign_of(_minus(a, b)) for a, b in table]
+        bends = [sign_of(difference(a, b)) for a, b in table]
         common = [a for (a, _), bend in zip(signs, bends, strict=True) if not bend]
         common += [
             sign_of(self._mixed(i, j)) * bends[i]
             for i, j in combinations(range(len(table)), 2)
             if bends[i] * bends[j] < 0
         ]
-        apart = not common and all(bends[0] * sign_of(_minus(a, b)) > 0 for a, _ in table for _, b in table)
+        apart = not common and all(bends[0] * sign_of(difference(a, b)) > 0 for a, _ in table for _, b in table)
         largest = max([*common, *(min(pair) for pair in signs)])
         return Trends(
             Trend.of_sign(max(max(pair) for pair in signs)),
             Trend.EMPTY if apart else Trend.of_sign(largest),
             Trend.of_sign(max(common)) if common else Trend.EMPTY,
         )
-
-
-def _minus(first: Curve, second: Curve) -> Curve:
-    zero = (first or second)[0].field.zero
-    count = max(len(first), len(second))
-    padded = [[*curve, *[zero] * (count - len(curve))] for curve in (first, second)]
-    return tuple(a - b for a, b in zip(*padded, strict=True))
-
-
-def _times(first: Curve, second: Curve) -> Curve:
-    zero = first[0].field.zero
-    total = [zero] * (len(first) + len(second) - 1)
-    for i, a in enumerate(first):
-        for j, b in enumerate(second):
-            total[i + j] = total[i + j] + a * b
-    return tuple(total)

@@ -1,6 +1,6 @@
 """Real roots of polynomials in one variable over the scene's field, isolated exactly by Sturm chains.
 
-Dense coefficients, ascending.  A Sturm chain counts distinct roots between two points that are no roots themselves,
+A Sturm chain counts distinct roots between two points that are no roots themselves,
 whatever the multiplicities, so no square-free decomposition is needed; between neighbouring roots one rational point
 shows the sign.  Bisection at rational points ends because roots are finitely many; nothing is rounded.  Cost grows
 quickly with the degree over a field of many square roots: meant for degrees up to about a dozen.
@@ -8,66 +8,26 @@ quickly with the degree over a field of many square roots: meant for degrees up 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
 
 from flint import fmpq_poly
 
+from nonsmooth.proofs.inequalities.dense_polynomials import (
+    Coefficients,
+    derivative,
+    divided,
+    greatest_divisor,
+    scaled,
+    trimmed,
+    value,
+    without_zeros,
+)
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-
-Coefficients: TypeAlias = Sequence[Number]
-
-
-def trimmed(coefficients: Coefficients) -> list[Number]:
-    """Without leading zeros; empty for the zero polynomial."""
-    kept = list(coefficients)
-    while kept and not kept[-1]:
-        kept.pop()
-    return kept
-
-
-def value(coefficients: Coefficients, t: Any) -> Any:
-    """Horner's scheme."""
-    total: Any = 0
-    for c in reversed(coefficients):
-        total = total * t + c
-    return total
-
-
-def remainder(dividend: Coefficients, divisor: Coefficients) -> list[Number]:
-    """``dividend mod divisor``."""
-    rest, inverse = trimmed(dividend), divisor[-1].inverse()
-    while len(rest) >= len(divisor):
-        factor, shift = rest[-1] * inverse, len(rest) - len(divisor)
-        for k, c in enumerate(divisor[:-1]):
-            rest[shift + k] = rest[shift + k] - factor * c
-        rest = trimmed(rest[:-1])
-    return rest
-
-
-def _scaled(coefficients: list[Number]) -> list[Number]:
-    """Divided by the absolute leading coefficient: the same signs, shorter numbers."""
-    inverse = abs(coefficients[-1].inverse())
-    return [c * inverse for c in coefficients]
-
-
-def derivative(coefficients: Coefficients) -> list[Number]:
-    """First derivative."""
-    return [k * c for k, c in enumerate(coefficients)][1:]
-
-
-def greatest_divisor(first: Coefficients, second: Coefficients) -> list[Number]:
-    """Greatest common divisor, up to a factor."""
-    a, b = trimmed(first), trimmed(second)
-    while b:
-        a, b = b, remainder(a, b)
-        b = _scaled(b) if b else b
-    return a
 
 
 class Sturm:
@@ -78,8 +38,8 @@ class Sturm:
         self.chain = [self.coefficients]
         following = derivative(self.coefficients)
         while following:
-            self.chain.append(_scaled(following))
-            following = [-c for c in remainder(self.chain[-2], self.chain[-1])]
+            self.chain.append(scaled(following))
+            following = [-c for c in divided(self.chain[-2], self.chain[-1])[1]]
 
     def sign_at(self, t: Fraction) -> int:
         """Sign of the polynomial."""
@@ -148,11 +108,9 @@ def positive_roots(coefficients: Coefficients) -> list[RealRoot]:
     Raises:
         ValueError: for the zero polynomial.
     """
-    kept = trimmed(coefficients)
+    kept = without_zeros(trimmed(coefficients))  # the root 0 is not positive
     if not kept:
         raise ValueError("required a nonzero polynomial")
-    while not kept[0]:  # the root 0 is not positive
-        kept = kept[1:]
     sturm, bound = Sturm(kept), Fraction(1)
     at_infinity = sturm.variations(None)
     while sturm.variations(bound) != at_infinity or not sturm.sign_at(bound):
@@ -212,20 +170,9 @@ def _factors(coefficients: Coefficients) -> list[list[Number]]:
     rest = trimmed(coefficients)
     while len(rest) > 1:  # rest, rest/gcd(rest, rest'): square-free layers, the last ones of low degree
         common = greatest_divisor(rest, derivative(rest))
-        factors.append(_quotient(rest, common))
+        factors.append(divided(rest, common)[0])
         rest = common
     return factors
-
-
-def _quotient(dividend: Coefficients, divisor: Coefficients) -> list[Number]:
-    rest, inverse = list(dividend), divisor[-1].inverse()
-    quotient: list[Number] = []
-    for shift in range(len(dividend) - len(divisor), -1, -1):
-        factor = rest[shift + len(divisor) - 1] * inverse
-        quotient.append(factor)
-        for k, c in enumerate(divisor):
-            rest[shift + k] = rest[shift + k] - factor * c
-    return quotient[::-1]
 
 
 def _in_radicals(factor: list[Number], low: Fraction, high: Fraction) -> Number | None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.choices import Shown
+from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.console import refusals_named, refuse_given, write, write_json, write_views
 from nonsmooth.reports.options import At, Json, Picture, Radius, RuleOption, SceneText
 
@@ -25,9 +25,9 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     radius: Radius = None,
     at: At = None,
     show: Annotated[
-        Shown,
+        Drawing,
         typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
-    ] = Shown.CELLS,
+    ] = Drawing.CELLS,
     compare: Annotated[
         bool, typer.Option("--compare", help="Compare the three contact rules on the square instead.")
     ] = False,
@@ -52,7 +52,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         path = output_path(output, PICTURES)
     if compare:
         return _compare(loaded, path, json=json)
-    if path is not None and show is Shown.ARRAY and not json:
+    if path is not None and show is Drawing.ARRAY and not json:
         return _draw_array(loaded, path)
     with refusals_named(loaded):
         cells = build_partition(loaded)
@@ -71,18 +71,18 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     return 0
 
 
-def _drawn(cells: Partition, show: Shown, suffix: str) -> bytes:
+def _drawn(cells: Partition, show: Drawing, suffix: str) -> bytes:
     """The picture that was asked for."""
     match show:
-        case Shown.ARRAY:
+        case Drawing.ARRAY:
             from nonsmooth.reports.figures.array import array_figure
 
             return array_figure(cells.scene, suffix)
-        case Shown.RATES:
+        case Drawing.RATES:
             from nonsmooth.reports.figures.rate_map import rate_map
 
             return rate_map(cells, suffix)
-        case Shown.CELLS:
+        case Drawing.CELLS:
             from nonsmooth.reports.figures.cell_map import cell_map
 
             return cell_map(cells, suffix)

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import INTERRUPTED, RefusedError, json_text, write, write_json, write_views
+from nonsmooth.reports.console import INTERRUPTED, RefusedError
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from nonsmooth.analysis.studies.study import Study
-    from nonsmooth.reports.precision import Precision
 
 
 def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -44,8 +41,9 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     """
     from nonsmooth.analysis.studies.measurement import Limits
     from nonsmooth.reports import precision as views
-    from nonsmooth.reports.files import PICTURES, output_path, write_whole
+    from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.progress import progress
+    from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if runs < 1:
@@ -57,14 +55,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     loaded = load_scene(scene, rule=rule, radius=radius, at=at)
     with progress() as report:
         found = views.measure(loaded, studies, Limits(runs, time_limit), report)
-    if path is not None:
-        write_whole(path, _bytes(path, found))
-    if json:
-        write_json(views.precision_record(found))
-    elif path is not None:
-        write(f"{path}: {len(found.rows)} rows of {len(found.studies)} studies\n")
-    else:
-        write_views(views.precision_views(found))
+    show(found, path, json=json)
     return 0 if found.complete else INTERRUPTED
 
 
@@ -77,17 +68,3 @@ def _studies(names: list[str] | None) -> tuple[Study, ...]:
         if name not in known:
             raise RefusedError(f"--study: required one of {', '.join(known)}, received {name[:60]!r}")
     return tuple(study for study in STUDIES if not names or study.name in names)
-
-
-def _bytes(path: Path, found: Precision) -> bytes:
-    from nonsmooth.reports.precision import precision_record, precision_table
-
-    match path.suffix.lower():
-        case ".csv":
-            return precision_table(found)
-        case ".json":
-            return json_text(precision_record(found)).encode()
-        case suffix:
-            from nonsmooth.reports.figures.precision import precision_figure
-
-            return precision_figure(found, suffix)

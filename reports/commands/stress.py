@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import INTERRUPTED, json_text, write, write_json, write_views
+from nonsmooth.reports.console import INTERRUPTED
 from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rich.status import Status
 
     from nonsmooth.analysis.extremes.row import StressRow
+    from nonsmooth.reports.stress_views import StressRun
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system import SystemScene
 
@@ -37,30 +36,23 @@ def stress(
 
     Exit status: 0 all rows ok, 1 not, 2 bad input, 130 interrupted (finished rows are kept).
     """
-    from nonsmooth.reports import stress_views as views
-    from nonsmooth.reports.files import PICTURES, output_path, write_whole
+    from nonsmooth.reports.files import PICTURES, output_path
+    from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.files.system_file import load_any
 
     path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
     loaded = load_any(scene, rule=rule, radius=radius, at=at)
-    rows, complete = _all_rows(loaded)
-    record = views.stress_record(loaded.name, rows, complete=complete)
-    if path is not None:
-        write_whole(path, _output_bytes(path, loaded.name, rows, json_text(record)))
-    if json:
-        write_json(record)
-    elif path is not None:
-        write(f"{path}: {views.stress_summary(loaded.name, rows, complete=complete)}\n")
-    else:
-        write_views([views.stress_view(loaded.name, rows, complete=complete)])
-    if not complete:
+    run = _run(loaded)
+    show(run, path, json=json)
+    if not run.complete:
         return INTERRUPTED
-    return 0 if record["ok"] else 1
+    return 0 if run.ok else 1
 
 
-def _all_rows(scene: Scene | SystemScene) -> tuple[list[StressRow], bool]:
-    """Row after row; an interrupt keeps those that are finished. Whether all were."""
+def _run(scene: Scene | SystemScene) -> StressRun:
+    """Row after row; an interrupt keeps those that are finished."""
     from nonsmooth.proofs.extremes.stress import guarded, stress_cases
+    from nonsmooth.reports.stress_views import StressRun
 
     rows: list[StressRow] = []
     with _progress() as status:
@@ -71,8 +63,8 @@ def _all_rows(scene: Scene | SystemScene) -> tuple[list[StressRow], bool]:
                     if status is not None:
                         status.update(f"{len(rows)} rows; {name}: {row.case}, {row.parameter}")
         except KeyboardInterrupt:
-            return rows, False
-    return rows, True
+            return StressRun(scene.name, tuple(rows), complete=False)
+    return StressRun(scene.name, tuple(rows), complete=True)
 
 
 @contextmanager
@@ -86,15 +78,3 @@ def _progress() -> Iterator[Status | None]:
         return
     with console.status("starting") as status:
         yield status
-
-
-def _output_bytes(path: Path, name: str, rows: list[StressRow], record: str) -> bytes:
-    from nonsmooth.reports.stress_views import stress_figure, stress_table
-
-    match path.suffix.lower():
-        case ".json":
-            return record.encode()
-        case ".csv":
-            return stress_table(rows)
-        case suffix:
-            return stress_figure(name, rows, suffix)

@@ -14,7 +14,6 @@ from nonsmooth.analysis.studies.study import Row
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.precision import Measured, Precision
-from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,11 +39,9 @@ def build_figure(precision: Precision) -> Figure:
     columns = min(COLUMNS, max(1, len(drawn)))
     rows = max(1, math.ceil(len(drawn) / columns))
     figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.8), layout="constrained")
-    limits = precision.limits
-    title = f"{one_line(precision.scene.name)}: error against run time, best of {limits.runs} runs"
-    figure.suptitle(title, fontsize="large", parse_math=False)
+    figure.suptitle(precision.head, fontsize="large", parse_math=False)
     for k, measured in enumerate(drawn):
-        _draw(figure.add_subplot(rows, columns, k + 1), measured, limits.seconds)
+        _draw(figure.add_subplot(rows, columns, k + 1), measured, precision.limits.seconds)
     if not drawn:
         figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
     _explain(figure)

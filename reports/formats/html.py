@@ -145,13 +145,12 @@ def _inline(part: Inline) -> str:
 
 def _room(text: Text) -> Markup:
     """The class of a table's entry: short ones stay on one line, long ones have room to wrap."""
-    length = sum(
-        len(part.plain if isinstance(part, Math) else part if isinstance(part, str) else part.text) for part in text
-    )
+    length = sum(len(_plain(part)) for part in text)
     return _markup(' class="short"' if length < SHORT else ' class="long"' if length > LONG else "")
 
 
 def _plain(part: Inline) -> str:
+    """The characters that a part shows."""
     match part:
         case Math(_, plain):
             return plain

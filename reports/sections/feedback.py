@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, InputCell
+from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.clauses.input_margin import InputMargin
 from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.verdicts import Feedback

@@ -9,7 +9,8 @@ from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, Ellipse
 from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
 from nonsmooth.proofs.clauses.fan import FanResult
 from nonsmooth.proofs.clauses.rotation import RotationResult
-from nonsmooth.proofs.clauses.translation import TranslationResult, Witness
+from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.document import (

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import PlainValidator
 
 from nonsmooth.symbolic.files.scene_document import Name
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.scene_file import deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, Table, angles, field_of
 from nonsmooth.symbolic.files.system_file import is_state, parse_lyapunov
@@ -89,10 +89,8 @@ def load_equations(source: str | Path) -> SwitchedEquations:
     Raises:
         SceneError: for whatever cannot be used.
     """
-    try:
+    with deep_nesting_refused(source):
         return _equations(*read_document(source))
-    except RecursionError:
-        raise SceneError(str(source), "", "a document with fewer nested brackets", Fact("too many")) from None
 
 
 def _equations(data: dict[str, Any], file: str, path: Path) -> SwitchedEquations:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from decimal import Decimal
 from difflib import get_close_matches
 from fractions import Fraction
@@ -26,7 +27,16 @@ from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel, dot
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
-__all__ = ["SceneError", "builtin_descriptions", "builtin_scenes", "builtin_systems", "load_scene", "read_document"]
+__all__ = [
+    "SceneError",
+    "build_scene",
+    "builtin_descriptions",
+    "builtin_scenes",
+    "builtin_systems",
+    "deep_nesting_refused",
+    "load_scene",
+    "read_document",
+]
 
 MAX_TOML_BYTES = 1 << 20
 MAX_CSV_BYTES = 64 << 20
@@ -100,8 +110,19 @@ def load_scene(
     Raises:
         SceneError: for whatever cannot be used.
     """
+    with deep_nesting_refused(source):
+        return build_scene(*read_document(source, rule=rule, radius=radius, at=at))
+
+
+@contextmanager
+def deep_nesting_refused(source: str | Path) -> Iterator[None]:
+    """Refuse a document whose nested brackets exhaust the stack.
+
+    Raises:
+        SceneError: in place of Python's error.
+    """
     try:
-        return _scene(*read_document(source, rule=rule, radius=radius, at=at))
+        yield
     except RecursionError:
         raise SceneError(str(source), "", "a document with fewer nested brackets", Fact("too many")) from None
 
@@ -173,7 +194,12 @@ def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: 
     return data
 
 
-def _scene(data: dict[str, Any], file: str, path: Path) -> Scene:
+def build_scene(data: dict[str, Any], file: str, path: Path) -> Scene:
+    """The scene of a document, by the parts that :func:`read_document` returns.
+
+    Raises:
+        SceneError: for whatever cannot be used.
+    """
     if "system" in data:
         raise SceneError(file, "system", "an array of wheels", Fact("a plain switched system"))
     document = validate(Document, data, file)

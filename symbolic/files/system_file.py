@@ -15,7 +15,7 @@ from pydantic import PlainValidator
 
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_document import Name
-from nonsmooth.symbolic.files.scene_file import builtin_systems, load_scene, read_document
+from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, PairField, Table, angles, field_of, requirement
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
@@ -88,15 +88,13 @@ def load_any(
     Raises:
         SceneError: for whatever cannot be used.
     """
-    try:
-        data, _, _ = read_document(source)
-    except RecursionError:
-        data = {}
-    if "system" not in data:
-        return load_scene(source, rule=rule, radius=radius, at=at)
-    if rule is not None:
-        raise SceneError(str(source), "contact.rule", "no contact rule for a plain switched system", str(rule))
-    return load_system(source, radius=radius, at=at)
+    with deep_nesting_refused(source):
+        data, file, path = read_document(source, rule=rule, radius=radius, at=at)
+        if "system" not in data:
+            return build_scene(data, file, path)
+        if rule is not None:
+            raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", str(rule))
+        return _system(data, file, path)
 
 
 def load_system(source: str | Path, *, radius: str | None = None, at: str | None = None) -> SystemScene:
@@ -110,13 +108,11 @@ def load_system(source: str | Path, *, radius: str | None = None, at: str | None
     Raises:
         SceneError: for whatever cannot be used.
     """
-    try:
+    with deep_nesting_refused(source):
         data, file, path = read_document(source, radius=radius, at=at)
         if "system" not in data:
             raise SceneError(file, "system", "a plain switched system, [system]", Fact("nothing"))
         return _system(data, file, path)
-    except RecursionError:
-        raise SceneError(str(source), "", "a document with fewer nested brackets", Fact("too many")) from None
 
 
 def system_descriptions() -> dict[str, str]:

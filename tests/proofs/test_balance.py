@@ -10,7 +10,8 @@ from scipy.optimize import minimize
 
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions, value_at
 from nonsmooth.proofs.clauses.authority import roll_authority
-from nonsmooth.proofs.clauses.balance import linearize, rest_balance
+from nonsmooth.proofs.clauses.balance import rest_balance
+from nonsmooth.proofs.clauses.linearization import linearize
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE

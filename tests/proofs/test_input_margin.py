@@ -18,7 +18,7 @@ from nonsmooth.proofs.clauses.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.input_margin import InputMargin
-from nonsmooth.proofs.clauses.translation import Witness
+from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays

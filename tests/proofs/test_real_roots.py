@@ -10,7 +10,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated, value
+from nonsmooth.proofs.inequalities.dense_polynomials import value
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 

@@ -6,10 +6,8 @@ import csv
 import json
 import math
 from collections.abc import Callable
-from contextlib import redirect_stdout
-from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -24,10 +22,13 @@ from nonsmooth.reports import precision as views
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
 from nonsmooth.reports.figures.precision import build_figure
-from nonsmooth.reports.precision import STUDIES, Precision, measure, precision_record
+from nonsmooth.reports.precision import STUDIES, Precision, measure
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 ROW_KEYS = [
     "study", "method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note", "details", "work",
@@ -64,18 +65,11 @@ def measured(*studies: Study) -> Precision:
     return measure(load_scene("four-wheel"), studies, Limits(1, LIMIT), silent)
 
 
-def cli(*arguments: str) -> tuple[int, str]:
-    stream = StringIO()
-    with redirect_stdout(stream):
-        status = run(app, ["precision", *arguments])
-    return status, stream.getvalue()
-
-
 # ---- contract ------------------------------------------------------------------------------------
 
 
-def test_json_of_a_study() -> None:
-    status, out = cli("ring-3", "--study", "derivation", "--runs", "1", "--json")
+def test_json_of_a_study(invoke: Invoke) -> None:
+    status, out, _ = invoke("precision", "ring-3", "--study", "derivation", "--runs", "1", "--json")
     record = json.loads(out)
     assert status == 0
     assert (record["schema"], record["scene"], record["complete"]) == ("nonsmooth-precision/1", "ring-3", True)
@@ -89,10 +83,9 @@ def test_json_of_a_study() -> None:
     assert (slope["method"], slope["expected"]) == ("balls", 1)
 
 
-def test_csv_and_json_files_hold_the_same_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_csv_and_json_files_hold_the_same_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}),))
-    assert cli("four-wheel", "-o", "rows.csv")[0] == cli("four-wheel", "-o", "rows.json")[0] == 0
+    assert all(invoke("precision", "four-wheel", "-o", f"rows.{kind}").status == 0 for kind in ("csv", "json"))
     with Path("rows.csv").open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(file))
     rows = json.loads(Path("rows.json").read_text(encoding="utf-8"))["rows"]
@@ -107,8 +100,8 @@ def test_every_study_names_its_quantity_with_a_unit() -> None:
     assert all("[" in one.quantity or one.name == "pruning" for one in STUDIES)
 
 
-def test_a_table_shows_errors_times_and_slopes() -> None:
-    status, out = cli("ring-3", "--study", "derivation", "--runs", "1")
+def test_a_table_shows_errors_times_and_slopes(invoke: Invoke) -> None:
+    status, out, _ = invoke("precision", "ring-3", "--study", "derivation", "--runs", "1")
     assert status == 0
     for words in ("twist error [length/time, rad/time]", "NumPy, floats", "balls: slope"):
         assert words in out
@@ -135,11 +128,10 @@ def test_bad_input_is_one_line(arguments: list[str], words: str, capsys: pytest.
 # ---- interrupts and what is left out -------------------------------------------------------------
 
 
-def test_an_interrupt_keeps_the_finished_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_an_interrupt_keeps_the_finished_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     broken = study({"exact": proportional, "broken": lambda s: interrupted if s < 1e-2 else proportional(s)}, "second")
     monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
-    status, out = cli("four-wheel", "--json", "-o", "rows.csv")
+    status, out, _ = invoke("precision", "four-wheel", "--json", "-o", "rows.csv")
     record = json.loads(out)
     assert status == INTERRUPTED
     assert record["complete"] is False
@@ -162,7 +154,7 @@ def test_a_study_that_is_left_out_says_why() -> None:
         raise LeftOut("there is no yardstick")
 
     found = measured(Study("absent", "absent", "error [1]", build), study({"exact": proportional}))
-    absent, present = precision_record(found)["studies"]
+    absent, present = found.record()["studies"]
     assert (absent["left_out"], absent["reference"]) == ("there is no yardstick", None)
     assert present["left_out"] is None
     assert found.complete
@@ -236,10 +228,9 @@ def test_legends_and_panels_do_not_overlap() -> None:
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
-def test_figures_are_written(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}),))
-    assert cli("four-wheel", "-o", f"precision{suffix}")[0] == 0
+    assert invoke("precision", "four-wheel", "-o", f"precision{suffix}")[0] == 0
     starts = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
     assert Path(f"precision{suffix}").read_bytes().startswith(starts[suffix])
 

@@ -1,0 +1,54 @@
+"""The disc about the equilibrium on which V* of ``V = |c|^2`` is negative, or not positive.
+
+On a closed cell V* is linear, so where it is not as required is a polygon; the disc ends at the nearest of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from nonsmooth.analysis.fields.filippov import CellDerivative
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import cross, dot
+
+
+def region_radius(derivatives: Sequence[CellDerivative], *, strict: bool, within: Number) -> Number:
+    """Radius of the largest disc, up to the given one, on which V* < 0 (or <= 0)."""
+    nearest = squared_reach(derivatives, strict=strict, within=within)
+    return within if nearest == within * within else nearest.sqrt()
+
+
+def squared_reach(derivatives: Sequence[CellDerivative], *, strict: bool, within: Number) -> Number:
+    """Squared distance of the nearest violation from the equilibrium; the square of ``within`` where it is farther."""
+    segments = (segment for d in derivatives for segment in _violating_segments(d, strict=strict))
+    return min([within * within, *(squared_distance(*segment) for segment in segments)])
+
+
+def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator[tuple[Point, Point]]:
+    """Boundary segments of the part of the closed cell where V* is not as required (without the equilibrium)."""
+    worst, _ = derivative.largest
+    polygon = derivative.cell.polygon
+    zero = worst.field.zero
+    if worst.sign() < 0 or (not strict and not worst) or polygon.contains((zero, zero)):
+        return
+    vx, vy = derivative.twist.velocity
+    part = polygon.clipped(HalfPlane((-vx, -vy), zero)) if vx or vy else polygon
+    if part is None:  # V* vanishes on a side or at a vertex only
+        flat = [p for p, rate in zip(polygon.vertices, derivative.rates, strict=True) if not rate]
+        yield flat[0], flat[-1]
+        return
+    for k, start in enumerate(part.vertices):
+        yield start, part.vertices[(k + 1) % len(part.vertices)]
+
+
+def squared_distance(start: Point, end: Point) -> Number:
+    """Squared distance of the origin from a segment."""
+    along = (end[0] - start[0], end[1] - start[1])
+    length, shift = dot(along, along), -dot(start, along)
+    if shift.sign() <= 0:
+        return dot(start, start)
+    if shift >= length:
+        return dot(end, end)
+    area = cross(start, along)
+    return area * area / length

@@ -1,0 +1,107 @@
+"""Clause 4 in one closed cell: the inputs ``u_i, u_j``, their effect on V, and where it vanishes.
+
+The symbols are those of :mod:`nonsmooth.proofs.clauses.feedback`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.analysis.partitions.partition import Cell
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.control_lyapunov import Demand
+from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.symbolic.constraints import RowKind
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Wheel, dot, turned
+
+
+@dataclass(frozen=True)
+class InputCell:
+    """One closed cell with the data of its law.
+
+    Attributes:
+        cell: the cell.
+        state: its contact state.
+        nearest: wheel i, both rows held.
+        second: wheel j, one row held.
+        lever: ``d_j . J(p_j - p_i)`` scaled by ``|D_j|``, or None where the third row is a side row.
+        projections: ``c . D_i`` at the vertices (a positive multiple of ``c . d_i``).
+    """
+
+    cell: Cell
+    state: ContactState
+    nearest: Wheel
+    second: Wheel
+    lever: Number | None
+    projections: tuple[Number, ...]
+
+    @property
+    def torque_sign(self) -> int:
+        """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
+        return 0 if self.lever is None else self.lever.sign()
+
+    @property
+    def demand(self) -> Demand:
+        """What a control Lyapunov function must satisfy in the cell."""
+        vertices = tuple(vertex for vertex in self.cell.polygon.vertices if any(vertex))
+        return Demand(vertices, self.nearest.direction)
+
+    def coefficients(self, point: Point, theta: Number) -> tuple[Number, ...]:
+        """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
+        fields = self.state.control_fields.values()
+        return tuple(point[0] * x + point[1] * y + theta * turn for x, y, turn in fields)
+
+    def idle_plane(self) -> Witness:
+        """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
+
+        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre (a vertex, where
+        the centre is the equilibrium) with ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where
+        ``g_omega = 0``.
+        """
+        meaning = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
+        ((x, y, turn),) = self.state.control_fields.values()
+        if not turn:
+            return Witness((turn, turn), turn.field.one, meaning)
+        polygon = self.cell.polygon
+        point = polygon.centre if any(polygon.centre) else polygon.vertices[0]
+        return Witness(point, -dot(point, (x, y)) / turn, meaning)
+
+    def stall(self) -> Point | None:
+        """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
+        vertices = self.cell.polygon.vertices
+        for k, here in enumerate(self.projections):
+            if not here and any(vertices[k]):
+                return vertices[k]
+            following = (k + 1) % len(vertices)
+            after = self.projections[following]
+            if here.sign() * after.sign() < 0:
+                t = here / (here - after)
+                point = tuple(p + t * (q - p) for p, q in zip(vertices[k], vertices[following], strict=True))
+                if any(point):
+                    return point
+        return None
+
+    def is_idle(self, witness: Witness) -> bool:
+        """Whether no input of the closed cell changes V at the witness, which is not the equilibrium itself."""
+        nonzero = any(witness.point) or bool(witness.value)
+        held = self.cell.polygon.contains(witness.point)
+        return nonzero and held and not any(self.coefficients(witness.point, witness.value))
+
+
+def build_input_cell(cell: Cell, state: ContactState) -> InputCell:
+    """The data of the law in a cell with three rows, both of the first wheel among them."""
+    nearest, second = state.rows[0].wheel, state.rows[2].wheel
+    lever = None
+    if state.rows[2].kind is RowKind.ROLL:
+        gap = (second.position[0] - nearest.position[0], second.position[1] - nearest.position[1])
+        lever = dot(second.direction, turned(gap))
+    projections = tuple(dot(vertex, nearest.direction) for vertex in cell.polygon.vertices)
+    return InputCell(cell, state, nearest, second, lever, projections)
+
+
+def is_local(cell: Cell) -> bool:
+    """Whether the closed cell holds the equilibrium."""
+    zero = cell.twists[0].omega.field.zero
+    return cell.polygon.contains((zero, zero))
