@@ -42,6 +42,7 @@ time or failed, and stand above the last setting that did not. Times of a factor
 with the machine and with what else it does; slopes and the order of methods that lie a decade apart do not. Under each
 table stands the slope of log(error) over log(setting) beside the one that theory predicts, or the reason why it
 predicts none. Errors of event times are given where a method looks for events, at the edges that a path meets first.
+The panel on full dynamics compares models, not methods: what a contact rule misses, and what a mass costs.
 
 ## Which method to choose
 

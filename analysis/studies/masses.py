@@ -76,4 +76,6 @@ def _judge(limit: Trajectory, until: float, path: Any) -> Finding:
     return Finding(apart.position, {"theta": apart.rotation}, work)
 
 
-MASS = Study("masses", "Full dynamics as the mass goes to 0", "largest distance of the paths [length]", build_masses)
+MASS = Study(
+    "masses", "full dynamics as the mass goes to 0: distance from rule ellipse", "path distance [length]", build_masses
+)
