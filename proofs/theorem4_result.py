@@ -7,6 +7,7 @@ refutation, so it makes it ``undecided``.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -46,7 +47,7 @@ class Skipped:
 
 
 @dataclass(frozen=True)
-class Theorem4Result:
+class Theorem4Result(ABC):
     """What every check reports, whatever the contact rule.
 
     Attributes:
@@ -68,6 +69,18 @@ class Theorem4Result:
     authority: Authority
     skipped: tuple[Skipped, ...]
     seconds: dict[str, float]
+
+    @property
+    @abstractmethod
+    def clauses(self) -> Clauses:
+        """The four clauses, in order."""
+
+    def _repr_html_(self) -> str:
+        """The verdicts with their reasons, for a notebook."""
+        names = ("equilibrium", "translation", "rotation", "feedback")
+        rows = [(name, clause.verdict, clause.reason) for name, clause in zip(names, self.clauses, strict=True)]
+        head = f"{self.scene.name}, rule {self.scene.contact.rule}"
+        return html_table(head, ("clause", "verdict", "reason"), [*rows, ("Theorem 4", self.verdict, self.reason)])
 
     @property
     def minimizing_states(self) -> int | None:
@@ -134,9 +147,6 @@ class CellCheck(Theorem4Result):
         """The four clauses, in order."""
         return self.equilibrium, self.translation, self.rotation, self.feedback
 
-    def _repr_html_(self) -> str:
-        return _clause_table(self, self.clauses)
-
     def check(self) -> bool:
         """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
         clauses = self.clauses
@@ -185,9 +195,6 @@ class EllipseCheck(Theorem4Result):
         """The four clauses, in order."""
         return self.equilibrium, self.translation, self.rotation, self.feedback
 
-    def _repr_html_(self) -> str:
-        return _clause_table(self, self.clauses)
-
     def check(self) -> bool:
         """Re-verify the evidence of every clause and the conclusion."""
         clauses = self.clauses
@@ -228,11 +235,3 @@ def conclude(
         if clause.verdict in open_verdicts:
             return Theorem4.UNDECIDED, f"{name}, {clause.verdict}: {clause.reason}"
     return Theorem4.HOLDS, "every clause holds"
-
-
-def _clause_table(result: Theorem4Result, clauses: Clauses) -> str:
-    """The verdicts with their reasons, for a notebook."""
-    names = ("equilibrium", "translation", "rotation", "feedback")
-    rows = [(name, clause.verdict, clause.reason) for name, clause in zip(names, clauses, strict=True)]
-    head = f"{result.scene.name}, rule {result.scene.contact.rule}"
-    return html_table(head, ("clause", "verdict", "reason"), [*rows, ("Theorem 4", result.verdict, result.reason)])

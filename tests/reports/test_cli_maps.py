@@ -9,7 +9,7 @@ import math
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -24,6 +24,9 @@ KEYS = [
     "schema", "scene", "rule", "kinematics", "grid", "theta_0", "until", "summary", "starts", "theta", "arrival",
     "points", "basin", "ends", "unique",
 ]  # fmt: skip
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
@@ -118,19 +121,10 @@ def test_the_summary_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
         ([], "--from"),
     ],
 )
-def test_bad_input_ends_in_one_line(
-    arguments: list[str],
-    named: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(app, ["simulate", "four-wheel", *arguments]) == 2
-    captured = capsys.readouterr()
-    assert captured.err.count("\n") == 1
-    assert named in captured.err
-    assert not captured.out
+def test_bad_input_ends_in_one_line(arguments: list[str], named: str, tmp_path: Path, invoke: Invoke) -> None:
+    outcome = invoke("simulate", "four-wheel", *arguments)
+    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (2, "", 1)
+    assert named in outcome.err
     assert not list(tmp_path.iterdir())
 
 

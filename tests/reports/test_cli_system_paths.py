@@ -9,7 +9,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -33,6 +33,9 @@ EQ_4 = (
         "sqrt(2)/2*sign(x)*sign(y)*sign(y**2 - x**2)",
     ],
 )
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 
 def write_system(folder: Path, states: list[str], rhs: list[str]) -> str:
@@ -174,18 +177,10 @@ def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> Non
         (["no-such-scene", "--from", "1,0"], "no-such-scene"),
     ],
 )
-def test_bad_input_ends_in_one_line(
-    arguments: list[str],
-    named: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(app, ["simulate", *arguments]) == 2
-    captured = capsys.readouterr()
-    assert (captured.err.count("\n"), captured.out) == (1, "")
-    assert named in captured.err
+def test_bad_input_ends_in_one_line(arguments: list[str], named: str, invoke: Invoke) -> None:
+    outcome = invoke("simulate", *arguments)
+    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (2, "", 1)
+    assert named in outcome.err
 
 
 @pytest.mark.parametrize(
