@@ -148,6 +148,11 @@ def scaled(vector: Triple, factor: Number | int) -> Triple:
     return vector[0] * factor, vector[1] * factor, vector[2] * factor
 
 
+def leading_one(vector: Triple) -> Triple:
+    """The multiple of a nonzero vector whose last nonzero entry is one: the same for all vectors of a line."""
+    return scaled(vector, next(x for x in reversed(vector) if x).inverse())
+
+
 def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
     """``sum_k weights[k] columns[k]``, skipping zero weights."""
     total: list[Number] | None = None

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, outer, scaled, scene_rows
+from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, leading_one, outer, scaled, scene_rows
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
@@ -107,9 +107,15 @@ class Arrangement:
         """The vertex at a twist that solves three independent rows (cached)."""
         if twist not in self._vertices:
             signs = self._residual_signs(twist)
-            tight = tuple(int(k) for k in np.flatnonzero(signs == 0))
-            self._vertices[twist] = Vertex(twist, tight, tuple(self._slopes(signs, tight)))
+            self._vertices[twist] = Vertex(twist, _tight(signs), self.slopes(signs))
         return self._vertices[twist]
+
+    def slopes(self, signs: NDArray[np.int_]) -> tuple[Slope, ...]:
+        """The slopes of D that can vanish in the region, where the residuals of the rows have these signs.
+
+        Nothing else of the twist and of the speeds counts.
+        """
+        return tuple(self._slopes(signs, _tight(signs)))
 
     def _residual_signs(self, twist: Twist) -> NDArray[np.int_]:
         """Exact signs of all residuals; floats decide the clear ones."""
@@ -158,7 +164,7 @@ class Arrangement:
         for i in doubtful:
             direction = outer(self.rows[pairs[i, 0]].normal, self.rows[pairs[i, 1]].normal)
             if any(direction):
-                directions.setdefault(_projective(direction) if len(tight) > 3 else direction, direction)
+                directions.setdefault(leading_one(direction) if len(tight) > 3 else direction, direction)
         return list(directions.values())
 
     def line_search(self, vertex: Vertex, slope: Slope, point: Point, outward: Point) -> Twist:
@@ -221,15 +227,14 @@ def float_corners(polygon: Polygon) -> NDArray[np.float64]:
     return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
 
 
+def _tight(signs: NDArray[np.int_]) -> tuple[int, ...]:
+    """Numbers of the rows without residual."""
+    return tuple(int(k) for k in np.flatnonzero(signs == 0))
+
+
 def _weight(row: Row, force: Affine) -> Affine:
     """``mu_k N_i / |D_i|`` for a row scaled by ``|D_i|``."""
     return scaled(force, row.friction / row.wheel.length)
-
-
-def _projective(direction: Triple) -> Triple:
-    """Canonical representative of a line through the origin."""
-    lead = next(x for x in direction if x).inverse()
-    return direction[0] * lead, direction[1] * lead, direction[2] * lead
 
 
 def _zero_form(scene: Scene) -> Affine:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, independent, inner, outer
+from nonsmooth.symbolic.constraints import Triple, independent, inner, leading_one, outer
 from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
 
 
@@ -48,7 +48,7 @@ def roll_authority(scene: Scene) -> Authority:
     if len(chosen) == 1:
         missing = _orthogonal(chosen[0])
     elif len(chosen) == 2:
-        missing = (_leading_one(outer(*chosen)),)
+        missing = (leading_one(outer(*chosen)),)
     return Authority(len(basis), tuple(wheels[k].index for k in basis), chosen, missing)
 
 
@@ -64,10 +64,4 @@ def _orthogonal(row: Triple) -> tuple[Triple, Triple]:
     axes = [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
     crossed = [outer(row, axis) for axis in axes]
     first, second = independent(crossed)  # a row without moment makes two of the three parallel
-    return _leading_one(crossed[first]), _leading_one(crossed[second])
-
-
-def _leading_one(vector: Triple) -> Triple:
-    """The multiple whose last nonzero entry is one: a pure rotation about the equilibrium reads (0, 0, 1)."""
-    scale = next(x for x in reversed(vector) if x).inverse()
-    return vector[0] * scale, vector[1] * scale, vector[2] * scale
+    return leading_one(crossed[first]), leading_one(crossed[second])
