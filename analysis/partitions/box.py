@@ -11,7 +11,7 @@ domain's: that checks the walk, and it is Theorem 1 of Murphey & Burdick made ch
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, at_least_zer
 from nonsmooth.analysis.partitions.nearest import pair_states
 from nonsmooth.analysis.partitions.partition import Cell, Partition, RefusalError
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
+from nonsmooth.symbolic.constraints import Row, Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.rule import Rule
@@ -33,7 +33,7 @@ def build_box_partition(scene: Scene) -> Partition:
     Raises:
         nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
     """
-    _require_resistance(scene)
+    _require_rank((row for row in scene_rows(scene) if row.friction), "friction: required rows")
     cells: list[Cell] = []
     for region in load_regions(scene):
         for states, polygon in _Walk(scene, region).cells():
@@ -42,13 +42,12 @@ def build_box_partition(scene: Scene) -> Partition:
     return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
 
 
-def _require_resistance(scene: Scene) -> None:
-    """Refuse arrays whose rows with friction leave a motion free: D is constant along it."""
-    rubbing = [row.normal for row in scene_rows(scene) if row.friction]
-    if len(independent(rubbing)) < 3:
+def _require_rank(rows: Iterable[Row], required: str) -> None:
+    """Refuse rows that leave a motion free: D is constant along it."""
+    rank = len(independent([row.normal for row in rows]))
+    if rank < 3:
         raise RefusalError(
-            "friction: required rows with friction in three independent directions, "
-            f"received {len(independent(rubbing))}: the motion is not determined"
+            f"{required} with friction in three independent directions, received {rank}: the motion is not determined"
         )
 
 
@@ -82,6 +81,8 @@ class _Walk:
     """The cells of one load region."""
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
+        rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[row.wheel.index - 1]))
+        _require_rank(rows, "contact.loads: required loaded rows")
         self.scene = scene
         self.region = region
         self.arrangement = Arrangement(scene, region)
