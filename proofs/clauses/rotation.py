@@ -5,7 +5,10 @@ omega over ``{f in F(c*): translation part 0}``.  If it holds a nonzero rate, th
 ever: theta is strongly unstable.  The convex weights are the witness, the multipliers prove the range.
 (c) If the drift is {0} and ``V* <= -kappa |c|`` where the body moves, it comes to rest within ``2 |c_0|/kappa`` and
 theta turns by at most ``2 max|omega| |c_0|/kappa``: stable, not attractive.  (d) If F(c*) = {0}, every cell at the
-equilibrium is at rest: a neighbourhood of it does not move at all.
+equilibrium is at rest: a neighbourhood of it does not move at all.  (e) If the drift is {0}, ``|omega| <= K |v|`` on
+the polytope F(c*) (Hoffman); where the fan of cones shows that every path leads inward or to rest, its length is at
+most a multiple of |c_0|, hence so is the rotation.  (Where motions tie and the point only rests, the body might run to
+and fro between two opposite ones for ever: that is left out.)
 """
 
 from __future__ import annotations
@@ -14,9 +17,10 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.fan import FanResult
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
-from nonsmooth.proofs.verdicts import Rotation
+from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Triple, Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
@@ -43,12 +47,13 @@ class Drift:
 
 @dataclass(frozen=True)
 class RotationResult:
-    """Verdict, drift, and the bound on total rotation per unit of |c_0| where theta is stable."""
+    """Verdict, drift, and where theta is stable a bound on rotation per unit of |c_0|, or the fan that shows one."""
 
     verdict: Rotation
     drift: Drift | None
     rotation_per_distance: Number | None
     reason: str
+    fan: FanResult | None = None
 
     def check(self) -> bool:
         """Re-verify the evidence behind the verdict."""
@@ -61,7 +66,8 @@ class RotationResult:
         spins = any(self.drift.interval)
         if self.verdict is Rotation.UNSTABLE:
             return spins
-        return not spins and (self.rotation_per_distance is not None or not any(map(any, self.drift.twists)))
+        bounded = self.rotation_per_distance is not None or not any(map(any, self.drift.twists))
+        return not spins and (bounded or (self.fan is not None and _has_short_paths(self.fan) and self.fan.check()))
 
 
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
@@ -90,10 +96,21 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
         if per_distance is not None:
             reason += f"; from elsewhere in the square theta turns by at most {brief_text(per_distance)} |c_0|"
         return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+    fan = translation.fan
+    if per_distance is None and fan is not None and _has_short_paths(fan):
+        reason = "the drift is {0}, so |omega| <= K |v| in F(c*), and every path leads inward or to rest"
+        return RotationResult(Rotation.NEUTRAL, drift, None, reason, fan)
     if per_distance is None:
         return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
     reason = f"the drift is {{0}} and theta turns by at most {brief_text(per_distance)} |c_0|"
     return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+
+
+def _has_short_paths(fan: FanResult) -> bool:
+    """Whether paths are no longer than a multiple of |c_0|."""
+    single = all(len(cone.twists) == 1 for cone in fan.cones)
+    resting = single and fan.verdict is Translation.STABLE
+    return resting or fan.verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
 def rotation_bound(partition: Partition, translation: TranslationResult) -> Number | None:
