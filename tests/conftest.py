@@ -81,6 +81,16 @@ class Arrays:
         wheels = [w._replace(direction=(x * w.position[0], y * w.position[1])) for w in self.inward(CORNERS)]
         return self.scene(wheels)
 
+    def axle(self, *others: WheelData, radius: Rational = HALF) -> Scene:
+        """Two wheels on one axle that spin about its middle: an input in each, but neither along the axle."""
+        return self.scene([WheelData((0, 1), (1, 0), 1), WheelData((0, -1), (1, 0), -1), *others], radius=radius)
+
+    def differential_drive(self) -> Scene:
+        """The axle with two slippery tangential wheels before and behind, which support but cannot push across."""
+        slippery = (Fraction(1, 100), Fraction(1, 1000))
+        ends = [WheelData((x, 0), (0, 1), -x, slippery) for x in (2, -2)]
+        return self.axle(*ends)
+
     def grid(self, rows: int, columns: int, friction: Pair = (1, HALF), radius: Rational = HALF) -> Scene:
         """Unit pitch, centred on the origin, rims inward; a wheel at the origin points along x."""
         xs = [k - Fraction(columns - 1, 2) for k in range(columns)]

@@ -9,23 +9,27 @@ so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J 
 L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero
 c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  Where this V fails, all
 ``c^T P c + w theta^2`` are searched (:mod:`nonsmooth.proofs.clauses.control_lyapunov`).  With a side row third only
-``u_i`` acts and V' vanishes on a plane.
+``u_i`` acts and V' vanishes on a plane.  That there is no such V refutes no other; but where all control fields at the
+equilibrium lie in one plane no static feedback does (:mod:`nonsmooth.proofs.clauses.obstruction`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, find_cascade
 from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
+from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.scene import Wheel, dot, turned
 
@@ -49,6 +53,9 @@ class FeedbackResult:
         rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
         lyapunov: V; the witness of a failure is about ``|c|^2 + theta^2``.
         none_serves: whether no ``c^T P c + w theta^2`` at all is a control Lyapunov function.
+        obstruction: the normal m of a plane that holds every motion inputs can give at the equilibrium (no
+            certificate): then no static feedback stabilizes.
+        cascade: the law that takes theta first, where no quadratic V serves.
         margin: how far the contact state may be in doubt (stabilizable).
     """
 
@@ -61,14 +68,23 @@ class FeedbackResult:
     lyapunov: ControlLyapunov = SQUARES
     none_serves: bool = False
     margin: InputMargin | None = None
+    obstruction: Triple | None = None
+    cascade: CascadeLaw | None = None
 
     @property
     def law(self) -> str | None:
         """The stabilizing law, where there is one."""
         if self.verdict is not Feedback.STABILIZABLE:
             return None
+        if self.cascade is not None:
+            return str(self.cascade)
         (e, f), w = self.lyapunov.shape, self.lyapunov.weight
         return LAW if self.lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
+
+    @property
+    def has_lyapunov(self) -> bool:
+        """Whether ``lyapunov`` certifies the law: it stabilizes, and not by a cascade."""
+        return self.verdict is Feedback.STABILIZABLE and self.cascade is None
 
     @property
     def printed_sign_fails(self) -> tuple[int, ...]:
@@ -81,6 +97,9 @@ class FeedbackResult:
             return True
         local = [data for data in self.cells if is_local(data.cell)]
         genuine = bool(local) and all(data == build_input_cell(data.cell, data.state) for data in local)
+        if self.verdict is Feedback.STABILIZABLE and self.cascade is not None:
+            about_it = {data.nearest for data in local} == set(self.cascade.wheels)
+            return genuine and about_it and all(data.lever is not None for data in local) and self.cascade.check()
         if self.verdict is Feedback.STABILIZABLE:
             signs = all(data.lever is not None and data.demand.sign(self.lyapunov) for data in local)
             decreasing = signs and self.lyapunov.is_positive
@@ -88,7 +107,8 @@ class FeedbackResult:
             return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
         if not genuine or self.witness is None or not any(data.is_idle(self.witness) for data in local):
             return False
-        return not self.none_serves or not shape_regions([data.demand for data in local])
+        obstructed = self.obstruction is None or self.obstruction == _obstruction(local)
+        return obstructed and (not self.none_serves or not shape_regions([data.demand for data in local]))
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
@@ -101,8 +121,11 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     cells = tuple(build_input_cell(cell, state) for cell in partition.cells for state in cell.states)
     local = frozenset(cell.index for cell in partition.cells if is_local(cell))
     if single is not None:
-        held = f"cell {single.cell.index} ({single.state.name}) holds a side row in third place"
-        return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, f"{held}, so one input acts alone")
+        reason = (
+            f"exactly: the rim line of wheel {single.second.index} passes through wheel {single.nearest.index}, so "
+            f"cell {single.cell.index} ({single.state.name}) holds a side row in third place and one input acts alone"
+        )
+        return _refused(cells, local, witness, reason)
     for data in cells:
         stall = data.stall() if data.cell.index in local else None
         if stall is not None:
@@ -132,12 +155,57 @@ def _shaped(
     theta = dot(stall, turned(data.nearest.position))
     witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
     none_serves = not shape_regions(demands)
+    cascade = find_cascade(build_fan(partition))
+    if cascade is not None:
+        none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"
+        reason = (
+            f"{none} (c . d_i vanishes in cell {data.cell.index}), but theta decays by itself, "
+            f"and then c comes home by {cascade.descent}"
+        )
+        return FeedbackResult(
+            Feedback.STABILIZABLE, cells, local, None, reason, none_serves=none_serves, cascade=cascade
+        )
     reason = (
         f"in cell {data.cell.index} V' = 0 for every input at c = "
         f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
         "|c|^2 + theta^2 is no control Lyapunov function"
     ) + (", and no other c^T P c + w theta^2 is one" if none_serves else "")
-    return FeedbackResult(Feedback.NO_CERTIFICATE, cells, local, witness, reason, none_serves=none_serves)
+    return _refused(cells, local, witness, reason, none_serves=none_serves)
+
+
+def _refused(
+    cells: tuple[InputCell, ...],
+    local: frozenset[int],
+    witness: Witness | None,
+    reason: str,
+    *,
+    none_serves: bool = False,
+) -> FeedbackResult:
+    """No certificate; where all motions at the equilibrium keep to a plane of twists, for any feedback."""
+    normal = _obstruction([data for data in cells if data.cell.index in local])
+    if normal is not None:
+        reason = f"{reason}; {obstruction_text(normal)}"
+    return FeedbackResult(
+        Feedback.NO_CERTIFICATE, cells, local, witness, reason, none_serves=none_serves, obstruction=normal
+    )
+
+
+def _obstruction(local: Sequence[InputCell]) -> Triple | None:
+    """The normal of a plane that holds every control vector field at the equilibrium, if there is one."""
+    fields = [field for data in local for field in data.state.control_fields.values()]
+    return common_normal(fields, local[0].state.twist.omega.field)
+
+
+def rim_signs(feedback: FeedbackResult) -> list[int]:
+    """The sign of ``v = +-|c| d_i`` in each cell at the equilibrium with which c comes home while theta is held.
+
+    Under a law by ``V = c^T P c + w theta^2`` it is that with ``c^T P v < 0``.
+    """
+    local = [data for data in feedback.cells if data.cell.index in feedback.local]
+    if feedback.cascade is None:
+        return [-data.demand.sign(feedback.lyapunov) for data in local]
+    signs = {wheel.index: s for wheel, s in zip(feedback.cascade.wheels, feedback.cascade.signs, strict=True)}
+    return [signs[data.nearest.index] for data in local]
 
 
 def _single_input(partition: Partition) -> InputCell | None:

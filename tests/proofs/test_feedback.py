@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.cascade_law import Descent
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.input_cell import InputCell
@@ -61,8 +62,12 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
 
 def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
     results = [decide(arrays.cocircular(seed, ROLL)) for seed in SEEDS]
-    seen = Counter(result.verdict for result in results)
-    assert seen == {Feedback.STABILIZABLE: 36, Feedback.NO_CERTIFICATE: 4}
+    seen = Counter((result.verdict, result.has_lyapunov) for result in results)
+    assert seen == {
+        (Feedback.STABILIZABLE, True): 36,
+        (Feedback.STABILIZABLE, False): 3,
+        (Feedback.NO_CERTIFICATE, False): 1,
+    }
     assert Counter(data.lever is not None for result in results for data in result.cells) == {True: 592, False: 2}
 
 
@@ -159,7 +164,7 @@ def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> Non
     cells = local_cells(result, scene)
     response = min(smallest_response(data) for data in cells)
     if result.lyapunov == SQUARES:
-        assert (result.verdict is Feedback.STABILIZABLE) == (response > ZERO)
+        assert result.has_lyapunov == (response > ZERO)
     else:
         e, f = (float(x) for x in result.lyapunov.shape)
         assert response <= ZERO < min(smallest_response(data, (e, f)) for data in cells)
@@ -171,29 +176,35 @@ def test_the_random_arrays_show_both_verdicts(arrays: Arrays) -> None:
 
 
 @pytest.mark.parametrize(
-    ("turn", "expected"),
+    ("turn", "descent"),
     [
-        ((1, 0), Feedback.STABILIZABLE),
-        ((Fraction(4, 5), Fraction(3, 5)), Feedback.STABILIZABLE),  # 36.9 degrees
-        ((Fraction(21, 29), Fraction(20, 29)), Feedback.STABILIZABLE),  # 43.6 degrees
-        ((1, 1), Feedback.NO_CERTIFICATE),  # 45 degrees: c . d_i = 0 on the axes, the cells' common sides
+        ((1, 0), None),
+        ((Fraction(4, 5), Fraction(3, 5)), None),  # 36.9 degrees
+        ((Fraction(21, 29), Fraction(20, 29)), None),  # 43.6 degrees
+        # at 45 degrees c . d_i = 0 on the axes, the cells' common sides, and a cell's rim points along its side
+        ((1, 1), Feedback.NO_CERTIFICATE),
         ((1, -1), Feedback.NO_CERTIFICATE),
-        ((Fraction(20, 29), Fraction(21, 29)), Feedback.NO_CERTIFICATE),  # 46.4 degrees: just inside
-        ((Fraction(3, 5), Fraction(-4, 5)), Feedback.NO_CERTIFICATE),
-        ((0, 1), Feedback.NO_CERTIFICATE),  # tangential rims: on the diagonals
-        ((-1, 0), Feedback.STABILIZABLE),  # outward rims: inputs of either sign are allowed
+        ((Fraction(20, 29), Fraction(21, 29)), Descent.TURNS),  # 46.4 degrees: just inside
+        ((Fraction(3, 5), Fraction(-4, 5)), Descent.TURNS),
+        ((0, 1), Descent.SLOW_TURNS),  # tangential rims: c . d_i = 0 on the diagonals
+        ((-1, 0), None),  # outward rims: inputs of either sign are allowed
     ],
 )
-def test_four_wheels_turned_are_stabilizable_below_45_degrees(
-    arrays: Arrays, turn: tuple[Rational, Rational], expected: Feedback
+def test_four_wheels_turned_have_a_v_below_45_degrees(
+    arrays: Arrays, turn: tuple[Rational, Rational], descent: Descent | Feedback | None
 ) -> None:
-    """The quarter plane of a wheel on its diagonal holds the normal of its rim from 45 degrees on."""
+    """The quarter plane of a wheel on its diagonal holds the normal of its rim from 45 degrees on: then c turns."""
     scene = arrays.four_wheel(ROLL, turn)
     result = decide(scene)
-    assert result.verdict is expected
     assert result.check()
+    assert result.has_lyapunov == (descent is None)
+    if descent is Feedback.NO_CERTIFICATE:
+        assert result.verdict is descent
+    elif descent is not None:
+        assert result.cascade is not None
+        assert result.cascade.descent is descent
     response = min(smallest_response(data) for data in local_cells(result, scene))
-    assert (response > ZERO) == (expected is Feedback.STABILIZABLE)
+    assert (response > ZERO) == (descent is None)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -335,7 +346,7 @@ def test_tampered_results_are_refused(arrays: Arrays, seed: int) -> None:
 def test_a_named_subset_of_cells_does_not_narrow_the_check(arrays: Arrays) -> None:
     """Which cells meet at the equilibrium is read from the cells, not from the result's own list."""
     failing = decide(arrays.four_wheel(ROLL, (0, 1)))
-    claim = replace(failing, verdict=Feedback.STABILIZABLE, local=frozenset(), witness=None)
+    claim = replace(failing, local=frozenset(), cascade=None)
     assert not claim.check()
 
 
