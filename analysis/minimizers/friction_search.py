@@ -1,0 +1,77 @@
+"""Friction forces under rule ``ellipse`` that hold a given motion, in floats: which speeds make it the minimizer.
+
+A wheel that slips across, with sign s, carries any force ``(cos phi, s sin phi)`` on that half of its friction ellipse
+(in units of its axes): the speed along the rim sets phi in (0, pi).  A wheel that does not slip carries any force
+inside.  With columns ``N mu_R [d; d . J p]`` and ``N mu_S [n; n . J p]`` the forces must add up to zero: three
+equations, many unknowns, curved.  Newton steps of least norm from many random starts at once find points of that
+set; the one with the most room to all limits is taken.  The search may fail where there is little room.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+STARTS = 256
+STEPS = 15
+LONGEST_STEP = 0.5  # radian, or parts of an axis
+BALANCED = 1e-9  # residual, relative to the largest entries of columns: Newton ends at 1e-15 or does not converge
+LEAST_ROOM = 0.01  # parts of an axis: with less a wheel would have to spin a hundred times as fast as it slips
+REGULARIZATION = 1e-12  # of the normal matrix, in units of the largest column, where columns do not span
+SEED = 0
+
+
+@dataclass(frozen=True)
+class FrictionForces:
+    """Forces in units of the axes of each wheel's ellipse.
+
+    Attributes:
+        angles: phi of each wheel that slips across, in (0, pi).
+        held: (along, across) of each wheel that does not.
+        room: least distance from a limit: sin phi, or one minus the length.
+    """
+
+    angles: Floats
+    held: Floats
+    room: float
+
+
+def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> FrictionForces | None:
+    """Forces that add up to zero; None where no start leads to any with room.
+
+    Args:
+        along: columns of forces along the rims, (n, 3).
+        across: columns of forces across, (n, 3).
+        signs: sign of each wheel's slip across.
+    """
+    size = np.maximum(np.abs(along).max(axis=0), np.abs(across).max(axis=0))  # moments have another unit than forces
+    along, across = (columns / np.where(size, size, 1) for columns in (along, across))
+    slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
+    rng = np.random.default_rng(SEED)
+    angles = rng.uniform(0, np.pi, (STARTS, len(slips)))
+    turns, lengths = rng.uniform(0, 2 * np.pi, (STARTS, len(still))), np.sqrt(rng.uniform(0, 1, (STARTS, len(still))))
+    held = np.concatenate([lengths * np.cos(turns), lengths * np.sin(turns)], axis=1)
+    fixed = np.concatenate([along[still], across[still]])
+    first, second = along[slips], across[slips] * signs[slips, None]
+    for _ in range(STEPS):
+        force = np.cos(angles) @ first + np.sin(angles) @ second + held @ fixed
+        turning = np.cos(angles)[..., None] * second - np.sin(angles)[..., None] * first
+        columns = np.concatenate([turning, np.broadcast_to(fixed, (STARTS, *fixed.shape))], axis=1)
+        normal = np.einsum("ska,skb->sab", columns, columns) + REGULARIZATION * np.eye(3)
+        step = -np.einsum("ska,sa->sk", columns, np.linalg.solve(normal, force[..., None])[..., 0])
+        step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
+        angles, held = angles + step[:, : len(slips)], held + step[:, len(slips) :]
+    force = np.cos(angles) @ first + np.sin(angles) @ second + held @ fixed
+    split = np.stack([held[:, : len(still)], held[:, len(still) :]], axis=-1)
+    inside = ((angles > 0) & (angles < np.pi)).all(axis=1) & (np.abs(force).max(axis=1) < BALANCED)
+    room = np.minimum(
+        np.sin(angles).min(axis=1, initial=1), (1 - np.linalg.norm(split, axis=-1)).min(axis=1, initial=1)
+    )
+    best = int(np.argmax(np.where(inside, room, -1)))
+    if not inside[best] or room[best] < LEAST_ROOM:
+        return None
+    return FrictionForces(angles[best], split[best], float(room[best]))
