@@ -16,11 +16,11 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback, with_samples
 from nonsmooth.proofs.clauses.ellipse_clauses import decide_ellipse
 from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback import decide_feedback, side_friction_rules
+from nonsmooth.proofs.clauses.feedback import decide_feedback
 from nonsmooth.proofs.clauses.rotation import decide_rotation
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback, sample_feedback
 from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4_result import CellCheck, Clauses, EllipseCheck, Skipped, conclude
@@ -67,7 +67,7 @@ def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
     with work.timed("rotation"):
         rotation = decide_rotation(partition, translation)
     with work.timed("feedback"):
-        feedback = decide_feedback(partition) if nearest else _sampled_feedback(work)
+        feedback = decide_feedback(partition) if nearest else _driven_feedback(work)
     return CellCheck(
         **work.summary(census, (equilibrium, translation, rotation, feedback)),
         partition=partition,
@@ -88,7 +88,7 @@ def check_ellipse(scene: Scene, *, prune: bool = True) -> EllipseCheck:
     if translation.lemma is not None and prune:
         work.skip("samples of V*", ELLIPSE_SAMPLES, f"{LEMMA}: no solver is needed")
     with work.timed("feedback"):
-        feedback = _sampled_feedback(work)
+        feedback = _driven_feedback(work)
     return EllipseCheck(
         **work.summary(census, (equilibrium, translation, rotation, feedback)),
         equilibrium=equilibrium,
@@ -163,8 +163,15 @@ def _equilibria(work: _Work, partition: Partition) -> tuple[JudgedEquilibrium, .
     return None
 
 
-def _sampled_feedback(work: _Work) -> SampledFeedback:
-    return sample_feedback(work.centred, blocked=side_friction_rules(work.centred.wheels))
+def _driven_feedback(work: _Work) -> DrivenFeedback:
+    """The clause; two laws are sampled where it stays undecided, or when nothing is to be left out."""
+    feedback = decide_driven_feedback(work.centred)
+    if feedback.verdict is Feedback.NOT_APPLICABLE:
+        return feedback
+    if feedback.verdict is Feedback.UNDECIDED or not work.prune:
+        return with_samples(feedback, work.centred)
+    work.skip("samples of the closed loop", 2, "the feedback clause is decided exactly")
+    return feedback
 
 
 def _census(work: _Work, derived: int) -> ContactCensus:

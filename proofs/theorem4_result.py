@@ -1,7 +1,7 @@
 """The verdict of Theorem 4 for one array, with the evidence of every clause.
 
 ``holds`` iff the equilibrium holds, translation is (asymptotically) stable, rotation is unstable and, where
-mu_S < mu_R, feedback stabilizes.  A clause that is refuted makes it ``fails``; a missing certificate is not a
+mu_S < mu_R, feedback stabilizes.  A clause that is refuted makes it ``fails``; a missing certificate alone is not a
 refutation, so it makes it ``undecided``.
 """
 
@@ -16,11 +16,12 @@ from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.cones import build_fan
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation, spin_of
 from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.rotation import RotationResult, rotation_bound
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
@@ -29,11 +30,12 @@ from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
+AnyFeedback: TypeAlias = FeedbackResult | DrivenFeedback
 Clauses: TypeAlias = tuple[
     EquilibriumResult | EllipseEquilibrium,
     TranslationResult | EllipseTranslation,
     RotationResult,
-    FeedbackResult | SampledFeedback,
+    AnyFeedback,
 ]
 
 
@@ -109,7 +111,7 @@ class CellCheck(Theorem4Result):
         partition: the cells, about the checked point.
         equilibrium: clause 1.
         translation: clause 2.
-        feedback: clause 4; sampled under rule ``box``.
+        feedback: clause 4.
         others: all equilibria of the square, about the checked point, with their own verdicts; None where they
             were not searched for.
     """
@@ -117,7 +119,7 @@ class CellCheck(Theorem4Result):
     partition: Partition
     equilibrium: EquilibriumResult
     translation: TranslationResult
-    feedback: FeedbackResult | SampledFeedback
+    feedback: AnyFeedback
     others: tuple[JudgedEquilibrium, ...] | None
 
     @property
@@ -165,6 +167,7 @@ class CellCheck(Theorem4Result):
             and self.equilibrium.twists == here
             and (drift is None or drift.twists == here)
             and (bound is None or bound == rotation_bound(partition, translation))
+            and (self.rotation.fan is None or self.rotation.fan == translation.fan)
             and [(d.cell, d.twist) for d in translation.derivatives] == every
             and (translation.fan is None or translation.fan.cones == build_fan(partition))
             and self._feedback_is_ours()
@@ -173,7 +176,7 @@ class CellCheck(Theorem4Result):
     def _feedback_is_ours(self) -> bool:
         if self.scene.contact.rule is Rule.NEAREST:
             return self.feedback == decide_feedback(self.partition)
-        return isinstance(self.feedback, SampledFeedback) and self.feedback.speaks_of(self.scene)
+        return self.feedback == decide_driven_feedback(self.partition.scene)
 
 
 @dataclass(frozen=True)
@@ -183,12 +186,12 @@ class EllipseCheck(Theorem4Result):
     Attributes:
         equilibrium: clause 1.
         translation: clause 2, by exact linearization.
-        feedback: clause 4, sampled.
+        feedback: clause 4.
     """
 
     equilibrium: EllipseEquilibrium
     translation: EllipseTranslation
-    feedback: SampledFeedback
+    feedback: DrivenFeedback
 
     @property
     def clauses(self) -> Clauses:
@@ -206,7 +209,7 @@ class EllipseCheck(Theorem4Result):
         together = self.translation.point == point and self.rotation == spin_of(point)
         lemma = self.translation.lemma
         about_it = about_it and (lemma is None or lemma.scene == point.scene)
-        ours = together and self.feedback.speaks_of(self.scene)
+        ours = together and self.feedback == decide_driven_feedback(point.scene)
         return verified and about_it and ours and self.verdict is conclude(*clauses)[0]
 
 
@@ -217,7 +220,7 @@ def conclude(
     equilibrium: EquilibriumResult | EllipseEquilibrium,
     translation: TranslationResult | EllipseTranslation,
     rotation: RotationResult,
-    feedback: FeedbackResult | SampledFeedback,
+    feedback: AnyFeedback,
 ) -> tuple[Theorem4, str]:
     """The theorem's verdict from the clauses', and the clause that decided it."""
     if equilibrium.verdict is Equilibrium.FAILS:
@@ -226,6 +229,8 @@ def conclude(
         return Theorem4.FAILS, f"translation is unstable: {translation.reason}"
     if rotation.verdict is Rotation.NEUTRAL:
         return Theorem4.FAILS, f"theta is stable: {rotation.reason}"
+    if feedback.obstruction is not None:
+        return Theorem4.FAILS, obstruction_text(feedback.obstruction)
     for name, clause, open_verdicts in (
         ("equilibrium", equilibrium, (Equilibrium.UNDECIDED,)),
         ("translation", translation, (Translation.UNDECIDED,)),

@@ -5,14 +5,18 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
+from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
+from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.clauses.input_ranks import input_ranks
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, Check
 from nonsmooth.reports.exact_record import Record, floats, with_exact, witness_record
 from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
 
 
 def feedback_record(result: Check) -> Record:
@@ -22,8 +26,8 @@ def feedback_record(result: Check) -> Record:
     return {
         "verdict": str(feedback.verdict),
         "law": feedback.law,
-        **_rate_record(feedback),
-        "lyapunov": _control_lyapunov_record(feedback),
+        **_rate_record(feedback, result.scene),
+        "lyapunov": _control_lyapunov_record(feedback, result.scene),
         "none_serves": feedback.none_serves if isinstance(feedback, FeedbackResult) else None,
         "margin": _margin_record(feedback),
         "ranks": _ranks_record(result),
@@ -31,7 +35,10 @@ def feedback_record(result: Check) -> Record:
         "reason": feedback.reason,
         "printed_sign_fails": list(feedback.printed_sign_fails) if isinstance(feedback, FeedbackResult) else [],
         "cells": [_input_cell_record(data) for data in cells],
-        "sampled": _samples_record(feedback) if isinstance(feedback, SampledFeedback) else [],
+        "obstruction": None if feedback.obstruction is None else with_exact({"normal": feedback.obstruction}),
+        "cascade": _cascade_record(feedback),
+        "cones": _cones_record(result),
+        "sampled": _samples_record(feedback) if isinstance(feedback, DrivenFeedback) else [],
         "authority": {"rank": authority.rank, **with_exact({"missing": authority.missing})},
     }
 
@@ -48,25 +55,60 @@ def _ranks_record(result: Check) -> Record | None:
     }
 
 
-def _rate_record(feedback: FeedbackResult | SampledFeedback) -> Record:
-    """The certified rate: ``V' <= -rate k V`` near the equilibrium, within ``rate_reach`` where that is bounded."""
-    rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
-    if not isinstance(feedback, FeedbackResult) or rate is None:
+def _rate_record(feedback: AnyFeedback, scene: Scene) -> Record:
+    """The certified rate: ``V' <= -rate k V`` near the equilibrium, within ``rate_reach`` where that is known.
+
+    The reach is a distance under rule ``nearest``, the half-width of a square under rule ``box``.
+    """
+    reach: Number | None = None
+    if isinstance(feedback, DrivenFeedback):
+        kappa, reach = feedback.kappa, feedback.reach
+    else:
+        kappa = None if feedback.rate is None else feedback.rate.kappa
+        bound = None if feedback.rate is None else feedback.rate.reach
+        reach = None if bound is None else scene.field(bound)
+    if kappa is None:
         return {"rate": None, "rate_reach": None}
-    field = feedback.cells[0].cell.twists[0].omega.field
-    return with_exact({"rate": field(2 * rate.kappa), "rate_reach": None if rate.reach is None else field(rate.reach)})
+    return with_exact({"rate": scene.field(2 * kappa), "rate_reach": reach})
 
 
-def _control_lyapunov_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
+def _control_lyapunov_record(feedback: AnyFeedback, scene: Scene) -> Record | None:
     """``V = c^T P c + w theta^2`` of the law."""
-    if not isinstance(feedback, FeedbackResult) or feedback.law is None:
+    known = feedback.has_lyapunov if isinstance(feedback, FeedbackResult) else feedback.law is not None
+    if not known:
         return None
-    (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
-    field = feedback.cells[0].cell.twists[0].omega.field
+    lyapunov = feedback.lyapunov if isinstance(feedback, FeedbackResult) else SQUARES
+    (e, f), w = lyapunov.shape, lyapunov.weight
+    field = scene.field
     return with_exact({"P": ((field(1 + e), field(f)), (field(f), field(1 - e))), "w": field(w)})
 
 
-def _margin_record(feedback: FeedbackResult | SampledFeedback) -> Record | None:
+def _cascade_record(feedback: AnyFeedback) -> Record | None:
+    """How c comes home where theta is taken first, and the sign of the translation along each nearest rim."""
+    cascade = feedback.cascade if isinstance(feedback, FeedbackResult) else None
+    if cascade is None:
+        return None
+    signs = [{"wheel": wheel.index, "sign": s} for wheel, s in zip(cascade.wheels, cascade.signs, strict=True)]
+    gains = list(cascade.fan.gains.values())
+    return {"descent": str(cascade.descent), "signs": signs, **with_exact({"gain": gains[0] if gains else None})}
+
+
+def _cones_record(result: Check) -> list[Record]:
+    """The twists of the law with the speeds that impose them, by cone of directions (rules ``box``, ``ellipse``)."""
+    cones = result.feedback.cones if isinstance(result.feedback, DrivenFeedback) else ()
+    return [_cone_record(cone, result.scene.recentred()) for cone in cones]
+
+
+def _cone_record(cone: LawCone, scene: Scene) -> Record:
+    twists = [
+        {**with_exact({"twist": imposed.twist}), "speeds": floats(rim_speeds(scene, imposed))}
+        for imposed in cone.twists
+    ]
+    rays = {"from": None, "to": None} if cone.rays is None else with_exact({"from": cone.rays[0], "to": cone.rays[1]})
+    return {**rays, "twists": twists}
+
+
+def _margin_record(feedback: AnyFeedback) -> Record | None:
     """The error in c, as a part of |c|, up to which one input serves; side by side, and over all."""
     margin = feedback.margin if isinstance(feedback, FeedbackResult) else None
     if margin is None:
@@ -98,7 +140,7 @@ def _input_cell_record(data: InputCell) -> Record:
     }
 
 
-def _samples_record(feedback: SampledFeedback) -> list[Record]:
+def _samples_record(feedback: DrivenFeedback) -> list[Record]:
     return [
         {
             "law": str(sample.law),
@@ -107,5 +149,5 @@ def _samples_record(feedback: SampledFeedback) -> list[Record]:
             "worst_state": floats(sample.worst_state),
             "fails": bool(sample.fails),
         }
-        for sample in feedback.laws
+        for sample in feedback.samples
     ]

@@ -47,6 +47,7 @@ _NOTATION = {
     "c": "c",
     "c = 0": "c = 0",
     "xi": r"\xi",
+    "xi_l": r"\xi_l",
     "N_i": "N_i",
     "P": "P",
     "P = I": "P = I",

@@ -14,10 +14,10 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
 from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.rotation import RotationResult
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Check
@@ -171,8 +171,10 @@ def _rotation_evidence(rotation: RotationResult) -> list[str]:
 def _feedback_evidence(result: Check) -> list[str]:
     feedback = result.feedback
     lines = [feedback.reason]
-    if isinstance(feedback, FeedbackResult) and feedback.law is not None:
+    if feedback.law is not None:
         lines.append(feedback.law)
+    if isinstance(feedback, DrivenFeedback):
+        lines += _driven_evidence(feedback)
     if isinstance(feedback, FeedbackResult) and feedback.rate is not None:
         reach = feedback.rate.reach
         where = "near c*" if reach is None else f"where |c| <= {decimal_text(result.scene.field(reach), 3)}"
@@ -182,10 +184,22 @@ def _feedback_evidence(result: Check) -> list[str]:
         lines.append(str(feedback.margin))
     if isinstance(feedback, FeedbackResult) and feedback.printed_sign_fails:
         lines.append(f"the paper's u_j = -k theta has the wrong sign in {_cells(feedback.printed_sign_fails)}")
-    if isinstance(feedback, SampledFeedback):
-        lines += [f"{s.law}: largest V'/V found {s.worst_rate:.3g} k over {s.states} states" for s in feedback.laws]
     lines.append(f"torque authority: rank {result.authority.rank} of 3")
     return lines
+
+
+def _driven_evidence(feedback: DrivenFeedback) -> list[str]:
+    """Twists, certified rate and samples under the rules ``box`` and ``ellipse``."""
+    lines: list[str] = []
+    if len(feedback.cones) == 1:
+        twists = (", ".join(f"{float(x):.4g}" for x in twist) for twist in feedback.cones[0].vectors)
+        lines.append("xi_l = " + ", ".join(f"({twist})" for twist in twists))
+    if feedback.kappa is not None:
+        reach = feedback.reach
+        where = "near c*" if reach is None else f"where |x|, |y| < {decimal_text(reach, 3)}"
+        lines += [f"{where}: V' <= -{float(2 * feedback.kappa):.4g} k V (certified)", "V = |c|^2 + theta^2"]
+    shown = (f"largest V'/V found {s.worst_rate:.3g} k over {s.states} states" for s in feedback.samples)
+    return lines + [f"{s.law} (sampled): {text}" for s, text in zip(feedback.samples, shown, strict=True)]
 
 
 def _cells(indices: Sequence[int]) -> str:

@@ -104,7 +104,7 @@ def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) ->
     proposal = _proposal(floats, _lightness(lyapunov.weight, unit))
     if proposal <= 0:
         return None
-    kappa = _rounded_down(proposal / float(1 + SLACK) if any(lyapunov.shape) else proposal)
+    kappa = rounded_down(proposal / float(1 + SLACK) if any(lyapunov.shape) else proposal)
     for _ in range(_TRIES):
         if all(cone.holds(kappa) for cone in cones):
             return FeedbackRate(kappa, cones)
@@ -199,7 +199,7 @@ def _largest(cone: ConeRate, lightness: float) -> float:
     return low
 
 
-def _rounded_down(value: float) -> Fraction:
+def rounded_down(value: float) -> Fraction:
     """A rational of few digits, not above the value."""
     mantissa, exponent = f"{value:.{DIGITS - 1}e}".split("e")
     digits = Fraction(mantissa) - Fraction(1, 10 ** (DIGITS - 1))

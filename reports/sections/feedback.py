@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from typing import SupportsFloat
+
+from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.authority import Authority
+from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
+from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.clauses.input_margin import InputMargin
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.theorem4_result import AnyFeedback
 from nonsmooth.reports.document import (
     Block,
     Entry,
@@ -23,22 +30,25 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.scene import Scene, dot
 
 _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 
 
-def feedback_blocks(feedback: FeedbackResult | SampledFeedback, authority: Authority) -> tuple[Block, ...]:
-    """Reason, law, witness, table of cells or samples, and torque authority, as far as there are any."""
+def feedback_blocks(feedback: AnyFeedback, authority: Authority, scene: Scene) -> tuple[Block, ...]:
+    """Reason, law, witness, table of cells or twists, samples, and torque authority, as far as there are any."""
     blocks: list[Block] = [paragraph("Reason: {}.", feedback.reason)]
-    if isinstance(feedback, FeedbackResult) and feedback.verdict is Feedback.STABILIZABLE:
+    if isinstance(feedback, FeedbackResult) and feedback.has_lyapunov:
         blocks += _law_blocks() if feedback.lyapunov == SQUARES else _shaped_law_blocks(feedback)
+    elif isinstance(feedback, FeedbackResult) and feedback.cascade is not None:
+        blocks += _cascade_blocks(feedback.cascade)
     if feedback.witness is not None:
         words = "Witness: `c` = {} and `theta` = {} ({})."
         witness = feedback.witness
         blocks.append(paragraph(words, point(witness.point), number(witness.value), witness.meaning))
-    if isinstance(feedback, SampledFeedback):
-        blocks += _sample_blocks(feedback)
+    if isinstance(feedback, DrivenFeedback):
+        blocks += [*_driven_blocks(feedback, scene.recentred()), *_sample_blocks(feedback)]
     else:
         blocks += _sign_blocks(feedback)
     missing = listed([point(twist) for twist in authority.missing])
@@ -71,11 +81,47 @@ def _margin_blocks(margin: InputMargin) -> list[Block]:
     return [paragraph("{}.", str(margin).capitalize()), table(header, rows, (2, 4))]
 
 
-def _sample_blocks(feedback: SampledFeedback) -> list[Block]:
-    if not feedback.laws:
+def _driven_blocks(feedback: DrivenFeedback, scene: Scene) -> list[Block]:
+    """The law of the rules ``box`` and ``ellipse``: its formula, rate, and twists with the speeds that impose them."""
+    if feedback.kappa is None:
+        return []
+    law = display(
+        r"\xi = -k\, (g \cdot \xi_l)\, \xi_l, \qquad g = (c, \theta), \qquad "
+        r"\lvert g \cdot \xi_l \rvert \ge \lvert g \cdot \xi_m \rvert",
+        "xi = -k (g . xi_l) xi_l, g = (c, theta), |g . xi_l| >= |g . xi_m|",
+    )
+    bound = f"-{float(2 * feedback.kappa):.4g}"
+    rate = display(
+        r"V = \lvert c \rvert^2 + \theta^2, \qquad \tfrac12 \dot V = g \cdot \xi, \qquad \dot V \le "
+        + rf"{bound}\, k V",
+        f"V = |c|^2 + theta^2, V'/2 = g . xi, V' <= {bound} k V",
+    )
+    reach = feedback.reach
+    where = "near c*" if reach is None else f"where |x - x*|, |y - y*| < {float(reach):.4g}, for every theta"
+    words = paragraph("The rate is certified {}; all speeds are multiplied by the same factor as `xi_l`:", where)
+    header = ("directions of c", prose("`xi_l`"), prose("speeds `u_i` that impose it"))
+    rows = [row for cone in feedback.cones for row in _twist_rows(cone, scene)]
+    return [law, rate, words, table(header, rows, (3, 4, 5))]
+
+
+def _twist_rows(cone: LawCone, scene: Scene) -> list[tuple[Entry, ...]]:
+    directions = "all" if cone.rays is None else " to ".join(_degrees(ray) for ray in cone.rays)
+    return [(directions, _decimals(imposed.twist), _decimals(rim_speeds(scene, imposed))) for imposed in cone.twists]
+
+
+def _degrees(ray: Point) -> str:
+    return f"{math.degrees(math.atan2(float(ray[1]), float(ray[0]))) % 360:.4g} deg"
+
+
+def _decimals(values: Sequence[SupportsFloat]) -> Entry:
+    return listed([Math(x, x) for x in (f"{float(value) + 0:.4g}" for value in values)])
+
+
+def _sample_blocks(feedback: DrivenFeedback) -> list[Block]:
+    if not feedback.samples:
         return []
     rows: list[tuple[Entry, ...]] = []
-    for sample in feedback.laws:
+    for sample in feedback.samples:
         state = listed([Math(x, x) for x in (f"{value:.4g}" for value in sample.worst_state)])
         rate = f"{sample.worst_rate:.4g}"
         rows.append((str(sample.law), str(sample.states), Math(f"{rate}\\, k", f"{rate} k"), state))
@@ -98,6 +144,35 @@ def _law_blocks() -> list[Block]:
         "one strict sign on each closed cell at the equilibrium."
     )
     return [law, rate, why]
+
+
+def _cascade_blocks(cascade: CascadeLaw) -> list[Block]:
+    """The law that takes theta first, with the sign of the translation along each nearest rim."""
+    if cascade.descent is Descent.SLOW_TURNS:
+        law = display(
+            r"v = (k - \omega)\, x\, J p_i/\lvert p_i \rvert, \qquad \omega = k (\epsilon y - \Theta), \qquad "
+            r"\Theta = \theta - \epsilon y^2/(2x), \qquad (x, y) = (c \cdot p_i, c \cdot J p_i)/\lvert p_i \rvert",
+            "v = (k - omega) x J p_i/|p_i|, omega = k (eps y - Theta), Theta = theta - eps y^2/(2 x), "
+            "(x, y) = (c . p_i, c . J p_i)/|p_i|",
+        )
+        words = "Every rim is tangential, so to first order each input keeps x; a turn to and fro makes it fall slowly."
+        return [law, paragraph(words)]
+    law = display(
+        r"\omega = -k \theta, \qquad v = \pm k \lvert c \rvert\, d_i - (n_i \cdot J p_i)\, \omega\, n_i",
+        "omega = -k theta, v = +-k |c| d_i - (n_i . J p_i) omega n_i",
+    )
+    rows = [
+        (str(wheel.index), _SIGNS[sign], point(cone.start), point(cone.end))
+        for wheel, sign, cone in zip(cascade.wheels, cascade.signs, cascade.fan.cones, strict=True)
+    ]
+    header = ("nearest wheel", "sign", "from the ray", "to the ray")
+    why = paragraph(
+        "Theta decays by itself; what is left is a planar field of constant directions on cones, in which c comes home "
+        "by {}{}:",
+        str(cascade.descent),
+        "".join(f", which multiply |c| by {brief_text(gain)}" for gain in cascade.fan.gains.values()),
+    )
+    return [law, why, table(header, rows, (1.5, 1, 3, 3))]
 
 
 def _shaped_law_blocks(feedback: FeedbackResult) -> list[Block]:

@@ -131,7 +131,10 @@ def theorem_section(result: Check) -> Section:
         Section(f"Clause 1, equilibrium: {result.equilibrium.verdict}", _equilibrium_blocks(result.equilibrium)),
         Section(f"Clause 2, translation: {result.translation.verdict}", _translation_blocks(result.translation)),
         Section(f"Clause 3, rotation: {result.rotation.verdict}", _rotation_blocks(result.rotation)),
-        Section(f"Clause 4, feedback: {result.feedback.verdict}", feedback_blocks(result.feedback, result.authority)),
+        Section(
+            f"Clause 4, feedback: {result.feedback.verdict}",
+            feedback_blocks(result.feedback, result.authority, result.scene),
+        ),
         Section(f"Conclusion: {result.verdict}", (paragraph("Because {}.", result.reason),)),
     )
     return Section("Theorem 4, clause by clause", (), clauses)

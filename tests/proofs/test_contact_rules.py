@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.sampling import sample_ellipse_derivative
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
 from nonsmooth.proofs.clauses.translation import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
@@ -61,7 +61,7 @@ def test_four_wheel_under_box_rests_in_a_diamond() -> None:
     assert result.translation.worst_rate == 0
     assert rest_area(result.partition) == Fraction(1, 2)
     assert result.rotation.verdict is Rotation.NEUTRAL
-    assert result.feedback.verdict is Feedback.UNDECIDED
+    assert result.feedback.verdict is Feedback.STABILIZABLE
     assert any("lemma" in s.why for s in result.skipped)
 
 
@@ -127,7 +127,7 @@ def test_a_body_that_would_tip_is_refused(arrays: Arrays, rule: Rule) -> None:
         check_theorem4(ruled(arrays.four_wheel(radius=2), rule))
 
 
-# ---- feedback: sampled, never proved -------------------------------------------------------------
+# ---- feedback: two laws of the field, sampled ----------------------------------------------------
 
 
 def test_tangential_rims_track_a_wanted_motion(arrays: Arrays) -> None:
@@ -137,24 +137,33 @@ def test_tangential_rims_track_a_wanted_motion(arrays: Arrays) -> None:
     states = np.random.default_rng(0).uniform(-0.3, 0.3, (40, 3))
     rates = relative_rates(model, Functional.ELLIPSE, Law.TRACKING, states)
     assert rates.max() < 0
-    result = check_theorem4(scene)
-    assert result.authority.rank == 3
-    assert result.feedback.verdict is Feedback.UNDECIDED
-    assert "not proved" in result.feedback.reason
+    assert check_theorem4(scene).authority.rank == 3
 
 
 def test_inward_rims_have_no_torque_about_the_equilibrium(arrays: Arrays) -> None:
+    """Tracking asks nothing of any wheel at the turned equilibrium; a law that lets wheels slip does."""
     scene = ruled(arrays.four_wheel(), Rule.ELLIPSE)
     result = check_theorem4(scene)
     assert [[str(x) for x in twist] for twist in result.authority.missing] == [["0", "0", "1"]]
-    feedback = result.feedback
-    assert isinstance(feedback, SampledFeedback)
-    assert feedback.verdict is Feedback.UNDECIDED
-    assert feedback.witness is not None
-    turned = np.array([[*(float(x) for x in feedback.witness.point), float(feedback.witness.value)]])
+    assert result.feedback.verdict is Feedback.STABILIZABLE
     model = contact_model(scene)
     for functional in Functional:
-        assert abs(relative_rates(model, functional, Law.TRACKING, turned)[0]) < 1e-9
+        assert abs(relative_rates(model, functional, Law.TRACKING, np.array([[0.0, 0.0, 1.0]]))[0]) < 1e-9
+
+
+@pytest.mark.parametrize("rule", [Rule.BOX, Rule.ELLIPSE])
+def test_samples_are_taken_where_nothing_is_left_out_and_decide_nothing(
+    arrays: Arrays, rule: Rule, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nonsmooth.proofs.clauses.driven_feedback.STATES", dict.fromkeys(Rule, 2))
+    scene = ruled(arrays.four_wheel(), rule)
+    pruned, full = check_theorem4(scene), check_theorem4(scene, prune=False)
+    assert "samples of the closed loop" in [skipped.what for skipped in pruned.skipped]
+    assert isinstance(pruned.feedback, DrivenFeedback)
+    assert isinstance(full.feedback, DrivenFeedback)
+    assert not pruned.feedback.samples
+    assert [sample.law for sample in full.feedback.samples]
+    assert pruned.feedback == full.feedback
 
 
 def rim_speeds(law: Law, p: Floats, d: Floats, state: Floats) -> Floats:

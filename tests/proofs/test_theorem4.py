@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
 from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback import decide_feedback
 from nonsmooth.proofs.clauses.rotation import decide_rotation
-from nonsmooth.proofs.clauses.sampled_feedback import SampledFeedback
 from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import conclude
@@ -22,10 +22,11 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from tests.clauses import drift, verdicts
+from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
-    from tests.conftest import Arrays
+    from tests.conftest import Arrays, Pair
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 
@@ -120,22 +121,18 @@ def test_a_failure_outweighs_an_open_clause(arrays: Arrays) -> None:
 
 
 def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None:
-    """Stable and spinning, but no certificate for feedback; a slippery wheel at the square's edge changes nothing."""
-    x, y = Fraction(12, 13), Fraction(5, 13)
-    wheels = [
-        w._replace(speed=speed)
-        for w, speed in zip(arrays.inward([(-x, -y), (-x, y), (x, -y), (x, y)]), (None, 1, 1, None), strict=True)
-    ]
-    rims = ((-y, x), (y, x), (-y, -x), (y, -x))
-    near = [w._replace(direction=rim) for w, rim in zip(wheels, rims, strict=True)]
-    far = arrays.inward([(0, Fraction(3, 2))])[0]._replace(friction=SIDE)
-    alone, together = (check_cells(arrays.scene(ws, ROLL, radius=1)) for ws in (near, [*near, far]))
-    assert any(5 in cell.wheels for cell in together.partition.cells)
-    for result in (alone, together):
+    """Two wheels on one axle spin about its middle, and no input moves the body along it; a far wheel is no help."""
+    far = WheelData((Fraction(3, 2), 0), (-1, 0), friction=SIDE)
+    results = [check_cells(arrays.axle(*others, radius=1)) for others in ((), (far,))]
+    assert any(3 in cell.wheels for cell in results[1].partition.cells)
+    for result in results:
         assert result.translation.verdict is Translation.STABLE
         assert result.rotation.verdict is Rotation.UNSTABLE
         assert result.feedback.verdict is Feedback.NO_CERTIFICATE
-        assert result.verdict is Theorem4.UNDECIDED
+        assert [str(x) for x in result.feedback.obstruction or ()] == ["0", "1", "0"]
+        assert result.verdict is Theorem4.FAILS
+        assert result.check()
+        assert not replace(result, feedback=replace(result.feedback, obstruction=None)).check()
 
 
 # ---- leaving out what a scene does not need ------------------------------------------------------
@@ -260,14 +257,14 @@ def test_evidence_about_another_square_or_friction_is_refused(arrays: Arrays, ru
 @pytest.mark.parametrize("rule", [Rule.BOX, Rule.ELLIPSE])
 @pytest.mark.parametrize("friction", [ROLL, SIDE])
 def test_the_feedback_clause_applies_exactly_where_the_friction_says_so(
-    arrays: Arrays, rule: Rule, friction: tuple[Fraction, Fraction]
+    arrays: Arrays, rule: Rule, friction: Pair
 ) -> None:
     scene = arrays.four_wheel(friction)
     result = check_theorem4(replace(scene, contact=replace(scene.contact, rule=rule)))
-    other = {Feedback.UNDECIDED: Feedback.NOT_APPLICABLE, Feedback.NOT_APPLICABLE: Feedback.UNDECIDED}
     assert result.check()
-    assert isinstance(result.feedback, SampledFeedback)
-    for verdict in (other[result.feedback.verdict], Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE):
+    assert isinstance(result.feedback, DrivenFeedback)
+    assert result.feedback.verdict is (Feedback.NOT_APPLICABLE if friction == SIDE else Feedback.STABILIZABLE)
+    for verdict in set(Feedback) - {result.feedback.verdict}:
         wrong = replace(result.feedback, verdict=verdict)
         forged = replace(result, feedback=wrong)
         clauses = (forged.equilibrium, forged.translation, forged.rotation, wrong)

@@ -1,0 +1,185 @@
+"""Balanced twists: the motions that some speeds of the wheels impose under rule ``ellipse``.
+
+A twist xi minimizes D at c* for some speeds iff friction forces ``(rho_i, tau_i)``, in units of the axes of the
+ellipses, balance there ::
+
+    sum_i N_i (rho_i mu_R a_i + tau_i mu_S b_i) = 0,     a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
+
+where a wheel with side slip ``b_i . xi != 0`` carries a force on that side of the unit circle (the speed of its rim
+chooses which), and one without any force in the unit disc.  Forces on open half circles are ``rho = 2t/(1 + t^2)``,
+``tau = s (1 - t^2)/(1 + t^2)`` with -1 < t < 1.  If the forces of the wheels that stick are inside the disc, and three
+of the derivatives of the balance by t, rho and tau are independent, then xi is the only minimizer: D grows along every
+direction that moves a sticking wheel, or turns the slip of another.  A minimizer that is unique depends continuously on
+c, so near c* the same speeds impose a motion near xi.
+
+Floats propose the forces.  An interval Newton step in balls, in three of the unknowns with independent derivatives,
+proves that forces exist beside the proposal.  That there are none is proved by directions in which all admissible
+forces add up to less than nothing (:mod:`nonsmooth.proofs.clauses.exclusion`); then there are none near c* either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+
+from nonsmooth.analysis.minimizers.friction_search import search_forces
+from nonsmooth.analysis.partitions.loads import LoadRegion
+from nonsmooth.proofs.clauses.exclusion import (
+    PRECISION,
+    Exclusion,
+    WheelForces,
+    ball_of,
+    excludes,
+    rounded,
+    search_exclusion,
+)
+from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row
+from nonsmooth.symbolic.scene import Scene
+
+Real = TypeVar("Real")
+
+_RADIUS = arb(0, 2.0**-40)  # of the box in which forces are proved: far above the rounding of floats, far below room
+
+
+@dataclass(frozen=True)
+class BalancedTwist:
+    """A twist with a proposal of forces, or a proof that there are none.
+
+    Attributes:
+        twist: xi.
+        wheels: the loaded wheels.
+        values: t of each wheel that slips across; rho, tau of each that does not; wheel by wheel.
+        pivots: numbers of the three values that the Newton step solves for.
+        exclusion: why there are no forces, where that is proved.
+    """
+
+    twist: Triple
+    wheels: tuple[WheelForces, ...]
+    values: tuple[Fraction, ...] = ()
+    pivots: tuple[int, int, int] = (0, 0, 0)
+    exclusion: Exclusion | None = None
+
+    @cached_property
+    def is_firm(self) -> bool:
+        """Whether it is proved to be the only minimizer at c* for some speeds."""
+        return bool(self.values) and self.enclosures is not None
+
+    @cached_property
+    def is_lost(self) -> bool:
+        """Whether it is proved to be no minimizer at c*, for any speeds."""
+        return self.exclusion is not None and excludes(self.exclusion, self.wheels)
+
+    @property
+    def slip_ratios(self) -> dict[int, float]:
+        """``rho/tau`` of each wheel that slips across, by its number."""
+        parts = self._parts(self.values)
+        return {wheel.index: float(2 * t[0] / (1 - t[0] ** 2)) * wheel.side for wheel, t in parts if wheel.side}
+
+    @cached_property
+    def enclosures(self) -> tuple[arb, ...] | None:
+        """Balls around the values that hold forces in balance within their limits; None where this is not shown."""
+        with ctx.workprec(PRECISION):
+            centre = [ball_of(value) for value in self.values]
+            box = [x + _RADIUS if k in self.pivots else x for k, x in enumerate(centre)]
+            rest = arb_mat([[entry] for entry in self._force(centre)])
+            slopes = self.slopes(box)
+            try:
+                step = arb_mat([[slopes[k][r] for k in self.pivots] for r in range(3)]).solve(rest)
+            except ZeroDivisionError:
+                return None
+            inside = all(_RADIUS.contains_interior(step[row, 0]) for row in range(3))
+            return tuple(box) if inside and self._is_admissible(box) else None
+
+    def _parts(self, values: Sequence[Real]) -> Iterator[tuple[WheelForces, list[Real]]]:
+        remaining = list(values)
+        for wheel in self.wheels:
+            count = 1 if wheel.side else 2
+            yield wheel, remaining[:count]
+            del remaining[:count]
+
+    def _force(self, values: Sequence[arb]) -> list[arb]:
+        total = [arb(0), arb(0), arb(0)]
+        for wheel, part in self._parts(values):
+            rho, tau = _on_circle(part[0], wheel.side) if wheel.side else part
+            for r, (a, b) in enumerate(zip(*wheel.balls, strict=True)):
+                total[r] += rho * a + tau * b
+        return total
+
+    def slopes(self, values: Sequence[arb]) -> list[list[arb]]:
+        """Derivative of the balance by each value."""
+        columns: list[list[arb]] = []
+        for wheel, part in self._parts(values):
+            along, across = wheel.balls
+            if wheel.side:
+                rho, tau = _circle_slope(part[0], wheel.side)
+                columns.append([rho * a + tau * b for a, b in zip(along, across, strict=True)])
+            else:
+                columns += [list(along), list(across)]
+        return columns
+
+    def _is_admissible(self, values: Sequence[arb]) -> bool:
+        """Whether all forces of sticking wheels are inside the disc, those of others on the open half circle."""
+        return all(bool(sum((x * x for x in part), arb(0)) < 1) for _, part in self._parts(values))
+
+
+def wheel_forces(scene: Scene, region: LoadRegion, twist: Triple) -> tuple[WheelForces, ...]:
+    """The wheels that are loaded at the centred equilibrium, while the body moves with a twist."""
+    found: list[WheelForces] = []
+    for wheel, form in zip(scene.wheels, region.forces, strict=True):
+        if form[0]:
+            roll, side = roll_row(wheel), side_row(wheel)
+            along = scaled(roll.unit_normal, form[0] * wheel.friction.roll)
+            across = scaled(side.unit_normal, form[0] * wheel.friction.side)
+            found.append(WheelForces(wheel.index, along, across, inner(side.normal, twist).sign()))
+    return tuple(found)
+
+
+def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTwist:
+    """The twist with forces that balance, where floats find any."""
+    wheels = wheel_forces(scene, region, twist)
+    if sum(1 if wheel.side else 2 for wheel in wheels) < 3:
+        return BalancedTwist(twist, wheels)  # too few forces to fix a motion
+    along = np.array([[float(x) for x in wheel.along] for wheel in wheels])
+    across = np.array([[float(x) for x in wheel.across] for wheel in wheels])
+    forces = search_forces(along, across, np.array([wheel.side for wheel in wheels]))
+    if forces is None:
+        return BalancedTwist(twist, wheels)
+    angles, held = iter(forces.angles), iter(forces.held)
+    values = [
+        x for wheel in wheels for x in ([np.tan(np.pi / 4 - next(angles) / 2)] if wheel.side else list(next(held)))
+    ]
+    proposal = BalancedTwist(twist, wheels, tuple(rounded(x) for x in values))
+    return replace(proposal, pivots=_best_pivots(proposal))
+
+
+def _best_pivots(trial: BalancedTwist) -> tuple[int, int, int]:
+    """Three values whose derivatives of the balance are well conditioned (pivoted QR)."""
+    from scipy.linalg import qr
+
+    slopes = trial.slopes([ball_of(value) for value in trial.values])
+    _, _, order = qr(np.array([[float(x) for x in column] for column in slopes]).T, pivoting=True)
+    first, second, third = (int(k) for k in order[:3])
+    return first, second, third
+
+
+def exclude_twist(trial: BalancedTwist) -> BalancedTwist:
+    """The twist with a proof that no forces balance, where there is one."""
+    return replace(trial, exclusion=search_exclusion(trial.wheels))
+
+
+def _on_circle(t: arb, side: int) -> tuple[arb, arb]:
+    """``rho, tau``."""
+    size = 1 + t * t
+    return 2 * t / size, side * (1 - t * t) / size
+
+
+def _circle_slope(t: arb, side: int) -> tuple[arb, arb]:
+    """Derivatives of rho and tau."""
+    size = (1 + t * t) ** 2
+    return 2 * (1 - t * t) / size, -4 * side * t / size

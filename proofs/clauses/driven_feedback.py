@@ -1,0 +1,229 @@
+"""Clause 4 under the rules ``box`` and ``ellipse``: a feedback for all wheels at once, or why there is none.
+
+With ``V = |c|^2 + theta^2`` one has ``V'/2 = g . xi``, ``g = (c, theta)``, under exact and leading-order kinematics.
+
+- *Stabilizable.*  Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
+  ``xi_l`` (:mod:`nonsmooth.proofs.clauses.held_twists`, :mod:`nonsmooth.proofs.clauses.balanced_twists`).  D is
+  homogeneous in twist and speeds together, so all multiples are imposed too.  The law takes the ``xi_l`` with the
+  largest ``|g . xi_l|`` and imposes ``-k (g . xi_l) xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c*, where
+  ``3 kappa`` is below the least eigenvalue of ``sum_l xi_l xi_l^T``.  Where the law switches, each of the velocities
+  that meet satisfies this, hence all of their hull: V* < 0.  Under rule ``box`` it suffices that twists are imposed in
+  every open cone of a fan of directions of c, in each its own three: Filippov solutions do not see the rays between.
+- *Not stabilizable.*  Let all twists that speeds can impose at c* lie in a plane.  Near c* there are no others, so
+  Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.obstruction`).
+
+Between the two stand, under rule ``box``, an exact balance of frictions at c* (a slope of D that vanishes there), and
+under rule ``ellipse`` twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
+(:mod:`nonsmooth.analysis.fields.closed_loop`); samples decide nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.clauses.balanced_twists import balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.cones import by_angle
+from nonsmooth.proofs.clauses.driven_law import (
+    ImposedTwist,
+    LawCone,
+    best_three,
+    between,
+    certified_gain,
+    gains,
+    rank_of,
+)
+from nonsmooth.proofs.clauses.feedback import side_friction_rules
+from nonsmooth.proofs.clauses.held_twists import Drives, HeldTwist, candidate_twists
+from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, cross, dot
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.closed_loop import LoopSample
+
+LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
+ENOUGH = 60  # candidates beyond which three firm independent twists end the search: a better rate is not sought
+STALL = "V' = 0 for every input at small multiples of this (c, theta)"
+# Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
+# a few hundred.
+STATES = {Rule.BOX: 100, Rule.ELLIPSE: 1_000}
+
+
+@dataclass(frozen=True)
+class DrivenFeedback:
+    """Verdict with its evidence.
+
+    Attributes:
+        verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
+        reason: one sentence for people.
+        cones: the law, by direction of c (stabilizable).
+        kappa: ``V' <= -2 k kappa V`` near c* (stabilizable).
+        obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no feedback
+            stabilizes.
+        samples: two laws of the field, sampled, best first; empty where nobody asked.
+    """
+
+    verdict: Feedback
+    reason: str
+    cones: tuple[LawCone, ...] = ()
+    kappa: Fraction | None = None
+    obstruction: Triple | None = None
+    samples: tuple[LoopSample, ...] = field(default=(), compare=False)
+
+    @property
+    def law(self) -> str | None:
+        """The stabilizing law, where there is one."""
+        return LAW if self.verdict is Feedback.STABILIZABLE else None
+
+    @property
+    def reach(self) -> Number | None:
+        """Under rule ``box`` the rate holds while ``|x|, |y| < reach`` about c*, for every theta."""
+        return min((bound for cone in self.cones for bound in cone.bounds), default=None)
+
+    @property
+    def witness(self) -> Witness | None:
+        """A direction of (c, theta) along which no input changes V (no certificate)."""
+        return None if self.obstruction is None else Witness(self.obstruction[:2], self.obstruction[2], STALL)
+
+    def check(self) -> bool:
+        """Re-verify the twists and the rate (stabilizable)."""
+        if self.verdict is not Feedback.STABILIZABLE:
+            return not self.cones and (self.obstruction is not None) == (self.verdict is Feedback.NO_CERTIFICATE)
+        kappa = self.kappa
+        fast = kappa is not None and kappa > 0 and all(gains(cone.vectors, kappa) for cone in self.cones)
+        return fast and _go_around(self.cones) and all(cone.check() for cone in self.cones)
+
+
+def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
+    """Decide the feedback clause for a centred scene of rule ``box`` or ``ellipse``."""
+    blocked = side_friction_rules(scene.wheels)
+    if blocked is not None:
+        return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked)
+    zero = scene.field.zero
+    regions = load_regions(scene, (zero, zero))
+    candidates = _impose_candidates(scene, regions[0])
+    firm = [imposed for imposed in candidates if imposed.is_firm]
+    if rank_of(firm) == 3:
+        reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
+        three = best_three(firm)
+        others = regions[1:] if scene.contact.rule is Rule.BOX else ()
+        elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
+        return _stabilizable(reason, (LawCone(None, three, elsewhere),))
+    possible = [candidate.twist for candidate in _not_excluded(candidates)]
+    normal = common_normal(possible, scene.field)
+    if normal is not None:
+        return DrivenFeedback(Feedback.NO_CERTIFICATE, obstruction_text(normal), obstruction=normal)
+    if scene.contact.rule is Rule.BOX:
+        return _decide_by_direction(scene, regions, possible)
+    reason = f"twists of rank {rank_of(firm)} are proved to be imposed at c*; others are neither proved nor excluded"
+    return DrivenFeedback(Feedback.UNDECIDED, reason)
+
+
+def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
+    """The same with two laws of the field sampled in the checked square of the centred scene."""
+    from nonsmooth.analysis.fields.closed_loop import Law, sample_closed_loop
+    from nonsmooth.analysis.fields.contact_model import contact_model
+    from nonsmooth.analysis.minimizers.dissipation import Functional
+
+    functional = Functional.BOX if scene.contact.rule is Rule.BOX else Functional.ELLIPSE
+    model, radius, states = contact_model(scene), float(scene.check.radius), STATES[scene.contact.rule]
+    samples = [sample_closed_loop(model, functional, law, radius, states) for law in Law]
+    return replace(feedback, samples=tuple(sorted(samples, key=lambda sample: sample.worst_rate)))
+
+
+def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
+    kappa = min(certified_gain(cone.vectors) for cone in cones)
+    return DrivenFeedback(Feedback.STABILIZABLE, reason, cones, kappa)
+
+
+def _impose_candidates(scene: Scene, region: LoadRegion) -> list[ImposedTwist]:
+    """All candidates; of many only until three are firm and independent."""
+    found: list[ImposedTwist] = []
+    drives = Drives(scene, region) if scene.contact.rule is Rule.BOX else None
+    for twist in candidate_twists(scene):
+        found.append(balance_twist(scene, region, twist) if drives is None else drives.hold(twist))
+        if len(found) > ENOUGH and found[-1].is_firm and rank_of([entry for entry in found if entry.is_firm]) == 3:
+            break
+    return found
+
+
+def _not_excluded(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
+    """The candidates that some speeds may impose; where that takes a search, no more than span."""
+    found: list[ImposedTwist] = []
+    for candidate in candidates:
+        if isinstance(candidate, HeldTwist):
+            lost = candidate.is_lost
+        else:
+            lost = not candidate.is_firm and rank_of(found) < 3 and exclude_twist(candidate).is_lost
+        if not lost:
+            found.append(candidate)
+    return found
+
+
+def _go_around(cones: Sequence[LawCone]) -> bool:
+    """Whether cones cover all directions of c: one all around, or each from the last ray of the one before it."""
+    rays = [cone.rays for cone in cones if cone.rays is not None]
+    if len(rays) != len(cones) or not rays:
+        return len(cones) == 1
+    chained = all(before[1] == after[0] for before, after in zip(rays, [*rays[1:], rays[0]], strict=True))
+    ordered = all(by_angle(a[0]) < by_angle(b[0]) for a, b in pairwise(rays))
+    return chained and ordered and all(sign(cross(*pair)) > 0 for pair in rays)
+
+
+# ---- exact balance at c* under rule box: by direction of c -------------------------------
+
+
+def _decide_by_direction(scene: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]) -> DrivenFeedback:
+    by_region = [[drives.hold(twist) for twist in twists] for drives in _drives(scene, regions)]
+    cones: list[LawCone] = []
+    for start, end in _cones(scene, regions, by_region):
+        middle = between(start, end)
+        here = next(held for region, held in zip(regions, by_region, strict=True) if _points_into(region, middle))
+        firm = [held for held in here if held.is_firm_towards(middle)]
+        if rank_of(firm) < 3:
+            x, y = (brief_text(entry) for entry in middle)
+            reason = (
+                "exactly marginal: frictions balance at c* (a slope of D vanishes), and towards "
+                f"({x}, {y}) speeds impose twists of rank {rank_of(firm)} only, as the only minimizers"
+            )
+            return DrivenFeedback(Feedback.UNDECIDED, reason)
+        cones.append(LawCone((start, end), best_three(firm)))
+    reason = (
+        f"frictions balance exactly at c*, but in each of {len(cones)} cones of directions about it some speeds impose "
+        "three independent twists, each as the only minimizer of D (Filippov solutions do not see the rays between)"
+    )
+    return _stabilizable(reason, tuple(cones))
+
+
+def _drives(scene: Scene, regions: Iterable[LoadRegion]) -> Iterator[Drives]:
+    return (Drives(scene, region) for region in regions)
+
+
+def _cones(
+    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[HeldTwist]]
+) -> Iterator[tuple[Point, Point]]:
+    """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
+    zero, one = scene.field.zero, scene.field.one
+    lines: list[Point] = [(one, zero), (zero, one)]
+    lines += [side.normal for region in regions for side in region.polygon.sides if not sign(side.offset)]
+    lines += [(form[1], form[2]) for held in by_region for entry in held for form in entry.ties if any(form)]
+    rays = sorted(((-b * s, a * s) for a, b in lines for s in (1, -1)), key=by_angle)
+    rays = [rays[0], *(ray for last, ray in pairwise(rays) if cross(last, ray))]  # none is a half turn from the next
+    return zip(rays, [*rays[1:], rays[0]], strict=True)
+
+
+def _points_into(region: LoadRegion, direction: Point) -> bool:
+    """Whether a direction leads from the equilibrium into a load region that holds it."""
+    through = (side for side in region.polygon.sides if not sign(side.offset))
+    return all(sign(dot(side.normal, direction)) < 0 for side in through)

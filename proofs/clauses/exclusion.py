@@ -1,0 +1,181 @@
+"""No friction forces of rule ``ellipse`` balance: proved piece by piece.
+
+A wheel that slips across carries a force on an open half of the unit circle, which is not convex; over all of it a
+separating direction sees the whole half disc, and that holds small forces.  So the half circles are cut into arcs,
+``rho = 2t/(1 + t^2)``, ``tau = s (1 - t^2)/(1 + t^2)`` for t between two rationals, and each arc is enclosed by the
+triangle of its ends and the point where the tangents there meet.  For every combination of arcs a direction y is given
+in which the largest forces of all wheels add up to less than nothing; wheels that stick reach ``|(y . a, y . b)|``.
+Linear programs propose y, balls verify it, and where there is none the widest arc is halved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from flint import arb, ctx, fmpq
+from numpy.typing import NDArray
+
+from nonsmooth.symbolic.constraints import Triple
+
+PRECISION = 256  # bits of balls
+BITS = 50  # of proposed values
+BUDGET = 200  # linear programs for one twist
+FACETS = 16  # of the polygon around a disc in a linear program
+Arc: TypeAlias = tuple[Fraction, Fraction]
+Floats: TypeAlias = NDArray[np.float64]
+HALVES = (Fraction(-1), Fraction(1))
+
+
+@dataclass(frozen=True)
+class WheelForces:
+    """What one loaded wheel can contribute to the balance while the body moves with a twist.
+
+    Attributes:
+        index: number of the wheel.
+        along: ``N mu_R a``.
+        across: ``N mu_S b``.
+        side: sign of its side slip.
+    """
+
+    index: int
+    along: Triple
+    across: Triple
+    side: int
+
+    @cached_property
+    def balls(self) -> tuple[tuple[arb, ...], tuple[arb, ...]]:
+        """The columns, as balls."""
+        with ctx.workprec(PRECISION):
+            return tuple(x.ball() for x in self.along), tuple(x.ball() for x in self.across)
+
+    def most_along(self, direction: Sequence[arb], arc: Arc) -> arb:
+        """A bound of ``y . force`` over the forces of the arc, or of the disc where the wheel sticks."""
+        a, b = (sum((x * y for x, y in zip(column, direction, strict=True)), arb(0)) for column in self.balls)
+        if not self.side:
+            return (a * a + b * b).sqrt()
+        products = [ball_of(rho) * a + ball_of(tau) * b for rho, tau in triangle(arc, self.side)]
+        return products[0].max(products[1]).max(products[2])
+
+
+@dataclass(frozen=True)
+class Excluded:
+    """A direction y in which all forces of these arcs add up to less than nothing."""
+
+    direction: tuple[Fraction, ...]
+
+
+@dataclass(frozen=True)
+class Divided:
+    """One wheel's arc is halved, and both halves are excluded."""
+
+    wheel: int
+    lower: Exclusion
+    upper: Exclusion
+
+
+Exclusion: TypeAlias = Excluded | Divided
+
+
+def excludes(exclusion: Exclusion, wheels: Sequence[WheelForces], arcs: Sequence[Arc] | None = None) -> bool:
+    """Whether no forces of the arcs balance, exactly; at first the arcs are the whole half circles."""
+    ranges = [HALVES] * len(wheels) if arcs is None else list(arcs)
+    if isinstance(exclusion, Divided):
+        low, high = _halved(ranges, exclusion.wheel)
+        return excludes(exclusion.lower, wheels, low) and excludes(exclusion.upper, wheels, high)
+    if any(wheel.side and arc == HALVES for wheel, arc in zip(wheels, ranges, strict=True)):
+        return False  # the tangents at the ends of a half circle do not meet
+    with ctx.workprec(PRECISION):
+        y = [ball_of(entry) for entry in exclusion.direction]
+        reach = (wheel.most_along(y, arc) for wheel, arc in zip(wheels, ranges, strict=True))
+        return bool(sum(reach, arb(0)) < 0)
+
+
+def search_exclusion(wheels: Sequence[WheelForces]) -> Exclusion | None:
+    """An exclusion of all forces, where the budget finds one."""
+    return _Search(wheels).exclude([HALVES] * len(wheels)) if wheels else None
+
+
+class _Search:
+    """Depth first, with one budget of linear programs."""
+
+    def __init__(self, wheels: Sequence[WheelForces]) -> None:
+        self.wheels = wheels
+        self.left = BUDGET
+        columns = np.array([[[float(x) for x in wheel.along], [float(x) for x in wheel.across]] for wheel in wheels])
+        size = np.abs(columns).max(axis=(0, 1))  # moments have another unit than forces
+        self.units = [Fraction(float(x)) if x else Fraction(1) for x in size]
+        self.columns = columns / np.where(size, size, 1)
+        self.sizes = np.linalg.norm(self.columns, axis=(1, 2))
+
+    def exclude(self, arcs: Sequence[Arc]) -> Exclusion | None:
+        """The tree below these arcs."""
+        uncut = next((k for k, wheel in enumerate(self.wheels) if wheel.side and arcs[k] == HALVES), None)
+        if uncut is None:
+            self.left -= 1
+            leaf = self._leaf(arcs)
+            if leaf is not None or self.left <= 0:
+                return leaf
+        widths = [float(arc[1] - arc[0]) if wheel.side else 0.0 for wheel, arc in zip(self.wheels, arcs, strict=True)]
+        wheel = uncut if uncut is not None else int(np.argmax(self.sizes * widths))
+        if not widths[wheel]:
+            return None
+        low, high = _halved(arcs, wheel)
+        lower = self.exclude(low)
+        upper = None if lower is None else self.exclude(high)
+        return None if lower is None or upper is None else Divided(wheel, lower, upper)
+
+    def _leaf(self, arcs: Sequence[Arc]) -> Excluded | None:
+        """Minimize the sum of the largest products with y over the box ``|y| <= 1``."""
+        from scipy.optimize import linprog
+
+        rows = []
+        for k, arc in enumerate(arcs):
+            for rho, tau in self._corners(k, arc):
+                force = rho * self.columns[k, 0] + tau * self.columns[k, 1]
+                rows.append(np.concatenate([force, -np.eye(len(arcs))[k]]))
+        cost = np.concatenate([np.zeros(3), np.ones(len(arcs))])
+        bounds = [(-1, 1)] * 3 + [(None, None)] * len(arcs)
+        found = linprog(cost, A_ub=np.array(rows), b_ub=np.zeros(len(rows)), bounds=bounds)
+        if found.x is None or found.fun >= 0:
+            return None
+        leaf = Excluded(tuple(rounded(x) / unit for x, unit in zip(found.x[:3], self.units, strict=True)))
+        return leaf if excludes(leaf, self.wheels, arcs) else None
+
+    def _corners(self, k: int, arc: Arc) -> Iterator[tuple[float, float]]:
+        if self.wheels[k].side:
+            yield from ((float(rho), float(tau)) for rho, tau in triangle(arc, self.wheels[k].side))
+        else:
+            angles = np.arange(FACETS) * 2 * np.pi / FACETS
+            size = 1 / np.cos(np.pi / FACETS)
+            yield from zip(size * np.cos(angles), size * np.sin(angles), strict=True)
+
+
+def triangle(arc: Arc, side: int) -> tuple[tuple[Fraction, Fraction], ...]:
+    """``(rho, tau)`` at the ends of an arc, and where the tangents there meet: it holds the arc."""
+    s, t = arc
+    ends = [(2 * x / (1 + x * x), side * (1 - x * x) / (1 + x * x)) for x in arc]
+    return (*ends, ((s + t) / (1 + s * t), side * (1 - s * t) / (1 + s * t)))
+
+
+def ball_of(value: Fraction) -> arb:
+    """The rational as a ball."""
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def rounded(value: float) -> Fraction:
+    """A dyadic rational beside a float."""
+    return Fraction(round(float(value) * 2**BITS), 2**BITS)
+
+
+def _halved(arcs: Sequence[Arc], wheel: int) -> tuple[list[Arc], list[Arc]]:
+    low, high = arcs[wheel]
+    middle = (low + high) / 2
+    return (
+        [*arcs[:wheel], (low, middle), *arcs[wheel + 1 :]],
+        [*arcs[:wheel], (middle, high), *arcs[wheel + 1 :]],
+    )

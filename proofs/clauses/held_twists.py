@@ -1,0 +1,130 @@
+"""Held twists: the motions that some speeds of the wheels impose under rule ``box``.
+
+A twist xi is *held* at c if it minimizes D for some speeds.  Then it also does for ``u_i = d_i . v(p_i)``, the speeds
+at which no rim slips along: the friction along a rim may be anything within its limit, and across it has the sign of
+the slip.  So with ``a_k`` the rows, ``beta_k(c)`` their weights and Z all roll rows with the side rows that do not slip
+
+    sum_{k not in Z} beta_k s_k a_k  in  sum_{k in Z} [-1, 1] beta_k a_k,
+
+and only the signs ``s_k`` of the side slips count.  Hence the held twists are a union of cones of the arrangement of
+the planes ``S_k . xi = 0``, closed and symmetric; with a cone its edges are held too, since there a sign may be
+anything in [-1, 1].  So *the edges that are held span all that is held*: at most one candidate for each pair of
+wheels.  (Where the side rows do not span, the coordinate planes are added; a finer arrangement has the same property.)
+
+The condition is the one of :mod:`nonsmooth.analysis.partitions.arrangement`: no slope of D is negative.  Slopes are
+affine in c.  Where all are positive at the equilibrium, they are near it: the twist is the only minimizer there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+
+import numpy as np
+
+from nonsmooth.analysis.partitions.arrangement import Arrangement, order
+from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
+from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.symbolic.constraints import (
+    Row,
+    RowKind,
+    Triple,
+    independent,
+    inner,
+    leading_one,
+    outer,
+    scaled,
+    side_row,
+)
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.scene import Scene
+
+_DIGITS = 10  # binary: candidates have length one up to this
+
+
+@dataclass(frozen=True)
+class HeldTwist:
+    """A twist with the slopes of D there that are not certainly positive in a load region.
+
+    Attributes:
+        twist: xi.
+        slopes: affine forms of c; xi is held where none is negative, and alone where all are positive.
+        region: where the forms hold.
+        determined: whether the rows that it satisfies are of rank three; if not, it is nowhere the only minimizer.
+    """
+
+    twist: Triple
+    slopes: tuple[Affine, ...]
+    region: LoadRegion
+    determined: bool
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether it is not held at the equilibrium, hence nowhere near it."""
+        return any(sign(form[0]) < 0 for form in self.slopes)
+
+    @property
+    def is_firm(self) -> bool:
+        """Whether it is the only minimizer at the equilibrium, hence everywhere near it."""
+        return self.determined and all(sign(form[0]) > 0 for form in self.slopes)
+
+    def is_firm_towards(self, direction: Point) -> bool:
+        """Whether it is the only minimizer at ``epsilon direction``, for all small epsilon > 0."""
+        origin = (direction[0] * 0, direction[1] * 0)
+        return self.determined and all(order(form, origin, direction) > (0, 0) for form in self.slopes)
+
+    @property
+    def slip_ratios(self) -> dict[int, float]:
+        """No rim slips along."""
+        return {}
+
+    @property
+    def ties(self) -> list[Affine]:
+        """The slopes that vanish at the equilibrium: what their sign is beside it depends on the direction."""
+        return [form for form in self.slopes if not sign(form[0])]
+
+
+class Drives:
+    """What the wheels of one load region can hold."""
+
+    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+        self.region = region
+        self._arrangement = Arrangement(scene, region)
+        self._rolls = np.array([row.kind is RowKind.ROLL for row in self._arrangement.rows])
+
+    @property
+    def side_rows(self) -> tuple[Row, ...]:
+        """The rows whose slip decides which cone of twists it is."""
+        return tuple(row for row in self._arrangement.rows if row.kind is RowKind.SIDE)
+
+    def hold(self, twist: Triple) -> HeldTwist:
+        """The twist with its slopes, for speeds at which no rim slips along."""
+        rows = self._arrangement.rows
+        slips = (0 if roll else sign(inner(row.normal, twist)) for row, roll in zip(rows, self._rolls, strict=True))
+        signs = np.fromiter(slips, dtype=int, count=len(rows))
+        tight = [row.normal for row, slip in zip(rows, signs, strict=True) if not slip]
+        forms = tuple(slope.form for slope in self._arrangement.slopes(signs))
+        return HeldTwist(twist, forms, self.region, len(independent(tight)) == 3)
+
+
+def candidate_twists(scene: Scene) -> Iterator[Triple]:
+    """The edges of the arrangement of side rows, each once (up to a factor), of length about one."""
+    planes = [side_row(wheel).normal for wheel in scene.wheels]
+    if len(independent(planes)) < 3:
+        zero, one = scene.field.zero, scene.field.one
+        planes += [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
+    known: set[Triple] = set()
+    for a, b in combinations(planes, 2):
+        edge = outer(a, b)
+        if any(edge) and (canonical := leading_one(edge)) not in known:
+            known.add(canonical)
+            yield _of_length_one(canonical)
+
+
+def _of_length_one(twist: Triple) -> Triple:
+    """A positive multiple of length one, up to the rounding of a rational factor."""
+    unit = scaled(twist, max(abs(x) for x in twist).inverse())
+    length = float(np.linalg.norm([float(x) for x in unit]))
+    return scaled(unit, unit[0].field(Fraction(round(2**_DIGITS / length), 2**_DIGITS)))

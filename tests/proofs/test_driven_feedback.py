@@ -1,0 +1,390 @@
+"""Clause 4 under the rules ``box`` and ``ellipse``: twists that speeds impose, against numerical minimizers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.partitions.loads import load_regions
+from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.proofs.clauses.balanced_twists import BalancedTwist, balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
+from nonsmooth.proofs.clauses.driven_law import LawCone, gains, rim_speeds
+from nonsmooth.proofs.clauses.exclusion import Divided, Excluded, triangle
+from nonsmooth.proofs.clauses.held_twists import Drives, HeldTwist, candidate_twists
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
+from nonsmooth.symbolic.constraints import independent, inner
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
+from tests.conftest import WheelData
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+# Relative: HiGHS and the interior solver end with a gap of about 1e-9, and the twist is right to its square root.
+BOX_ERROR, ELLIPSE_ERROR = 1e-7, 1e-4
+APPLIES = [name for name in builtin_scenes() if name not in ("four-wheel-side", "differential-drive")]
+
+
+def ruled(scene: Scene, rule: Rule) -> Scene:
+    return replace(scene, contact=replace(scene.contact, rule=rule)).recentred()
+
+
+def small(scene: Scene) -> Scene:
+    """The same array, checked in a square that no load leaves."""
+    return replace(scene, check=replace(scene.check, radius=scene.field(Fraction(1, 8))))
+
+
+def minimizer(rule: Rule, model: ContactModel, c: Floats, speeds: Floats) -> Floats:
+    targets = np.zeros(2 * model.wheels)
+    targets[0::2] = speeds
+    solver = BoxHighs() if rule is Rule.BOX else EllipseInterior()
+    return solver.minimize(replace(model, targets=targets), loads_at(model, c[None])).twists[0]
+
+
+def cone_of(feedback: DrivenFeedback, c: Floats) -> LawCone:
+    """The cone of directions that holds c."""
+    for cone in feedback.cones:
+        if cone.rays is None:
+            return cone
+        (ax, ay), (bx, by) = ([float(x) for x in ray] for ray in cone.rays)
+        if ax * c[1] - ay * c[0] > 0 and c[0] * by - c[1] * bx > 0:
+            return cone
+    raise AssertionError(f"no cone holds {c}")
+
+
+# ---- the law, followed by a numerical minimizer --------------------------------------------------
+
+
+@pytest.mark.parametrize("name", APPLIES)
+def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> None:
+    """The minimizer of D for the law's speeds is the twist itself, and V falls at the certified rate."""
+    scene = ruled(load_scene(name), Rule.BOX)
+    feedback = decide_driven_feedback(scene)
+    assert feedback.verdict is Feedback.STABILIZABLE
+    assert feedback.check()
+    assert feedback.kappa is not None
+    assert feedback.reach is not None
+    model, reach, rng = contact_model(scene), float(feedback.reach), np.random.default_rng(0)
+    for _ in range(12):
+        c = rng.uniform(-0.99, 0.99, 2) * reach * 10 ** -rng.uniform(0, 2)
+        g = np.array([*c, rng.normal() * 10 ** -rng.uniform(0, 2)])
+        cone = cone_of(feedback, c)
+        vectors = np.array([[float(x) for x in twist] for twist in cone.vectors])
+        best = int(np.argmax(np.abs(vectors @ g)))
+        factor = -(vectors[best] @ g)
+        found = minimizer(Rule.BOX, model, c, factor * np.array(rim_speeds(scene, cone.twists[best])))
+        assert np.abs(found - factor * vectors[best]).max() <= BOX_ERROR * np.abs(factor * vectors[best]).max()
+        assert 2 * g @ found <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
+
+
+@pytest.mark.parametrize("name", APPLIES)
+def test_under_ellipse_the_speeds_impose_their_twist_at_the_equilibrium(name: str) -> None:
+    scene = ruled(load_scene(name), Rule.ELLIPSE)
+    feedback = decide_driven_feedback(scene)
+    assert feedback.verdict is Feedback.STABILIZABLE
+    assert feedback.check()
+    model = contact_model(scene)
+    (cone,) = feedback.cones
+    assert feedback.kappa is not None
+    near = 1e-4 * np.array([0.6, -0.8]) * float(scene.check.radius)
+    for imposed in cone.twists:
+        exact, speeds = np.array([float(x) for x in imposed.twist]), np.array(rim_speeds(scene, imposed))
+        assert np.abs(minimizer(Rule.ELLIPSE, model, np.zeros(2), speeds) - exact).max() < ELLIPSE_ERROR
+        assert np.abs(minimizer(Rule.ELLIPSE, model, near, speeds) - exact).max() < 1e-2
+
+
+def test_kappa_is_what_three_twists_give(arrays: Arrays) -> None:
+    """Unit vectors along the axes: one of three products is at least a third of |g|^2, and no more can be said."""
+    scene = ruled(load_scene("saddle"), Rule.BOX)
+    feedback = decide_driven_feedback(scene)
+    vectors = feedback.cones[0].vectors
+    assert gains(vectors, Fraction(333, 1000))
+    assert not gains(vectors, Fraction(1, 3))
+    assert not gains(vectors[:2], Fraction(1, 1000))
+    for wrong in (
+        replace(feedback, kappa=Fraction(1, 2)),
+        replace(feedback, kappa=None),
+        replace(feedback, cones=()),
+        replace(feedback, cones=(LawCone(None, feedback.cones[0].twists[:2]),)),
+        replace(feedback, cones=(LawCone(None, feedback.cones[0].twists[:1] * 3),)),
+        replace(feedback, verdict=Feedback.NO_CERTIFICATE),
+    ):
+        assert not wrong.check()
+
+
+# ---- which twists are held ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 6, 7, 8, 9, 11])
+def test_under_box_a_minimizer_tells_which_twists_are_held(arrays: Arrays, seed: int) -> None:
+    """Firm: the only minimizer for its speeds.  Lost: for these speeds D is smaller elsewhere."""
+    scene = small(ruled(arrays.cocircular(seed, (1, Fraction(1 + seed % 5, 6))), Rule.BOX))
+    model, zero = contact_model(scene), scene.field.zero
+    drives = Drives(scene, load_regions(scene, (zero, zero))[0])
+    for twist in list(candidate_twists(scene))[:6]:
+        held = drives.hold(twist)
+        exact = np.array([float(x) for x in twist])
+        found = minimizer(Rule.BOX, model, np.zeros(2), np.array(rim_speeds(scene, held)))
+        if held.is_firm:
+            assert np.abs(found - exact).max() < BOX_ERROR
+        if held.is_lost:
+            assert np.abs(found - exact).max() > BOX_ERROR
+        assert not (held.is_firm and held.is_lost)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 6, 7, 8])
+def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, seed: int) -> None:
+    scene = small(ruled(arrays.cocircular(seed, (1, Fraction(9, 10))), Rule.ELLIPSE))
+    zero = scene.field.zero
+    region, model = load_regions(scene, (zero, zero))[0], contact_model(scene)
+    for twist in list(candidate_twists(scene))[:4]:
+        balanced = exclude_twist(balance_twist(scene, region, twist))
+        assert not (balanced.is_firm and balanced.is_lost)
+        if balanced.is_firm:
+            found = minimizer(Rule.ELLIPSE, model, np.zeros(2), np.array(rim_speeds(scene, balanced)))
+            assert np.abs(found - np.array([float(x) for x in twist])).max() < ELLIPSE_ERROR
+        shifted = replace(balanced, values=tuple(value + Fraction(1, 1000) for value in balanced.values))
+        assert not shifted.is_firm  # the Newton step leaves the box around values that do not balance
+
+
+def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> None:
+    """The reason why edges suffice: what is held inside a cone of the arrangement is held on its boundary."""
+    scene = ruled(arrays.four_wheel((1, Fraction(1, 5)), turn=(Fraction(3, 5), Fraction(4, 5))), Rule.BOX)
+    zero = scene.field.zero
+    drives = Drives(scene, load_regions(scene, (zero, zero))[0])
+    edges = list(candidate_twists(scene))
+    rng = np.random.default_rng(3)
+    inside = 0
+    for _ in range(60):
+        x, y, w = (scene.field(int(k)) for k in rng.integers(-9, 10, 3))
+        held = drives.hold((x, y, w))
+        if held.is_lost or not any((x, y, w)):
+            continue
+        inside += 1
+        sides = [inner(row.normal, (x, y, w)).sign() for row in drives.side_rows]
+        closure = [
+            edge
+            for edge in [*edges, *((-a, -b, -c) for a, b, c in edges)]
+            if all(inner(row.normal, edge).sign() in (0, s) for row, s in zip(drives.side_rows, sides, strict=True))
+        ]
+        assert len(independent(closure)) >= 1
+        assert not any(drives.hold(edge).is_lost for edge in closure)
+    assert inside > 10
+
+
+# ---- no feedback at all --------------------------------------------------------------------------
+
+
+def test_two_drive_wheels_and_slippery_supports_are_a_unicycle(arrays: Arrays) -> None:
+    """Whatever the speeds, the body does not move along the axle; so no static feedback stabilizes."""
+    scene = ruled(arrays.differential_drive(), Rule.BOX)
+    feedback = decide_driven_feedback(scene)
+    assert feedback.verdict is Feedback.NO_CERTIFICATE
+    assert [str(x) for x in feedback.obstruction or ()] == ["0", "1", "0"]
+    assert feedback.check()
+    assert not replace(feedback, obstruction=None).check()
+    model, rng = contact_model(scene), np.random.default_rng(1)
+    for _ in range(40):
+        c = rng.uniform(-0.02, 0.02, 2)
+        speeds = rng.normal(size=4) * 10 ** rng.uniform(-2, 2, 4)
+        found = minimizer(Rule.BOX, model, c, speeds)
+        assert abs(found[1]) <= 1e-9 * np.abs(speeds).max()
+    result = check_theorem4(replace(scene, contact=replace(scene.contact, rule=Rule.BOX)))
+    assert (result.clauses[1].verdict, result.rotation.verdict) == (Translation.STABLE, Rotation.UNSTABLE)
+    assert result.verdict is Theorem4.FAILS
+    assert "no static feedback stabilizes" in result.reason
+    assert result.check()
+
+
+def test_under_ellipse_it_is_a_unicycle_too(arrays: Arrays) -> None:
+    """Spinning drive wheels resist a push along the axle less, but then they push the body with all their force."""
+    scene = ruled(arrays.differential_drive(), Rule.ELLIPSE)
+    feedback = decide_driven_feedback(scene)
+    assert feedback.verdict is Feedback.NO_CERTIFICATE
+    assert [str(x) for x in feedback.obstruction or ()] == ["0", "1", "0"]
+    model, rng = contact_model(scene), np.random.default_rng(1)
+    for _ in range(20):
+        speeds = rng.normal(size=4) * 10 ** rng.uniform(-2, 2, 4)
+        found = minimizer(Rule.ELLIPSE, model, rng.uniform(-1e-3, 1e-3, 2), speeds)
+        assert np.abs(found[1]) <= ELLIPSE_ERROR * np.abs(speeds).max()
+
+
+def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
+    scene = ruled(arrays.differential_drive(), Rule.ELLIPSE)
+    zero, one = scene.field.zero, scene.field.one
+    region = load_regions(scene, (zero, zero))[0]
+    lost = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
+    assert lost.is_lost
+    assert not lost.is_firm
+    assert isinstance(lost.exclusion, Divided)
+    held = balance_twist(scene, region, (one, zero, zero))
+    assert held.is_firm
+    assert exclude_twist(held).exclusion is None
+    for wrong in (
+        lost.exclusion.lower,  # one half alone
+        Divided(lost.exclusion.wheel, lost.exclusion.lower, lost.exclusion.lower),
+        Divided((lost.exclusion.wheel + 1) % 2, lost.exclusion.lower, lost.exclusion.upper),
+        Excluded((Fraction(0), Fraction(1), Fraction(0))),
+        Excluded((Fraction(0),) * 3),
+    ):
+        assert not replace(lost, exclusion=wrong).is_lost
+    assert not replace(held, exclusion=lost.exclusion).is_lost
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_triangle_holds_its_arc(side: int) -> None:
+    for low, high in ((-1, 0), (0, 1), (Fraction(-3, 4), Fraction(-1, 2)), (Fraction(1, 8), Fraction(1, 4))):
+        corners = np.array([[float(x) for x in corner] for corner in triangle((Fraction(low), Fraction(high)), side)])
+        for t in np.linspace(float(low), float(high), 25):
+            point = np.array([2 * t / (1 + t * t), side * (1 - t * t) / (1 + t * t)])
+            weights = np.linalg.solve(np.vstack([corners.T, np.ones(3)]), [*point, 1.0])
+            assert weights.min() >= -1e-12
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_array_is_both_stabilizable_and_obstructed(arrays: Arrays, seed: int) -> None:
+    """On random arrays with random loads the clause is decided, and an obstruction is orthogonal to all motions."""
+    rng = np.random.default_rng(seed)
+    base = arrays.cocircular(seed, (1, Fraction(int(rng.integers(1, 20)), 20)))
+    loads = [scene_load(base, int(k)) for k in rng.integers(1, 30, len(base.wheels))]
+    scene = ruled(replace(base, contact=replace(base.contact, loads=LoadTable(tuple(loads)))), Rule.BOX)
+    feedback = decide_driven_feedback(scene)
+    assert feedback.check()
+    if feedback.obstruction is None:
+        return
+    model, normal = contact_model(scene), np.array([float(x) for x in feedback.obstruction])
+    for _ in range(10):
+        speeds = rng.normal(size=len(scene.wheels)) * 10 ** rng.uniform(-2, 2, len(scene.wheels))
+        found = minimizer(Rule.BOX, model, rng.uniform(-1e-4, 1e-4, 2), speeds)
+        assert abs(normal @ found) <= 1e-8 * np.abs(normal).max() * np.abs(speeds).max()
+
+
+def scene_load(scene: Scene, load: int) -> tuple[Number, Number, Number]:
+    return scene.field(load), scene.field.zero, scene.field.zero
+
+
+# ---- exact balance -------------------------------------------------------------------------------
+
+
+def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Arrays) -> None:
+    """Four equal loads: at c* no twist with omega is held alone; beside it the loads differ, and some are."""
+    feedback = decide_driven_feedback(ruled(arrays.four_wheel(), Rule.BOX))
+    assert len(feedback.cones) > 1
+    assert "balance exactly" in feedback.reason
+    for cone in feedback.cones:
+        assert cone.check()
+        assert not all(held.is_firm for held in cone.twists)
+        assert not replace(cone, rays=None).check()
+        assert any(twist[2] for twist in cone.vectors)
+
+
+def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -> None:
+    """With equal loads everywhere the balance of the four-wheel array is the same at every c."""
+    scene = arrays.four_wheel()
+    share, zero = scene.field(Fraction(1, 4)), scene.field.zero
+    table = LoadTable(((share, zero, zero),) * 4)
+    feedback = decide_driven_feedback(ruled(replace(scene, contact=replace(scene.contact, loads=table)), Rule.BOX))
+    assert feedback.verdict is Feedback.UNDECIDED
+    assert feedback.check()
+    assert "exactly marginal: frictions balance at c*" in feedback.reason
+
+
+def test_kinds_of_twists_do_not_mix(arrays: Arrays) -> None:
+    box = decide_driven_feedback(ruled(load_scene("ring-3"), Rule.BOX))
+    ellipse = decide_driven_feedback(ruled(load_scene("ring-3"), Rule.ELLIPSE))
+    assert all(isinstance(held, HeldTwist) for held in box.cones[0].twists)
+    assert all(isinstance(balanced, BalancedTwist) for balanced in ellipse.cones[0].twists)
+    assert ellipse.reach is None
+
+
+# ---- odd scenes ----------------------------------------------------------------------------------
+
+
+def test_where_load_regions_meet_the_reach_counts_all_of_them(arrays: Arrays) -> None:
+    """At this point a wheel lifts off; on both sides of the line the rate holds within the reach."""
+    wheels = [
+        WheelData((-1, -1), (3, -3), 1, (1, Fraction(1, 2))),
+        WheelData((-1, 1), (3, -2), 1, (1, Fraction(1, 3))),
+        WheelData((1, 0), (3, 2), 1, (1, Fraction(1, 2))),
+        WheelData((4, 2), (2, 2), 1, (1, Fraction(1, 4))),
+    ]
+    scene = arrays.scene(wheels, radius=Fraction(1, 16), at=(Fraction(-23, 52), Fraction(-5, 32)))
+    scene = ruled(scene, Rule.BOX)
+    zero = scene.field.zero
+    assert len(load_regions(scene, (zero, zero))) > 1
+    feedback = decide_driven_feedback(scene)
+    assert feedback.verdict is Feedback.STABILIZABLE
+    assert feedback.check()
+    assert feedback.kappa is not None
+    assert feedback.reach is not None
+    (cone,) = feedback.cones
+    assert len(cone.elsewhere) % 3 == 0 < len(cone.elsewhere)
+    model, vectors = contact_model(scene), np.array([[float(x) for x in twist] for twist in cone.vectors])
+    rng = np.random.default_rng(0)
+    for _ in range(60):
+        g = np.array([*rng.uniform(-0.99, 0.99, 2) * float(feedback.reach), rng.normal() / 20])
+        best = int(np.argmax(np.abs(vectors @ g)))
+        speeds = -(vectors[best] @ g) * np.array(rim_speeds(scene, cone.twists[best]))
+        found = minimizer(Rule.BOX, model, g[:2], speeds)
+        assert 2 * g @ found <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
+
+
+@pytest.mark.parametrize("exponent", [-12, -6, 0, 6, 12])
+@pytest.mark.parametrize("rule", [Rule.BOX, Rule.ELLIPSE])
+def test_the_verdict_does_not_depend_on_the_unit_of_length(arrays: Arrays, rule: Rule, exponent: int) -> None:
+    unit = Fraction(10) ** exponent
+    places = [(1, 1), (-1, 1), (-1, -1), (1, -1), (2, 0)]
+    rims = [(-2, -1), (1, -1), (1, 2), (-1, 1), (1, 3)]
+    wheels = [WheelData((x * unit, y * unit), rim, unit) for (x, y), rim in zip(places, rims, strict=True)]
+    feedback = decide_driven_feedback(ruled(arrays.scene(wheels, radius=unit / 10), rule))
+    assert feedback.verdict is Feedback.STABILIZABLE
+    assert feedback.check()
+    drive = arrays.differential_drive()
+    drive = replace(drive, wheels=scaled_wheels(drive, unit), check=replace(drive.check, radius=drive.field(unit / 4)))
+    assert decide_driven_feedback(ruled(drive, rule)).obstruction is not None
+
+
+def scaled_wheels(scene: Scene, unit: Fraction) -> tuple[Wheel, ...]:
+    return tuple(
+        replace(w, position=(w.position[0] * unit, w.position[1] * unit), given_speed=w.speed * unit)
+        for w in scene.wheels
+    )
+
+
+@pytest.mark.parametrize("loads", [(1, 0, 0, 0), (0, 0, 1, 1), (0, 0, 0, 1), (0, 0, 0, 0)])
+def test_loads_that_leave_a_motion_free_stabilize_nothing(arrays: Arrays, loads: tuple[int, ...]) -> None:
+    """Under rule ellipse undecided; rule box refuses, for its cells would have no twist."""
+    wheels = [
+        WheelData((0, 1), (1, 0)),
+        WheelData((0, -1), (1, 0), -1),
+        WheelData((2, 0), (0, 1), 0, (1, 0)),
+        WheelData((-2, 0), (0, 1), 0, (1, 0)),
+    ]
+    scene = arrays.scene(wheels, radius=Fraction(1, 8))
+    table = LoadTable(tuple(scene_load(scene, load) for load in loads))
+    scene = replace(scene, contact=replace(scene.contact, loads=table))
+    feedback = decide_driven_feedback(ruled(scene, Rule.ELLIPSE))
+    one_wheel_holds = loads == (1, 0, 0, 0)  # and forbids what it does not roll along
+    assert feedback.verdict is (Feedback.NO_CERTIFICATE if one_wheel_holds else Feedback.UNDECIDED)
+    with pytest.raises(RefusalError, match=r"contact\.loads: required loaded rows with friction in three"):
+        check_theorem4(ruled(scene, Rule.BOX))
+
+
+def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
+    feedback = decide_driven_feedback(ruled(arrays.four_wheel(), Rule.BOX))
+    cones = feedback.cones
+    assert feedback.check()
+    for wrong in (cones[:1], cones[1:], cones[::-1], (*cones, cones[0]), (cones[0], replace(cones[1], rays=None))):
+        assert not replace(feedback, cones=wrong).check()
