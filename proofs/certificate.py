@@ -1,13 +1,15 @@
 """Certificates: a verdict under rule ``nearest`` or ``box`` as data that :mod:`nonsmooth.proofs.checker` re-checks.
 
 A certificate holds the wheels, the cells with their twists, and for each clause what shows its verdict: weights and
-multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign.  All else
-(reasons, the witness of a feedback that fails) lies under ``notes``, which the checker does not read.
+multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign; signs of
+translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the feedback.  All
+else (reasons, the witness where no certificate for feedback was found) lies under ``notes``, which the checker does not
+read.
 
 Every cell lists all corners of the partition that lie on its sides, and the checked point where it lies on them.  So
 the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
 the check left out, because the lemma on inward rims speaks for them, are built here: a certificate needs no lemma.
-Rule ``ellipse`` has no cells and is refused; rule ``box`` only samples its feedback clause, which stands as undecided.
+Rule ``ellipse`` has no cells and is refused.
 The form of the numbers is described in :mod:`nonsmooth.proofs.exact_json`.
 """
 
@@ -15,7 +17,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.partitions.box import build_box_partition
@@ -25,11 +26,11 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.checker import SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.feedback import FeedbackResult, rim_signs
 from nonsmooth.proofs.clauses.rotation import drift_at_rest
 from nonsmooth.proofs.exact_json import encode, homogeneous
-from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
-from nonsmooth.proofs.verdicts import Rotation
+from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, EllipseCheck
+from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -97,8 +98,8 @@ def _document(result: CellCheck) -> Record:
         "cells": _cells(partition, chains, disc),
         "equilibrium": {"verdict": str(result.equilibrium.verdict), "separator": _separator(partition)},
         "translation": {"verdict": str(result.translation.verdict), "squared_radius": disc.squared_radius},
-        "rotation": {"verdict": str(result.rotation.verdict), **_drift(here), "shape": _shape(result)},
-        "feedback": {"verdict": str(result.feedback.verdict), "shape": _control_shape(result)},
+        "rotation": {"verdict": str(result.rotation.verdict), **_drift(here)},
+        "feedback": _feedback(result.feedback),
         "theorem4": str(result.verdict),
         "notes": _notes(result),
     }
@@ -176,17 +177,22 @@ def _drift(here: Sequence[Twist]) -> Record:
     return ends
 
 
-def _shape(result: CellCheck) -> Sequence[Fraction] | None:
-    """The quadratic V whose decay bounds the rotation, where it is not ``|c|^2``."""
-    quadratic = result.translation.quadratic
-    return quadratic.shape if quadratic is not None and result.rotation.verdict is Rotation.NEUTRAL else None
+def _feedback(feedback: AnyFeedback) -> Record:
+    """The verdict with a sign for each motion at the point, three twists, or the normal of a plane.
 
-
-def _control_shape(result: CellCheck) -> Sequence[Fraction] | None:
-    """The control Lyapunov function of the feedback clause, where it is not ``|c|^2 + theta^2``; any weight serves."""
-    feedback = result.feedback
-    shaped = isinstance(feedback, FeedbackResult) and feedback.law is not None and any(feedback.lyapunov.shape)
-    return feedback.lyapunov.shape if isinstance(feedback, FeedbackResult) and shaped else None
+    Under rule ``box`` a law that depends on the direction of c is not followed: the clause stands as undecided.
+    """
+    verdict = feedback.verdict
+    if feedback.obstruction is not None:
+        return {"verdict": str(verdict), "evidence": feedback.obstruction}
+    if verdict is not Feedback.STABILIZABLE:
+        return {"verdict": str(verdict), "evidence": None}
+    if isinstance(feedback, FeedbackResult):
+        return {"verdict": str(verdict), "evidence": rim_signs(feedback)}
+    (first, *others) = feedback.cones
+    if others:
+        return {"verdict": str(Feedback.UNDECIDED), "evidence": None}
+    return {"verdict": str(verdict), "evidence": list(first.vectors)}
 
 
 def _notes(result: CellCheck) -> Record:

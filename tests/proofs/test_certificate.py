@@ -14,6 +14,7 @@ import pytest
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
 from nonsmooth.proofs.checker import check_certificate, check_file
 from nonsmooth.proofs.clauses.certified_disc import certified_disc
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
 from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation, Translation
@@ -32,12 +33,6 @@ Record: TypeAlias = dict[str, Any]
 HALF = Fraction(1, 2)
 LARGEST_FILE = 40_000  # bytes; the largest built-in certificate (elliptic, rule box) has about half of it
 SLOWEST_CHECK = 10.0  # seconds; the slowest (grid-4x4, rule box) takes about one
-
-
-@pytest.fixture(autouse=True)
-def _few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Under rule box the feedback clause is sampled; a certificate does not depend on it."""
-    monkeypatch.setattr("nonsmooth.proofs.clauses.sampled_feedback.STATES", dict.fromkeys(Rule, 2))
 
 
 @pytest.mark.parametrize("rule", ["nearest", "box"])
@@ -91,11 +86,12 @@ def test_a_verdict_that_the_checker_cannot_follow_is_refused(arrays: Arrays) -> 
         build_certificate(forged)
 
 
-def test_sampled_feedback_stands_as_undecided() -> None:
-    """Under rule box two laws that fail at samples certify nothing."""
+def test_a_law_by_direction_of_c_is_not_followed(arrays: Arrays) -> None:
+    """Under rule box the checker follows three twists that serve at c*; otherwise the clause claims nothing."""
     result = check_cells(load_scene("four-wheel", rule="box"))
-    assert result.feedback.law is None
-    assert build_certificate(result)["feedback"]["verdict"] == "undecided"
+    assert isinstance(result.feedback, DrivenFeedback)
+    assert len(result.feedback.cones) > 1
+    assert build_certificate(result)["feedback"] == {"verdict": "undecided", "evidence": None}
 
 
 def test_cells_that_a_lemma_left_out_are_built() -> None:
