@@ -19,9 +19,11 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics as simulate_dynamics
     from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field
     from nonsmooth.analysis.fields.contact_model import contact_model as contact_model
+    from nonsmooth.analysis.fields.feedback_laws import cascade_law as cascade_law
     from nonsmooth.analysis.fields.feedback_laws import corrected_law as corrected_law
     from nonsmooth.analysis.fields.feedback_laws import gradient_law as gradient_law
     from nonsmooth.analysis.fields.feedback_laws import printed_law as printed_law
+    from nonsmooth.analysis.fields.feedback_laws import tangential_law as tangential_law
     from nonsmooth.analysis.fields.kinematics import Kinematics as Kinematics
     from nonsmooth.analysis.fields.switched_field import array_field as array_field
     from nonsmooth.analysis.fields.switched_field import piecewise_constant as piecewise_constant
@@ -50,7 +52,9 @@ __getattr__ = on_demand(
         "feedback_field": "fields.cellwise_field",
         "contact_model": "fields.contact_model",
         "corrected_law": "fields.feedback_laws",
+        "cascade_law": "fields.feedback_laws",
         "gradient_law": "fields.feedback_laws",
+        "tangential_law": "fields.feedback_laws",
         "printed_law": "fields.feedback_laws",
         "Kinematics": "fields.kinematics",
         "array_field": "fields.switched_field",

@@ -27,6 +27,7 @@ class Law(StrEnum):
     CORRECTED = "corrected"
     PRINTED = "printed"
     GRADIENT = "gradient"
+    CASCADE = "cascade"
 
 
 class Method(StrEnum):

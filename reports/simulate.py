@@ -11,7 +11,13 @@ from rich.text import Text
 
 from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
-from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
+from nonsmooth.analysis.fields.feedback_laws import (
+    cascade_law,
+    corrected_law,
+    gradient_law,
+    printed_law,
+    tangential_law,
+)
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
@@ -68,11 +74,20 @@ def follow(partition: Partition, run: Run) -> Trajectory:
 
 
 def _speeds(partition: Partition, law: Law) -> SpeedLaw:
-    """The law in every cell; the gradient law is that of ``check``, with the V found there."""
-    if law is not Law.GRADIENT:
+    """The law in every cell; the gradient law is that of ``check``, with the V found there, and so is the cascade."""
+    if law in LAWS:
         return LAWS[law](GAIN)
+    from nonsmooth.proofs.clauses.cascade_law import Descent, find_cascade
+    from nonsmooth.proofs.clauses.cones import build_fan
     from nonsmooth.proofs.clauses.feedback import decide_feedback
 
+    if law is Law.CASCADE:
+        cascade = find_cascade(build_fan(partition))
+        if cascade is None:
+            raise ValueError("required an array that theta-first feedback brings home, received one without such a law")
+        if cascade.descent is Descent.SLOW_TURNS:
+            return tangential_law(GAIN, float(partition.scene.check.radius))
+        return cascade_law(GAIN, {wheel.index: s for wheel, s in zip(cascade.wheels, cascade.signs, strict=True)})
     lyapunov = decide_feedback(partition).lyapunov
     return gradient_law(GAIN, (float(lyapunov.shape[0]), float(lyapunov.shape[1])), float(lyapunov.weight))
 

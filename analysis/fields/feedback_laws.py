@@ -6,12 +6,17 @@ With ``V = |c|^2 + theta^2`` (c from the equilibrium at the origin) and ``xi = g
 - *gradient*: ``u = -k (a, b)``, so ``V' = -2k (a^2 + b^2)`` (Jurdjevic & Quinn 1978, "L_g V"); also for other V;
 - *printed*: ``u_j = -k theta, u_i = |u_j| + k|c|`` as Murphey & Burdick print it in sec. 3.3; it turns the body the
   wrong way where the torque of wheel j has the other sign;
-- *corrected*: ``u_j = -g k theta`` with g the sign of that torque.
+- *corrected*: ``u_j = -g k theta`` with g the sign of that torque;
+- *cascade*: ``omega = -k theta`` and ``v = s k |c| d_i - (n_i . J p_i) omega n_i``, a sign s for each nearest wheel;
+- *tangential*, for rims at right angles to ``p_i``: ``v = (k - omega) x J p_i/|p_i|`` and ``omega = k (y/l - Theta)``
+  with ``(x, y) = (c . p_i, c . J p_i)/|p_i|`` and ``Theta = theta - y^2/(2 x l)``, so c runs around the equilibrium.
+
+The last two impose a motion with ``n_i . v + (n_i . J p_i) omega = 0`` by ``u_w = d_w . (v + omega J p_w)``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -19,6 +24,9 @@ from nonsmooth.analysis.fields.cellwise_field import Law, Speeds
 from nonsmooth.analysis.fields.smooth_field import Vector
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.numbers.number import Number
+
+J = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> Law:
@@ -55,6 +63,70 @@ def printed_law(gain: float) -> Law:
 def corrected_law(gain: float) -> Law:
     """``u_j = -g k theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell."""
     return _paper_law(gain, corrected=True)
+
+
+def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
+    """Theta decays by itself, c runs along the rim of the nearest wheel (:mod:`nonsmooth.proofs.clauses.cascade_law`).
+
+    Args:
+        gain: k (1/time).
+        signs: of the translation along the rim, by the number of the nearest wheel.
+    """
+
+    def prepare(state: ContactState) -> Speeds:
+        wheel = state.rows[0].wheel
+        d, p = _floats(wheel.unit_direction), _floats(wheel.position)
+        n = J @ d
+        lever, sign = n @ J @ p, signs[wheel.index]
+
+        def twist(c: Vector, theta: float) -> Vector:
+            omega = -gain * theta
+            return np.array([*(sign * gain * np.hypot(*c) * d - lever * omega * n), omega])
+
+        return _imposed(state, twist)
+
+    return prepare
+
+
+def tangential_law(gain: float, length: float) -> Law:
+    """C runs around the equilibrium and comes nearer by turning to and fro, for rims at right angles to ``p_i``.
+
+    Args:
+        gain: k (1/time).
+        length: l: the smaller, the more the body turns.
+    """
+
+    def prepare(state: ContactState) -> Speeds:
+        p = _floats(state.rows[0].wheel.position)
+        out = p / np.hypot(*p)
+        across = J @ out
+
+        def twist(c: Vector, theta: float) -> Vector:
+            x, y = c @ out, c @ across
+            lead = y * y / (2 * x * length) if x > 0 else 0.0
+            omega = gain * (y / length - (theta - lead))
+            return np.array([*((gain - omega) * x * across), omega])
+
+        return _imposed(state, twist)
+
+    return prepare
+
+
+def _imposed(state: ContactState, twist: Callable[[Vector, float], Vector]) -> Speeds:
+    """The speeds at which the two wheels that act impose a twist which the nearest wheel's side row allows."""
+    if state.rows[2].kind is not RowKind.ROLL:
+        raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
+    rows = {row.wheel.index: _floats(row.unit_normal) for row in (state.rows[0], state.rows[2])}
+
+    def speeds(pose: Vector) -> Mapping[int, float]:
+        wanted = twist(np.asarray(pose[:2], dtype=float), float(pose[2]))
+        return {wheel: float(row @ wanted) for wheel, row in rows.items()}
+
+    return speeds
+
+
+def _floats(values: Iterable[Number]) -> Vector:
+    return np.array([float(x) for x in values])
 
 
 def _paper_law(gain: float, *, corrected: bool) -> Law:

@@ -60,7 +60,8 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     ] = 1e-3,
     feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop with gain 1 (rule nearest).")] = False,
     law: Annotated[
-        Law, typer.Option("--law", help="Feedback law, with --feedback; printed is the paper's.")
+        Law,
+        typer.Option("--law", help="Feedback law, with --feedback; printed is the paper's, cascade takes theta first."),
     ] = Law.CORRECTED,
     mass: Annotated[
         float | None,

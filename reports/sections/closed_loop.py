@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.document import Entry, Figure, Math, Section, table
 from nonsmooth.reports.prose import paragraph, prose
@@ -13,16 +14,19 @@ from nonsmooth.reports.subject import Subject
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
 UNTIL = 8.0  # time: e^-8 of the start is below what a figure shows
+FIGURE_5 = {Law.CORRECTED: " (the paper's Figure 5)", Law.CASCADE: ""}
 _LAWS = {
     Law.CORRECTED: prose("corrected: `u_j = -sgn(Delta) k theta`, `u_i = |u_j| + k |(x, y)|`"),
     Law.PRINTED: prose("as printed in sec. 3.3: `u_j = -k theta`, `u_i = |u_j| + k |(x, y)|`"),
     Law.GRADIENT: prose("gradient: `u_i = -k a`, `u_j = -k b`"),
+    Law.CASCADE: prose("cascade: `theta` first, then `c` along the rims"),
 }
 
 
 def closed_loop_section(subject: Subject) -> Section:
     """Where each law leads from one start, and the path of the corrected one."""
-    paths = {law: _path(subject, law) for law in _LAWS}
+    proved = _proved(subject)
+    paths = {law: _path(subject, law) for law in (Law.CORRECTED, Law.PRINTED, proved)}
     start = start_text(_start(subject))
     words = paragraph(
         "From (x, y, theta) = {} with `k` = {} each law was followed to t = {}:",
@@ -32,7 +36,15 @@ def closed_loop_section(subject: Subject) -> Section:
     )
     rows = [_row(law, path) for law, path in paths.items()]
     ends = table(("law", "last t", "x", "y", prose("`theta`"), "how it ended"), rows, (6, 1.5, 2, 2, 2, 3))
-    return Section("With feedback", (words, ends, _figure(subject, paths[Law.CORRECTED])))
+    shown = Law.CORRECTED if proved is Law.GRADIENT else proved
+    return Section("With feedback", (words, ends, _figure(subject, shown, paths[shown])))
+
+
+def _proved(subject: Subject) -> Law:
+    """The law that the feedback clause certifies."""
+    feedback = subject.cells.feedback
+    by_cascade = isinstance(feedback, FeedbackResult) and feedback.cascade is not None
+    return Law.CASCADE if by_cascade else Law.GRADIENT
 
 
 def _start(subject: Subject) -> tuple[float, float, float]:
@@ -50,7 +62,7 @@ def _row(law: Law, path: Trajectory) -> tuple[Entry, ...]:
     return _LAWS[law], f"{float(path.end.t):.4g}", x, y, theta, str(path.end.reason)
 
 
-def _figure(subject: Subject, path: Trajectory) -> Figure:
+def _figure(subject: Subject, law: Law, path: Trajectory) -> Figure:
     partition = subject.cells.partition
 
     def draw() -> bytes:
@@ -64,14 +76,13 @@ def _figure(subject: Subject, path: Trajectory) -> Figure:
         "--until",
         f"{UNTIL:g}",
         "--feedback",
+        *(() if law is Law.CORRECTED else ("--law", str(law))),
         "-o",
         "closed-loop.pdf",
     )
     return Figure(
         "closed-loop",
-        prose(
-            "The closed loop under the corrected law (the paper's Figure 5): x, y and `theta` over time, and the path."
-        ),
+        prose(f"The closed loop under the {law} law{FIGURE_5[law]}: x, y and `theta` over time, and the path."),
         "Curves of x, y and theta over time under feedback, and the path over the cells.",
         subject.invocation.line("simulate", *options),
         draw,
