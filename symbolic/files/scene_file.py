@@ -56,6 +56,7 @@ _BUILTIN = (
     "saddle",
     "outward",
     "off-center",
+    "differential-drive",
 )
 _SYSTEMS = (
     "relay-oscillator",

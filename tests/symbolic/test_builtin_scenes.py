@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import nonsmooth.symbolic.files.scene_file
+from nonsmooth.symbolic.constraints import Twist, outer, scene_rows, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, cross, dot
@@ -53,8 +54,9 @@ def test_every_scene_loads(name: str) -> None:
     assert scene.contact.rule is Rule.NEAREST
     assert scene.check.radius in (HALF, HALF / 2)
     assert not any(scene.check.equilibrium)
-    assert all(wheel.speed == 1 for wheel in scene.wheels)
-    assert frictions(scene) == {(HALF, 1) if name == "four-wheel-side" else (1, HALF)}
+    special = {"four-wheel-side": {(HALF, 1)}, "differential-drive": {(1, HALF), (Fraction(1, 100), Fraction(1, 1000))}}
+    assert frictions(scene) == special.get(name, {(1, HALF)})
+    assert {wheel.speed for wheel in scene.wheels} == ({1, 2} if name == "differential-drive" else {1})
 
 
 @pytest.mark.parametrize("name", ["four-wheel", "four-wheel-side"])
@@ -118,6 +120,15 @@ def test_saddle() -> None:
     scene = load_scene("saddle")
     assert positions(scene) == CORNERS
     assert all(w.direction == (-w.position[0], w.position[1]) for w in scene.wheels)
+
+
+def test_the_differential_drive_is_carried_about_the_middle_of_its_axle() -> None:
+    """All four wheels agree with the spin (0, 0, -1), and the axle lines of the drive wheels are one line."""
+    scene = load_scene("differential-drive")
+    zero, one = scene.field.zero, scene.field.one
+    assert all(not row.residual(Twist(zero, zero, -one)) for row in scene_rows(scene))
+    first, second = (side_row(wheel).normal for wheel in scene.wheels[:2])
+    assert not any(outer(first, second))
 
 
 def test_origin_of_off_center_lies_inside_one_cell_and_moves() -> None:
