@@ -62,8 +62,8 @@ PRUNING_NOTE = """\
 Every built-in array under every contact rule: the check that leaves out what no verdict needs against the whole one
 (`--no-prune`). The last column counts the verdicts that differ. The built-in arrays are small: under rule `nearest` all
 wheels matter, and only large arrays gain (a grid of 7 x 7 wheels in `make bench`: more than tenfold). Under `box` and
-`ellipse` the lemma on inward rims spares cells and samples; what remains under `box` is nearly all the sampled feedback
-clause, which both checks need.
+`ellipse` the lemma on inward rims spares cells and samples of V\\*, and the feedback clause, decided exactly, spares
+the samples of two laws.
 """
 
 
