@@ -16,7 +16,7 @@ sign, every tie and every kept slope is exact.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -127,19 +127,39 @@ class Arrangement:
             signs[k] = self.rows[k].residual(twist).sign()
         return signs
 
+    def falling_slope(self, signs: NDArray[np.int_]) -> Slope | None:
+        """The slope that is clearly negative, and most of all, where the centre of mass is at the origin."""
+        tight = _tight(signs)
+        pairs = np.array(list(combinations(tight, 2))).reshape(-1, 2)
+        m = np.cross(self.normals[pairs[:, 0]], self.normals[pairs[:, 1]])
+        weights = self.float_weights[:, 0]
+        kept = np.abs(m @ self.normals[list(tight)].T) @ weights[list(tight)]
+        margin = kept - np.abs(m @ ((weights * signs) @ self.normals))
+        bound = (kept + np.abs(m) @ (weights @ np.abs(self.normals))) * FLOAT_DOUBT
+        clear = np.flatnonzero(margin < -bound)
+        if not len(clear):
+            return None
+        a, b = pairs[clear[np.argmin(margin[clear] / bound[clear])]]
+        direction = outer(self.rows[a].normal, self.rows[b].normal)
+        return min(self._slopes_along(direction, tight, self._pull(signs)), key=lambda slope: slope.form[0])
+
     def _slopes(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> Iterator[Slope]:
         pull = self._pull(signs)
         for direction in self._directions(signs, tight):
-            kept = _zero_form(self.scene)
-            for k in tight:
-                reach = abs(inner(self.rows[k].normal, direction))
-                if reach:
-                    kept = added(kept, scaled(self.weights[k], reach))
-            along = _zero_form(self.scene)
-            for entry, part in zip(direction, pull, strict=True):
-                along = added(along, scaled(part, entry))
-            yield Slope(direction, added(kept, along))
-            yield Slope((-direction[0], -direction[1], -direction[2]), added(kept, scaled(along, -1)))
+            yield from self._slopes_along(direction, tight, pull)
+
+    def _slopes_along(self, direction: Triple, tight: tuple[int, ...], pull: Sequence[Affine]) -> Iterator[Slope]:
+        """The slopes along a direction and back."""
+        kept = _zero_form(self.scene)
+        for k in tight:
+            reach = abs(inner(self.rows[k].normal, direction))
+            if reach:
+                kept = added(kept, scaled(self.weights[k], reach))
+        along = _zero_form(self.scene)
+        for entry, part in zip(direction, pull, strict=True):
+            along = added(along, scaled(part, entry))
+        yield Slope(direction, added(kept, along))
+        yield Slope((-direction[0], -direction[1], -direction[2]), added(kept, scaled(along, -1)))
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms."""

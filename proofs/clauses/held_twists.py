@@ -50,7 +50,8 @@ class HeldTwist:
 
     Attributes:
         twist: xi.
-        slopes: affine forms of c; xi is held where none is negative, and alone where all are positive.
+        slopes: affine forms of c; xi is held where none is negative, and alone where all are positive.  Where it is
+            lost at the equilibrium, one that is negative there stands alone.
         region: where the forms hold.
         determined: whether the rows that it satisfies are of rank three; if not, it is nowhere the only minimizer.
     """
@@ -100,13 +101,14 @@ class Drives:
         return tuple(row for row in self._arrangement.rows if row.kind is RowKind.SIDE)
 
     def hold(self, twist: Triple) -> HeldTwist:
-        """The twist with its slopes, for speeds at which no rim slips along."""
+        """The twist with its slopes, for speeds at which no rim slips along; of a lost twist one that is negative."""
         rows = self._arrangement.rows
         slips = (0 if roll else sign(inner(row.normal, twist)) for row, roll in zip(rows, self._rolls, strict=True))
         signs = np.fromiter(slips, dtype=int, count=len(rows))
         tight = [row.normal for row, slip in zip(rows, signs, strict=True) if not slip]
-        forms = tuple(slope.form for slope in self._arrangement.slopes(signs))
-        return HeldTwist(twist, forms, self.region, len(independent(tight)) == 3)
+        falling = self._arrangement.falling_slope(signs)
+        slopes = self._arrangement.slopes(signs) if falling is None else (falling,)
+        return HeldTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
 def candidate_twists(scene: Scene) -> Iterator[Triple]:
