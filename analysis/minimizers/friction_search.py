@@ -32,12 +32,10 @@ class FrictionForces:
     Attributes:
         angles: phi of each wheel that slips across, in (0, pi).
         held: (along, across) of each wheel that does not.
-        room: least distance from a limit: sin phi, or one minus the length.
     """
 
     angles: Floats
     held: Floats
-    room: float
 
 
 def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> FrictionForces | None:
@@ -74,4 +72,4 @@ def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> Fri
     best = int(np.argmax(np.where(inside, room, -1)))
     if not inside[best] or room[best] < LEAST_ROOM:
         return None
-    return FrictionForces(angles[best], split[best], float(room[best]))
+    return FrictionForces(angles[best], split[best])

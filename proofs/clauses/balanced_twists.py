@@ -68,7 +68,7 @@ class BalancedTwist:
     @cached_property
     def is_firm(self) -> bool:
         """Whether it is proved to be the only minimizer at c* for some speeds."""
-        return bool(self.values) and self.enclosures is not None
+        return bool(self.values) and self._is_enclosed()
 
     @cached_property
     def is_lost(self) -> bool:
@@ -81,9 +81,8 @@ class BalancedTwist:
         parts = self._parts(self.values)
         return {wheel.index: float(2 * t[0] / (1 - t[0] ** 2)) * wheel.side for wheel, t in parts if wheel.side}
 
-    @cached_property
-    def enclosures(self) -> tuple[arb, ...] | None:
-        """Balls around the values that hold forces in balance within their limits; None where this is not shown."""
+    def _is_enclosed(self) -> bool:
+        """Whether balls around the values hold forces in balance within their limits (interval Newton)."""
         with ctx.workprec(PRECISION):
             centre = [ball_of(value) for value in self.values]
             box = [x + _RADIUS if k in self.pivots else x for k, x in enumerate(centre)]
@@ -92,9 +91,9 @@ class BalancedTwist:
             try:
                 step = arb_mat([[slopes[k][r] for k in self.pivots] for r in range(3)]).solve(rest)
             except ZeroDivisionError:
-                return None
+                return False
             inside = all(_RADIUS.contains_interior(step[row, 0]) for row in range(3))
-            return tuple(box) if inside and self._is_admissible(box) else None
+            return inside and self._is_admissible(box)
 
     def _parts(self, values: Sequence[Real]) -> Iterator[tuple[WheelForces, list[Real]]]:
         remaining = list(values)

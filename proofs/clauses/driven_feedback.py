@@ -43,7 +43,7 @@ from nonsmooth.proofs.clauses.held_twists import Drives, HeldTwist, candidate_tw
 from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.rule import Rule
@@ -69,8 +69,9 @@ class DrivenFeedback:
         reason: one sentence for people.
         cones: the law, by direction of c (stabilizable).
         kappa: ``V' <= -2 k kappa V`` near c* (stabilizable).
-        obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no feedback
-            stabilizes.
+        obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no static
+            feedback stabilizes.
+        candidates: all candidates, those off the plane with the proof that they are lost (no certificate).
         samples: two laws of the field, sampled, best first; empty where nobody asked.
     """
 
@@ -79,6 +80,7 @@ class DrivenFeedback:
     cones: tuple[LawCone, ...] = ()
     kappa: Fraction | None = None
     obstruction: Triple | None = None
+    candidates: tuple[ImposedTwist, ...] = ()
     samples: tuple[LoopSample, ...] = field(default=(), compare=False)
 
     @property
@@ -97,9 +99,13 @@ class DrivenFeedback:
         return None if self.obstruction is None else Witness(self.obstruction[:2], self.obstruction[2], STALL)
 
     def check(self) -> bool:
-        """Re-verify the twists and the rate (stabilizable)."""
+        """Re-verify the twists and the rate (stabilizable), or that all off the plane is lost (no certificate)."""
+        normal = self.obstruction
+        if self.verdict is Feedback.NO_CERTIFICATE:
+            kept = normal is not None and all(not inner(normal, c.twist) or c.is_lost for c in self.candidates)
+            return kept and not self.cones and normal is not None and any(normal)
         if self.verdict is not Feedback.STABILIZABLE:
-            return not self.cones and (self.obstruction is not None) == (self.verdict is Feedback.NO_CERTIFICATE)
+            return not self.cones and normal is None
         kappa = self.kappa
         fast = kappa is not None and kappa > 0 and all(gains(cone.vectors, kappa) for cone in self.cones)
         return fast and _go_around(self.cones) and all(cone.check() for cone in self.cones)
@@ -120,10 +126,12 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
         others = regions[1:] if scene.contact.rule is Rule.BOX else ()
         elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
-    possible = [candidate.twist for candidate in _not_excluded(candidates)]
+    candidates = _with_exclusions(candidates)
+    possible = [candidate.twist for candidate in candidates if not candidate.is_lost]
     normal = common_normal(possible, scene.field)
     if normal is not None:
-        return DrivenFeedback(Feedback.NO_CERTIFICATE, obstruction_text(normal), obstruction=normal)
+        reason = obstruction_text(normal)
+        return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, obstruction=normal, candidates=tuple(candidates))
     if scene.contact.rule is Rule.BOX:
         return _decide_by_direction(scene, regions, possible)
     reason = f"twists of rank {rank_of(firm)} are proved to be imposed at c*; others are neither proved nor excluded"
@@ -158,17 +166,16 @@ def _impose_candidates(scene: Scene, region: LoadRegion) -> list[ImposedTwist]:
     return found
 
 
-def _not_excluded(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
-    """The candidates that some speeds may impose; where that takes a search, no more than span."""
-    found: list[ImposedTwist] = []
+def _with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
+    """The candidates with the proof, where it is sought apart, that no speeds impose them; no more than matters."""
+    judged: list[ImposedTwist] = []
     for candidate in candidates:
-        if isinstance(candidate, HeldTwist):
-            lost = candidate.is_lost
+        open_ones = [entry for entry in judged if not entry.is_lost]
+        if isinstance(candidate, HeldTwist) or candidate.is_firm or rank_of(open_ones) == 3:
+            judged.append(candidate)
         else:
-            lost = not candidate.is_firm and rank_of(found) < 3 and exclude_twist(candidate).is_lost
-        if not lost:
-            found.append(candidate)
-    return found
+            judged.append(exclude_twist(candidate))
+    return judged
 
 
 def _go_around(cones: Sequence[LawCone]) -> bool:

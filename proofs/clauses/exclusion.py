@@ -1,11 +1,12 @@
 """No friction forces of rule ``ellipse`` balance: proved piece by piece.
 
 A wheel that slips across carries a force on an open half of the unit circle, which is not convex; over all of it a
-separating direction sees the whole half disc, and that holds small forces.  So the half circles are cut into arcs,
-``rho = 2t/(1 + t^2)``, ``tau = s (1 - t^2)/(1 + t^2)`` for t between two rationals, and each arc is enclosed by the
-triangle of its ends and the point where the tangents there meet.  For every combination of arcs a direction y is given
-in which the largest forces of all wheels add up to less than nothing; wheels that stick reach ``|(y . a, y . b)|``.
-Linear programs propose y, balls verify it, and where there is none the widest arc is halved.
+separating direction sees at least the half disc, and that holds small forces.  So the half circles are cut into arcs,
+``rho = 2t/(1 + t^2)``, ``tau = s (1 - t^2)/(1 + t^2)`` for t between two rationals.  Each arc is enclosed by the
+triangle of its ends and the point where the tangents there meet, an uncut half circle by a rectangle.  For every
+combination of arcs a direction y is given in which the largest forces of all wheels add up to less than nothing;
+wheels that stick reach ``|(y . a, y . b)|``.  Linear programs propose y, balls verify it, and where there is none the
+widest arc is halved.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import TypeAlias
 
 import numpy as np
@@ -58,8 +59,8 @@ class WheelForces:
         a, b = (sum((x * y for x, y in zip(column, direction, strict=True)), arb(0)) for column in self.balls)
         if not self.side:
             return (a * a + b * b).sqrt()
-        products = [ball_of(rho) * a + ball_of(tau) * b for rho, tau in triangle(arc, self.side)]
-        return products[0].max(products[1]).max(products[2])
+        products = (ball_of(rho) * a + ball_of(tau) * b for rho, tau in enclosure(arc, self.side))
+        return reduce(arb.max, products)
 
 
 @dataclass(frozen=True)
@@ -87,8 +88,6 @@ def excludes(exclusion: Exclusion, wheels: Sequence[WheelForces], arcs: Sequence
     if isinstance(exclusion, Divided):
         low, high = _halved(ranges, exclusion.wheel)
         return excludes(exclusion.lower, wheels, low) and excludes(exclusion.upper, wheels, high)
-    if any(wheel.side and arc == HALVES for wheel, arc in zip(wheels, ranges, strict=True)):
-        return False  # the tangents at the ends of a half circle do not meet
     with ctx.workprec(PRECISION):
         y = [ball_of(entry) for entry in exclusion.direction]
         reach = (wheel.most_along(y, arc) for wheel, arc in zip(wheels, ranges, strict=True))
@@ -97,10 +96,10 @@ def excludes(exclusion: Exclusion, wheels: Sequence[WheelForces], arcs: Sequence
 
 def search_exclusion(wheels: Sequence[WheelForces]) -> Exclusion | None:
     """An exclusion of all forces, where the budget finds one."""
-    return _Search(wheels).exclude([HALVES] * len(wheels)) if wheels else None
+    return Search(wheels).exclude([HALVES] * len(wheels)) if wheels else None
 
 
-class _Search:
+class Search:
     """Depth first, with one budget of linear programs."""
 
     def __init__(self, wheels: Sequence[WheelForces]) -> None:
@@ -114,16 +113,14 @@ class _Search:
 
     def exclude(self, arcs: Sequence[Arc]) -> Exclusion | None:
         """The tree below these arcs."""
-        uncut = next((k for k, wheel in enumerate(self.wheels) if wheel.side and arcs[k] == HALVES), None)
-        if uncut is None:
-            self.left -= 1
-            leaf = self._leaf(arcs)
-            if leaf is not None or self.left <= 0:
-                return leaf
-        widths = [float(arc[1] - arc[0]) if wheel.side else 0.0 for wheel, arc in zip(self.wheels, arcs, strict=True)]
-        wheel = uncut if uncut is not None else int(np.argmax(self.sizes * widths))
-        if not widths[wheel]:
+        if self.left <= 0:
             return None
+        self.left -= 1
+        leaf = self._leaf(arcs)
+        widths = [float(arc[1] - arc[0]) if wheel.side else 0.0 for wheel, arc in zip(self.wheels, arcs, strict=True)]
+        wheel = int(np.argmax(self.sizes * widths))
+        if leaf is not None or not widths[wheel]:
+            return leaf
         low, high = _halved(arcs, wheel)
         lower = self.exclude(low)
         upper = None if lower is None else self.exclude(high)
@@ -147,17 +144,20 @@ class _Search:
         return leaf if excludes(leaf, self.wheels, arcs) else None
 
     def _corners(self, k: int, arc: Arc) -> Iterator[tuple[float, float]]:
+        """A polygon around the forces of a wheel."""
         if self.wheels[k].side:
-            yield from ((float(rho), float(tau)) for rho, tau in triangle(arc, self.wheels[k].side))
+            yield from ((float(rho), float(tau)) for rho, tau in enclosure(arc, self.wheels[k].side))
         else:
             angles = np.arange(FACETS) * 2 * np.pi / FACETS
             size = 1 / np.cos(np.pi / FACETS)
             yield from zip(size * np.cos(angles), size * np.sin(angles), strict=True)
 
 
-def triangle(arc: Arc, side: int) -> tuple[tuple[Fraction, Fraction], ...]:
-    """``(rho, tau)`` at the ends of an arc, and where the tangents there meet: it holds the arc."""
+def enclosure(arc: Arc, side: int) -> tuple[tuple[Fraction, Fraction], ...]:
+    """``(rho, tau)`` at the ends of an arc, and where the tangents there meet: the triangle holds the arc."""
     s, t = arc
+    if arc == HALVES:  # the tangents are parallel
+        return tuple((x, y) for x in HALVES for y in (Fraction(0), Fraction(side)))
     ends = [(2 * x / (1 + x * x), side * (1 - x * x) / (1 + x * x)) for x in arc]
     return (*ends, ((s + t) / (1 + s * t), side * (1 - s * t) / (1 + s * t)))
 

@@ -28,7 +28,6 @@ from nonsmooth.analysis.partitions.arrangement import Arrangement, order
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import (
-    Row,
     RowKind,
     Triple,
     independent,
@@ -50,8 +49,9 @@ class HeldTwist:
 
     Attributes:
         twist: xi.
-        slopes: affine forms of c; xi is held where none is negative, and alone where all are positive.  Where it is
-            lost at the equilibrium, one that is negative there stands alone.
+        slopes: affine forms of c; xi is not held where one is negative.  Where the rows that it satisfies are of rank
+            three, it is held iff none is negative, and alone iff all are positive.  Where it is lost at the
+            equilibrium, one that is negative there stands alone.
         region: where the forms hold.
         determined: whether the rows that it satisfies are of rank three; if not, it is nowhere the only minimizer.
     """
@@ -94,11 +94,6 @@ class Drives:
         self.region = region
         self._arrangement = Arrangement(scene, region)
         self._rolls = np.array([row.kind is RowKind.ROLL for row in self._arrangement.rows])
-
-    @property
-    def side_rows(self) -> tuple[Row, ...]:
-        """The rows whose slip decides which cone of twists it is."""
-        return tuple(row for row in self._arrangement.rows if row.kind is RowKind.SIDE)
 
     def hold(self, twist: Triple) -> HeldTwist:
         """The twist with its slopes, for speeds at which no rim slips along; of a lost twist one that is negative."""

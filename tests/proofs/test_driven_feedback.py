@@ -18,11 +18,11 @@ from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.balanced_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.driven_law import LawCone, gains, rim_speeds
-from nonsmooth.proofs.clauses.exclusion import Divided, Excluded, triangle
+from nonsmooth.proofs.clauses.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
 from nonsmooth.proofs.clauses.held_twists import Drives, HeldTwist, candidate_twists
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
-from nonsmooth.symbolic.constraints import independent, inner
+from nonsmooth.symbolic.constraints import independent, inner, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import Rule
@@ -164,7 +164,7 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
     scene = ruled(arrays.four_wheel((1, Fraction(1, 5)), turn=(Fraction(3, 5), Fraction(4, 5))), Rule.BOX)
     zero = scene.field.zero
     drives = Drives(scene, load_regions(scene, (zero, zero))[0])
-    edges = list(candidate_twists(scene))
+    edges, side_rows = list(candidate_twists(scene)), [side_row(wheel) for wheel in scene.wheels]
     rng = np.random.default_rng(3)
     inside = 0
     for _ in range(60):
@@ -173,11 +173,11 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
         if held.is_lost or not any((x, y, w)):
             continue
         inside += 1
-        sides = [inner(row.normal, (x, y, w)).sign() for row in drives.side_rows]
+        sides = [inner(row.normal, (x, y, w)).sign() for row in side_rows]
         closure = [
             edge
             for edge in [*edges, *((-a, -b, -c) for a, b, c in edges)]
-            if all(inner(row.normal, edge).sign() in (0, s) for row, s in zip(drives.side_rows, sides, strict=True))
+            if all(inner(row.normal, edge).sign() in (0, s) for row, s in zip(side_rows, sides, strict=True))
         ]
         assert len(independent(closure)) >= 1
         assert not any(drives.hold(edge).is_lost for edge in closure)
@@ -246,11 +246,27 @@ def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_triangle_holds_its_arc(side: int) -> None:
     for low, high in ((-1, 0), (0, 1), (Fraction(-3, 4), Fraction(-1, 2)), (Fraction(1, 8), Fraction(1, 4))):
-        corners = np.array([[float(x) for x in corner] for corner in triangle((Fraction(low), Fraction(high)), side)])
+        corners = np.array([[float(x) for x in corner] for corner in enclosure((Fraction(low), Fraction(high)), side)])
         for t in np.linspace(float(low), float(high), 25):
             point = np.array([2 * t / (1 + t * t), side * (1 - t * t) / (1 + t * t)])
             weights = np.linalg.solve(np.vstack([corners.T, np.ones(3)]), [*point, 1.0])
             assert weights.min() >= -1e-12
+    rectangle = {(float(rho), float(tau)) for rho, tau in enclosure((Fraction(-1), Fraction(1)), side)}
+    assert rectangle == {(-1, 0), (1, 0), (-1, side), (1, side)}
+
+
+@pytest.mark.parametrize("supports", [8, 12])
+def test_an_exclusion_keeps_to_its_budget(arrays: Arrays, supports: int) -> None:
+    """Many wheels that slip: one linear program for a node of the tree, no more than the budget in all."""
+    slippery = (Fraction(1, 100), Fraction(1, 1000))
+    ends = [WheelData((2 * (-1) ** k, Fraction(k, 16)), (Fraction(k, 50), 1), 0, slippery) for k in range(supports)]
+    scene = ruled(arrays.axle(*ends), Rule.ELLIPSE)
+    zero, one = scene.field.zero, scene.field.one
+    region = load_regions(scene, (zero, zero))[0]
+    trial = balance_twist(scene, region, (zero, one, zero))
+    search = Search(trial.wheels)
+    search.exclude([HALVES] * len(trial.wheels))
+    assert 0 <= search.left < BUDGET
 
 
 @pytest.mark.parametrize("seed", range(20))
