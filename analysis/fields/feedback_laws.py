@@ -8,8 +8,8 @@ With ``V = |c|^2 + theta^2`` (c from the equilibrium at the origin) and ``xi = g
   wrong way where the torque of wheel j has the other sign;
 - *corrected*: ``u_j = -g k theta`` with g the sign of that torque;
 - *cascade*: ``omega = -k theta`` and ``v = s k |c| d_i - (n_i . J p_i) omega n_i``, a sign s for each nearest wheel;
-- *tangential*, for rims at right angles to ``p_i``: ``v = (k - omega) x J p_i/|p_i|`` and ``omega = k (y/l - Theta)``
-  with ``(x, y) = (c . p_i, c . J p_i)/|p_i|`` and ``Theta = theta - y^2/(2 x l)``, so c runs around the equilibrium.
+- *tangential*, for rims at right angles to ``p_i``: ``v = (k - omega) r J p_i/|p_i|`` and ``omega = k (s/l - Theta)``
+  with ``(r, s) = (c . p_i, c . J p_i)/|p_i|`` and ``Theta = theta - s^2/(2 r l)``, so c runs around the equilibrium.
 
 The last two impose a motion with ``n_i . v + (n_i . J p_i) omega = 0`` by ``u_w = d_w . (v + omega J p_w)``.
 """
@@ -102,10 +102,10 @@ def tangential_law(gain: float, length: float) -> Law:
         across = J @ out
 
         def twist(c: Vector, theta: float) -> Vector:
-            x, y = c @ out, c @ across
-            lead = y * y / (2 * x * length) if x > 0 else 0.0
-            omega = gain * (y / length - (theta - lead))
-            return np.array([*((gain - omega) * x * across), omega])
+            r, s = c @ out, c @ across
+            lead = s * s / (2 * r * length) if r > 0 else 0.0
+            omega = gain * (s / length - (theta - lead))
+            return np.array([*((gain - omega) * r * across), omega])
 
         return _imposed(state, twist)
 

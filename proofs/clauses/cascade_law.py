@@ -12,12 +12,13 @@ decays by itself.
 No constant signs help where a cone holds the direction of its own rim and no ray between it and the next such cone
 can be slid along inward.  Where full turns exist and their gain is exactly one, to first order every input keeps a
 function ``V_0(c)``.  The case that occurs is an omniwheel drive: all nearest rims tangential, ``d_i . p_i = 0``.  There
-``V_0 = x = c . p_i/|p_i|``; let ``y = c . J p_i/|p_i|``, ``z = y/x``.  Exact kinematics turn c with the body: ``x' =
--omega y``.  With ``y' = x``, small mu > 0 and ``Theta = theta - mu x z^2/2`` the law ``omega = mu y - Theta`` gives
-``x' = -mu y^2 + Theta y`` and ``Theta' = -Theta`` up to terms of second order.  Let m > 0 be the mean of z^2 over a
-turn, chi' = z^2 - m its periodic integral, and ``X = x + mu x^2 chi(z)``; then ``X' = -mu m x^2 + Theta y`` up to terms
-of third order, so ``X^2 + Theta^2`` decreases strictly near the equilibrium along every solution: X and Theta are
-continuous across the rays between cells, and every solution crosses these in the sense of the turn.
+``V_0 = r = c . p_i/|p_i|``; let ``s = c . J p_i/|p_i|``, ``z = s/r``.  Exact kinematics turn c with the body: ``r' =
+-omega s``.  With ``s' = r``, any mu > 0 and ``Theta = theta - mu r z^2/2`` the law ``omega = mu s - Theta`` gives
+``r' = -mu s^2 + Theta s`` and ``Theta' = -Theta`` up to terms of second order.  Let m > 0 be the mean of z^2 over a
+turn, chi' = z^2 - m its periodic integral, and ``R = r + mu r^2 chi(z)``; then ``R' = -mu m r^2 + Theta s`` up to terms
+of third order, so ``R^2 + Theta^2`` decreases strictly near the equilibrium along every solution: R and Theta are
+continuous across the rays between cells, and every solution crosses these in the sense of the turn.  With leading-order
+kinematics r stays, and there is no such law.
 """
 
 from __future__ import annotations
@@ -38,8 +39,8 @@ LAW = (
     "e = {} where that wheel is nearest"
 )
 SLOW_LAW = (
-    "u_w = d_w . (v + omega J p_w) for w = i, j with v = (k - omega) x J p_i/|p_i|, omega = k (eps y - Theta), "
-    "Theta = theta - eps y^2/(2 x), (x, y) = (c . p_i, c . J p_i)/|p_i|, eps > 0 small (1/length)"
+    "u_w = d_w . (v + omega J p_w) for w = i, j with v = (k - omega) r J p_i/|p_i|, omega = k (s/l - Theta), "
+    "Theta = theta - s^2/(2 r l), (r, s) = (c . p_i, c . J p_i)/|p_i|, any length l"
 )
 
 
@@ -48,7 +49,14 @@ class Descent(StrEnum):
 
     SLIDES = "slides along rays between cells"
     TURNS = "full turns that contract"
-    SLOW_TURNS = "full turns of gain one, contracted by turning the body to and fro (exact kinematics)"
+    SLOW_TURNS = "full turns of gain one, while the body turns to and fro, like 1/t (exact kinematics)"
+
+    @property
+    def reason(self) -> str:
+        """How theta and c come home."""
+        if self is Descent.SLOW_TURNS:
+            return f"all nearest rims are tangential, and c comes home by {self}"
+        return f"theta decays by itself, and then c comes home by {self}"
 
 
 @dataclass(frozen=True)
@@ -87,7 +95,9 @@ class CascadeLaw:
 def find_cascade(fan: Sequence[CellCone]) -> CascadeLaw | None:
     """The first choice of signs that serves, for the cones of an array with two inputs in each; None without."""
     sectors, wheels = _sectors(fan)
-    for signs in _proposals(sectors, wheels) if len(sectors) > 1 else ():
+    if not sectors:
+        return None  # one wheel is the nearest all around: only its rim's line can be followed
+    for signs in _proposals(sectors, wheels):
         found = _judged(_field(sectors, wheels, signs), wheels, signs)
         if found is not None:
             return found
@@ -113,6 +123,7 @@ def _field(fan: Sequence[Cone], wheels: Sequence[Wheel], signs: Sequence[int]) -
 
 
 def _judged(cones: Sequence[Cone], wheels: tuple[Wheel, ...], signs: tuple[int, ...]) -> CascadeLaw | None:
+    """The law of these signs, where the field of translations leads home or keeps to turns of gain one."""
     result = decide_cones(cones)
     if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
         return CascadeLaw(signs, wheels, Descent.TURNS if result.gains else Descent.SLIDES, result)

@@ -98,8 +98,11 @@ class FeedbackResult:
         local = [data for data in self.cells if is_local(data.cell)]
         genuine = bool(local) and all(data == build_input_cell(data.cell, data.state) for data in local)
         if self.verdict is Feedback.STABILIZABLE and self.cascade is not None:
-            about_it = {data.nearest for data in local} == set(self.cascade.wheels)
-            return genuine and about_it and all(data.lever is not None for data in local) and self.cascade.check()
+            about_it = genuine and {data.nearest for data in local} == set(self.cascade.wheels)
+            if not about_it or any(data.lever is None for data in local):
+                return False
+            none = not shape_regions([data.demand for data in local])
+            return self.none_serves == none and self.cascade.check()
         if self.verdict is Feedback.STABILIZABLE:
             signs = all(data.lever is not None and data.demand.sign(self.lyapunov) for data in local)
             decreasing = signs and self.lyapunov.is_positive
@@ -152,19 +155,16 @@ def _shaped(
         )
         margin = build_margin(build_fan(partition), lyapunov)
         return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin)
-    theta = dot(stall, turned(data.nearest.position))
-    witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
     none_serves = not shape_regions(demands)
     cascade = find_cascade(build_fan(partition))
     if cascade is not None:
         none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"
-        reason = (
-            f"{none} (c . d_i vanishes in cell {data.cell.index}), but theta decays by itself, "
-            f"and then c comes home by {cascade.descent}"
-        )
+        reason = f"{none} (c . d_i vanishes in cell {data.cell.index}), but {cascade.descent.reason}"
         return FeedbackResult(
             Feedback.STABILIZABLE, cells, local, None, reason, none_serves=none_serves, cascade=cascade
         )
+    theta = dot(stall, turned(data.nearest.position))
+    witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
     reason = (
         f"in cell {data.cell.index} V' = 0 for every input at c = "
         f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
