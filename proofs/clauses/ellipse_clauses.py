@@ -37,7 +37,10 @@ class EllipseEquilibrium:
     @property
     def reason(self) -> str:
         """One sentence for people."""
-        return f"{self.point.situation}: {self.point.reason}"
+        twist = self.point.twist
+        if self.point.situation is Situation.OPEN and twist is not None:
+            return f"the twist (0, 0, {brief_text(twist.omega)}) minimizes D"
+        return _situation_text(self.point)
 
     def check(self) -> bool:
         """Re-decide the situation."""
@@ -79,13 +82,18 @@ class EllipseTranslation:
         """One sentence for people."""
         linear = self.point.linearization
         if self.verdict is Translation.UNDECIDED or linear is None:
-            return f"{self.point.situation}: {self.point.reason}"
+            return _situation_text(self.point)
         abscissa = linear.spectral_abscissa
         return f"c' = A c to first order, and the eigenvalues of A have real parts up to {brief_text(abscissa)}"
 
     def check(self) -> bool:
         """Re-verify the situation and the lemma."""
         return self.point.check() and (self.lemma is None or self.lemma.check())
+
+
+def _situation_text(point: EllipsePoint) -> str:
+    """What the body does and why; where that is open the reason alone."""
+    return point.reason if point.situation is Situation.OPEN else f"{point.situation}: {point.reason}"
 
 
 def decide_ellipse(
@@ -113,7 +121,9 @@ def decide_ellipse(
 
 def spin_of(point: EllipsePoint) -> RotationResult:
     """Clause 3: a spin is drift; without one theta follows the translation and stays where it is left."""
-    if point.equilibrium is not Equilibrium.HOLDS or point.twist is None or point.situation is Situation.OPEN:
+    if point.situation is Situation.OPEN and point.equilibrium is Equilibrium.HOLDS:
+        return RotationResult(Rotation.UNDECIDED, None, None, "the motion near the point is not determined")
+    if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
         return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium is proved, so nothing rests there")
     drift = drift_at_rest((point.twist,))
     if point.twist.omega:
