@@ -280,10 +280,9 @@ class Checker:
             above = (_dot((a, b, scale * -side, shift), v) for v in twists)
             convex = min(_signs([*shares, *above])) >= 0 < min(_signs((whole, scale)))
             _require(tight and convex, "rotation: weights and multipliers of the drift")
-            ends.append(
-                omega.sign()
-            )  # both 0: |omega| <= K |v| in F, and paths that lead inward or to rest are bounded
-        short = self.fan in (ASYMPTOTIC, STABLE)[: 1 + (len(self.here) == len(self.rays))]  # ties may run to and fro
+            ends.append(omega.sign())
+        # drift {0}: |omega| <= K |v| in F, and paths that lead inward or to rest are bounded; ties may run to and fro
+        short = self.fan in (ASYMPTOTIC, STABLE)[: 1 + (len(self.here) == len(self.rays))]
         calm = short or not any(v[2].sign() for _, _, v, *_ in self.motions)
         return "holds", UNSTABLE if any(ends) else CALM if calm else UNDECIDED
 
@@ -336,6 +335,7 @@ class Checker:
             normal, sides = self.field.vector(evidence, 3), [row for name, row in self.rows.items() if name[0] == "S"]
             full = any(_dot(_outer(a, b), c).sign() for a, b, c in combinations(sides, 3))
             axes = [tuple(self.one if j == k else self.zero for j in range(3)) for k in range(3) if not full]
+            # control fields: of both rims where a roll row stands third, of the nearest one where a side row does
             fields = ((self.rows[s], self.rows[y]) for _, (r, s, x), *_ in self.here for y in (x, r)[: 1 + (x < "S")])
             for a, b in combinations(sides + axes, 2) if self.box else fields:
                 off = _dot(normal, m := _outer(a, b)).sign() and (not self.box or self._imposes(m, 0))
