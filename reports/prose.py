@@ -48,6 +48,7 @@ _NOTATION = {
     "c = 0": "c = 0",
     "xi": r"\xi",
     "xi_l": r"\xi_l",
+    "-k (g . xi_l)": r"-k\, (g \cdot \xi_l)",
     "N_i": "N_i",
     "P": "P",
     "P = I": "P = I",

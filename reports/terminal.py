@@ -21,9 +21,10 @@ from nonsmooth.proofs.clauses.rotation import RotationResult
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.symbolic.formulas import Real, decimal_text, real_text
+from nonsmooth.symbolic.formulas import Real, decimal_text, lower_text, real_text
 from nonsmooth.symbolic.scene_error import one_line
 
+ROUNDING = 1e-12  # of a sampled V'/V at gain one: less is noise
 VERDICT_WIDTH = 14  # columns: "asymptotically"
 MOST_EQUILIBRIA = 6  # that are listed by place
 SHORT = 24  # characters of exact text beyond which a decimal value is shown instead
@@ -44,6 +45,7 @@ _LEGEND = (
     ("F", "Filippov set: hull of the velocities of all closed cells that hold a point"),
     ("V*", "upper derivative: the largest rate of V = |c|^2 over F"),
     ("d_i, p_i, u_i, J", "rim direction, position and speed of wheel i; quarter turn"),
+    ("xi, k, n_i", "motion (v, omega); feedback gain; J d_i"),
 )
 
 
@@ -178,7 +180,7 @@ def _feedback_evidence(result: Check) -> list[str]:
     if isinstance(feedback, FeedbackResult) and feedback.rate is not None:
         reach = feedback.rate.reach
         where = "near c*" if reach is None else f"where |c| <= {decimal_text(result.scene.field(reach), 3)}"
-        lines.append(f"{where}: V' <= -{float(2 * feedback.rate.kappa):.4g} k V (certified)")
+        lines.append(f"{where}: V' <= -{lower_text(2 * feedback.rate.kappa, 4)} k V (certified)")
         lines.append(f"V = {feedback.lyapunov}")
     if isinstance(feedback, FeedbackResult) and feedback.margin is not None:
         lines.append(str(feedback.margin))
@@ -191,15 +193,19 @@ def _feedback_evidence(result: Check) -> list[str]:
 def _driven_evidence(feedback: DrivenFeedback) -> list[str]:
     """Twists, certified rate and samples under the rules ``box`` and ``ellipse``."""
     lines: list[str] = []
-    if len(feedback.cones) == 1:
+    if len(feedback.cones) > 1:
+        lines.append(f"xi_l: by direction of c, {len(feedback.cones)} cones; the report and --json list them")
+    elif feedback.cones:
         twists = (", ".join(f"{float(x):.4g}" for x in twist) for twist in feedback.cones[0].vectors)
         lines.append("xi_l = " + ", ".join(f"({twist})" for twist in twists))
     if feedback.kappa is not None:
         reach = feedback.reach
-        where = "near c*" if reach is None else f"where |x|, |y| < {decimal_text(reach, 3)}"
-        lines += [f"{where}: V' <= -{float(2 * feedback.kappa):.4g} k V (certified)", "V = |c|^2 + theta^2"]
-    shown = (f"largest V'/V found {s.worst_rate:.3g} k over {s.states} states" for s in feedback.samples)
-    return lines + [f"{s.law} (sampled): {text}" for s, text in zip(feedback.samples, shown, strict=True)]
+        where = "near c*" if reach is None else f"where |x|, |y| < {lower_text(reach, 3)}"
+        lines += [f"{where}: V' <= -{lower_text(2 * feedback.kappa, 4)} k V (certified)", "V = |c|^2 + theta^2"]
+    for sample in feedback.samples:
+        rate = f"{sample.worst_rate:.3g}" if abs(sample.worst_rate) > ROUNDING else "0"
+        lines.append(f"{sample.law} (sampled): largest V'/V found {rate} k over {sample.states} states")
+    return lines
 
 
 def _cells(indices: Sequence[int]) -> str:

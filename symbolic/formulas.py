@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, ctx
 
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.printing import Summand, latex_sum, number_summands, plain_sum, signed
 
 if TYPE_CHECKING:
@@ -111,6 +113,15 @@ def decimal_text(value: Real, digits: int = DIGITS) -> str:
     with ctx.workprec(EXTREME_BITS):
         ball = value if isinstance(value, arb) else value.ball if isinstance(value, Lazy) else value.ball()
         return str(ball.str(digits, radius=False))
+
+
+def lower_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
+    """Decimal value of a positive number with the given significant digits, not above it."""
+    text = f"{float(value):.{digits}g}" if isinstance(value, Fraction) else decimal_text(value, digits)
+    if sign(value - Fraction(text)) >= 0:
+        return text
+    below = Decimal(text) - Decimal((0, (1,), Decimal(text).adjusted() - digits + 1))
+    return f"{below:.{digits}g}"
 
 
 def brief_text(value: Real, longest: int = SHORT) -> str:

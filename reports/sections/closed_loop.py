@@ -1,4 +1,4 @@
-"""The closed loop in the derivation report: where three laws lead, and the trajectory of one (the paper's Figure 5)."""
+"""The closed loop in the derivation report: where three laws lead, and the path of one (the paper's Figure 5)."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from nonsmooth.reports.subject import Subject
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
 UNTIL = 8.0  # time: e^-8 of the start is below what a figure shows
-FIGURE_5 = {Law.CORRECTED: " (the paper's Figure 5)", Law.CASCADE: ""}
+_FIGURE_5 = {Law.CORRECTED: " (the paper's Figure 5)", Law.CASCADE: ""}
 _LAWS = {
     Law.CORRECTED: prose("corrected: `u_j = -sgn(Delta) k theta`, `u_i = |u_j| + k |(x, y)|`"),
     Law.PRINTED: prose("as printed in sec. 3.3: `u_j = -k theta`, `u_i = |u_j| + k |(x, y)|`"),
     Law.GRADIENT: prose("gradient: `u_i = -k a`, `u_j = -k b`"),
-    Law.CASCADE: prose("cascade: `theta` first, then `c` along the rims"),
+    Law.CASCADE: prose("cascade: the law of clause 4"),
 }
 
 
 def closed_loop_section(subject: Subject) -> Section:
-    """Where each law leads from one start, and the path of the corrected one."""
+    """Where each law leads from one start, and the path of the paper's law, or of the cascade where it takes one."""
     proved = _proved(subject)
     paths = {law: _path(subject, law) for law in (Law.CORRECTED, Law.PRINTED, proved)}
     start = start_text(_start(subject))
@@ -82,7 +82,7 @@ def _figure(subject: Subject, law: Law, path: Trajectory) -> Figure:
     )
     return Figure(
         "closed-loop",
-        prose(f"The closed loop under the {law} law{FIGURE_5[law]}: x, y and `theta` over time, and the path."),
+        prose(f"The closed loop under the {law} law{_FIGURE_5[law]}: x, y and `theta` over time, and the path."),
         "Curves of x, y and theta over time under feedback, and the path over the cells.",
         subject.invocation.line("simulate", *options),
         draw,

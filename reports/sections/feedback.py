@@ -30,7 +30,7 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.formulas import brief_text, lower_text
 from nonsmooth.symbolic.scene import Scene, dot
 
 _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
@@ -52,7 +52,11 @@ def feedback_blocks(feedback: AnyFeedback, authority: Authority, scene: Scene) -
     else:
         blocks += _sign_blocks(feedback)
     missing = listed([point(twist) for twist in authority.missing])
-    shown = prose("no twist is missing") if not missing else (*prose("missing twists `xi = (v, omega)`: "), *missing)
+    shown = (
+        prose("twist tracking can ask for every twist")
+        if not missing
+        else (*prose("missing twists `xi = (v, omega)`: "), *missing)
+    )
     rank = prose("Torque authority: the roll rows have rank {} of 3 at the checked point; ", str(authority.rank))
     return (*blocks, Paragraph((*rank, *shown, ".")))
 
@@ -61,7 +65,7 @@ def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
     blocks: list[Block] = []
     if feedback.rate is not None:
         kappa = feedback.rate.kappa
-        bound = f"-{float(2 * kappa):.4g}"
+        bound = f"-{lower_text(2 * kappa, 4)}"
         formula = Math(rf"\dot V \le {bound}\, k V", f"V' <= {bound} k V")
         blocks.append(paragraph("Certified on every closed cone at the equilibrium: {}.", formula))
     if feedback.margin is not None:
@@ -90,27 +94,31 @@ def _driven_blocks(feedback: DrivenFeedback, scene: Scene) -> list[Block]:
         r"\lvert g \cdot \xi_l \rvert \ge \lvert g \cdot \xi_m \rvert",
         "xi = -k (g . xi_l) xi_l, g = (c, theta), |g . xi_l| >= |g . xi_m|",
     )
-    bound = f"-{float(2 * feedback.kappa):.4g}"
+    bound = f"-{lower_text(2 * feedback.kappa, 4)}"
     rate = display(
         r"V = \lvert c \rvert^2 + \theta^2, \qquad \tfrac12 \dot V = g \cdot \xi, \qquad \dot V \le "
         + rf"{bound}\, k V",
         f"V = |c|^2 + theta^2, V'/2 = g . xi, V' <= {bound} k V",
     )
     reach = feedback.reach
-    where = "near c*" if reach is None else f"where |x - x*|, |y - y*| < {float(reach):.4g}, for every theta"
-    words = paragraph("The rate is certified {}; all speeds are multiplied by the same factor as `xi_l`:", where)
-    header = ("directions of c", prose("`xi_l`"), prose("speeds `u_i` that impose it"))
+    where = "near c*" if reach is None else f"where |x - x*|, |y - y*| < {lower_text(reach, 4)}, for every theta"
+    words = paragraph("The rate is certified {}. The factor `-k (g . xi_l)` multiplies the speeds too:", where)
+    header = ("directions of c", prose("`xi_l`"), prose("speeds `u_i` that impose `xi_l`"))
     rows = [row for cone in feedback.cones for row in _twist_rows(cone, scene)]
     return [law, rate, words, table(header, rows, (3, 4, 5))]
 
 
 def _twist_rows(cone: LawCone, scene: Scene) -> list[tuple[Entry, ...]]:
-    directions = "all" if cone.rays is None else " to ".join(_degrees(ray) for ray in cone.rays)
+    directions = "all"
+    if cone.rays is not None:
+        start, end = (_degrees(ray) for ray in cone.rays)
+        directions = f"{start:.4g} to {end if end > start else end + 360:.4g} degrees"
     return [(directions, _decimals(imposed.twist), _decimals(rim_speeds(scene, imposed))) for imposed in cone.twists]
 
 
-def _degrees(ray: Point) -> str:
-    return f"{math.degrees(math.atan2(float(ray[1]), float(ray[0]))) % 360:.4g} deg"
+def _degrees(ray: Point) -> float:
+    """Angle from the x axis, in [0, 360)."""
+    return math.degrees(math.atan2(float(ray[1]), float(ray[0]))) % 360
 
 
 def _decimals(values: Sequence[SupportsFloat]) -> Entry:
@@ -150,13 +158,18 @@ def _cascade_blocks(cascade: CascadeLaw) -> list[Block]:
     """The law that takes theta first, with the sign of the translation along each nearest rim."""
     if cascade.descent is Descent.SLOW_TURNS:
         law = display(
-            r"v = (k - \omega)\, x\, J p_i/\lvert p_i \rvert, \qquad \omega = k (\epsilon y - \Theta), \qquad "
-            r"\Theta = \theta - \epsilon y^2/(2x), \qquad (x, y) = (c \cdot p_i, c \cdot J p_i)/\lvert p_i \rvert",
-            "v = (k - omega) x J p_i/|p_i|, omega = k (eps y - Theta), Theta = theta - eps y^2/(2 x), "
-            "(x, y) = (c . p_i, c . J p_i)/|p_i|",
+            r"v = (k - \omega)\, r\, J p_i/\lvert p_i \rvert, \qquad \omega = k (s/l - \Theta)",
+            "v = (k - omega) r J p_i/|p_i|, omega = k (s/l - Theta)",
         )
-        words = "Every rim is tangential, so to first order each input keeps x; a turn to and fro makes it fall slowly."
-        return [law, paragraph(words)]
+        where = display(
+            r"\Theta = \theta - s^2/(2 r l), \qquad (r, s) = (c \cdot p_i, c \cdot J p_i)/\lvert p_i \rvert",
+            "Theta = theta - s^2/(2 r l), (r, s) = (c . p_i, c . J p_i)/|p_i|",
+        )
+        words = paragraph(
+            "Here i is the nearest wheel and l any length. Every rim is tangential, so to first order each input keeps "
+            "r; turning to and fro makes it fall, like 1/t, where kinematics are exact."
+        )
+        return [law, where, _imposed_speeds(), words]
     law = display(
         r"\omega = -k \theta, \qquad v = \pm k \lvert c \rvert\, d_i - (n_i \cdot J p_i)\, \omega\, n_i",
         "omega = -k theta, v = +-k |c| d_i - (n_i . J p_i) omega n_i",
@@ -172,7 +185,15 @@ def _cascade_blocks(cascade: CascadeLaw) -> list[Block]:
         str(cascade.descent),
         "".join(f", which multiply |c| by {brief_text(gain)}" for gain in cascade.fan.gains.values()),
     )
-    return [law, why, table(header, rows, (1.5, 1, 3, 3))]
+    return [law, _imposed_speeds(), why, table(header, rows, (1.5, 1, 3, 3))]
+
+
+def _imposed_speeds() -> Block:
+    """The inputs that impose a motion which the nearest wheel's side row allows."""
+    return display(
+        r"u_w = d_w \cdot (v + \omega J p_w), \qquad w = i, j",
+        "u_w = d_w . (v + omega J p_w), w = i, j",
+    )
 
 
 def _shaped_law_blocks(feedback: FeedbackResult) -> list[Block]:
