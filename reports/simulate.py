@@ -25,6 +25,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-trajectory/1"
@@ -64,6 +65,8 @@ def follow(partition: Partition, run: Run) -> Trajectory:
     """
     field: Any = array_field(partition, run.kinematics)
     if run.law is not None:
+        if partition.rule is not Rule.NEAREST:
+            raise ValueError(f"--feedback: required rule nearest, received {partition.rule}")
         field = feedback_field(partition, _speeds(partition, run.law), run.kinematics)
     if run.method is Method.EVENTS:
         return simulate(field, run.start, run.until)
@@ -84,7 +87,7 @@ def _speeds(partition: Partition, law: Law) -> SpeedLaw:
     if law is Law.CASCADE:
         cascade = find_cascade(build_fan(partition))
         if cascade is None:
-            raise ValueError("required an array that theta-first feedback brings home, received one without such a law")
+            raise ValueError("--law cascade: required an array with a law that takes theta first, received one without")
         if cascade.descent is Descent.SLOW_TURNS:
             return tangential_law(GAIN, float(partition.scene.check.radius))
         return cascade_law(GAIN, {wheel.index: s for wheel, s in zip(cascade.wheels, cascade.signs, strict=True)})

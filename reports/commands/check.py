@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
@@ -161,7 +162,9 @@ def _write_certificate(result: CellCheck | EllipseCheck, path: Path) -> None:
     from nonsmooth.reports.files import write_whole
 
     try:
-        text = certificate_text(build_certificate(result))
+        certificate = build_certificate(result)
     except CertificateError as error:
         raise RefusedError(f"{result.scene.origin}: {error}") from None
-    write_whole(path, text.encode())
+    write_whole(path, certificate_text(certificate).encode())
+    if certificate["feedback"]["verdict"] != result.feedback.verdict:
+        print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)

@@ -61,7 +61,11 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop with gain 1 (rule nearest).")] = False,
     law: Annotated[
         Law,
-        typer.Option("--law", help="Feedback law, with --feedback; printed is the paper's, cascade takes theta first."),
+        typer.Option(
+            "--law",
+            help="Feedback law, with --feedback; printed is the paper's, cascade takes theta first "
+            "(tangential rims: its length l is the checked radius).",
+        ),
     ] = Law.CORRECTED,
     mass: Annotated[
         float | None,

@@ -1,0 +1,149 @@
+"""The feedback clause as a user meets it: on the terminal, in JSON, in reports, in simulations and certificates."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.formulas import lower_text
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.reports.conftest import Invoke
+
+START = ("--from", "0.1,0.05,0.3")
+
+
+# ---- what is certified is shown from below -------------------------------------------------------
+
+
+@pytest.mark.parametrize("digits", [1, 3, 4])
+def test_a_shown_bound_is_not_above_the_exact_one(digits: int) -> None:
+    field = load_scene("four-wheel").field
+    for value in (Fraction(18398, 100_000), Fraction(2, 3), Fraction(1), Fraction(999_999, 10**6), Fraction(3, 10**20)):
+        for number in (value, field(value), field(value) * field.sqrt(2)):
+            exact = float(number)
+            shown = Fraction(lower_text(number, digits))
+            assert not number < shown if isinstance(number, Fraction) else (number - shown).sign() >= 0
+            assert exact * (1 - 2 * 10.0 ** (1 - digits)) <= float(shown) <= exact * (1 + 1e-15)
+
+
+@pytest.mark.parametrize(("name", "rule"), [("rectangle", "ellipse"), ("grid-4x4", "box"), ("spiral-30", "box")])
+def test_rates_and_reaches_on_the_terminal_are_true(invoke: Invoke, name: str, rule: str) -> None:
+    record = invoke("check", name, "--rule", rule, "--json").record["feedback"]
+    text = " ".join(invoke("check", name, "--rule", rule).out.replace("│", " ").split())
+    rate = Fraction(text.split("V' <= -")[1].split(" k V")[0])
+    assert rate <= Fraction(record["exact"]["rate"])
+    assert Fraction(text.split("V' <= -")[1].split(" k V")[0]) > 0
+    if rule == "box":
+        assert float(text.split("|x|, |y| < ")[1].split(":")[0]) <= record["rate_reach"]
+
+
+# ---- simulate ------------------------------------------------------------------------------------
+
+
+def test_the_cascade_is_followed(invoke: Invoke) -> None:
+    common = ("simulate", "conveyor-3", *START, "--until", "60", "--feedback", "--json")
+    slow = invoke(*common, "--law", "cascade").record
+    assert slow["feedback"] == "cascade"
+    assert max(map(abs, slow["end"]["state"])) < 0.02
+    stuck = invoke(*common, "--law", "gradient").record
+    assert abs(stuck["end"]["state"][0]) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("off-center", "--law", "cascade"), "--law cascade: required an array with a law that takes theta first"),
+        (("conveyor-3", "--rule", "box"), "--feedback: required rule nearest, received box"),
+        (("conveyor-3", "--rule", "box", "--law", "cascade"), "--feedback: required rule nearest, received box"),
+    ],
+)
+def test_laws_that_do_not_apply_are_refused_in_one_line(invoke: Invoke, arguments: tuple[str, ...], line: str) -> None:
+    outcome = invoke("simulate", *arguments, *START, "--feedback")
+    assert outcome.status == 2
+    assert line in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+# ---- JSON ----------------------------------------------------------------------------------------
+
+
+def test_the_cascade_in_json(invoke: Invoke) -> None:
+    record = invoke("check", "conveyor-3", "--json").record["feedback"]
+    assert record["verdict"] == "stabilizable"
+    assert record["lyapunov"] is None
+    assert record["none_serves"] is True
+    assert record["cascade"]["exact"]["gain"] == "1"
+    assert sorted(entry["wheel"] for entry in record["cascade"]["signs"]) == [1, 2, 3]
+    assert invoke("check", "four-wheel", "--json").record["feedback"]["cascade"] is None
+
+
+def test_an_obstruction_in_json(invoke: Invoke) -> None:
+    for rule in ("nearest", "box", "ellipse"):
+        outcome = invoke("check", "differential-drive", "--rule", rule, "--json")
+        record = outcome.record
+        assert outcome.status == 1
+        assert record["feedback"]["obstruction"]["exact"]["normal"] == ["0", "1", "0"]
+        assert record["feedback"]["witness"] is not None
+        assert record["theorem4"]["verdict"] == "fails"
+        assert "no static feedback stabilizes" in record["theorem4"]["reason"]
+
+
+def test_twists_and_speeds_in_json(invoke: Invoke) -> None:
+    (cone,) = invoke("check", "spiral-30", "--rule", "ellipse", "--json").record["feedback"]["cones"]
+    assert (cone["from"], cone["to"]) == (None, None)
+    assert [len(entry["twist"]) for entry in cone["twists"]] == [3] * 3
+    assert [len(entry["speeds"]) for entry in cone["twists"]] == [4] * 3
+
+
+# ---- reports -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "rule", "words"),
+    [
+        ("conveyor-3", "nearest", ("(r, s) = (c . p_i, c . J p_i)/|p_i|", "u_w = d_w . (v + omega J p_w)", "like 1/t")),
+        ("four-wheel", "box", ("0 to 90 degrees", "270 to 360 degrees", "xi = -k (g . xi_l) xi_l")),
+        ("spiral-30", "ellipse", ("near c*", "xi = -k (g . xi_l) xi_l")),
+        ("differential-drive", "box", ("no static feedback stabilizes", "V' = 0 for every input")),
+    ],
+)
+def test_the_report_states_the_law(
+    invoke: Invoke, tmp_path: Path, name: str, rule: str, words: tuple[str, ...]
+) -> None:
+    path = tmp_path / "report.json"
+    invoke("derive", name, "--rule", rule, "-o", str(path))
+    text = path.read_text(encoding="utf-8")
+    for expected in words:
+        assert expected in text, expected
+
+
+def test_an_array_with_contracting_turns_has_a_table_of_signs(invoke: Invoke, tmp_path: Path) -> None:
+    """The four-wheel array with rims turned by 46.4 degrees: no quadratic V, but turns that contract."""
+    scene = tmp_path / "turned.toml"
+    wheels = "".join(
+        f"[[wheel]]\nposition = [{x}, {y}]\nheading = [{21 * y - 20 * x}, {-21 * x - 20 * y}]\n"
+        for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    )
+    head = 'friction = { mu_roll = 1, mu_side = "1/2" }\ncheck = { equilibrium = [0, 0], radius = "1/2" }\n'
+    scene.write_text('name = "turned"\n' + head + wheels, encoding="utf-8")
+    path = tmp_path / "report.json"
+    assert invoke("check", str(scene), "--json").record["feedback"]["cascade"]["descent"] == "full turns that contract"
+    invoke("derive", str(scene), "-o", str(path))
+    assert "which multiply |c| by" in path.read_text(encoding="utf-8")
+
+
+# ---- certificates --------------------------------------------------------------------------------
+
+
+def test_a_clause_that_the_certificate_leaves_open_is_named(invoke: Invoke, tmp_path: Path) -> None:
+    path = tmp_path / "c.json"
+    outcome = invoke("check", "four-wheel", "--rule", "box", "--certificate", str(path))
+    assert "feedback stands as undecided" in outcome.err
+    assert invoke("check", "spiral-30", "--rule", "box", "--certificate", str(path)).err == ""
+    assert invoke("verify", str(path)).status == 0
