@@ -14,7 +14,9 @@ that tilt the plate (some 1e-5 radians) and loads that move with acceleration.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, NamedTuple
 
 import mujoco
 import numpy as np
@@ -25,6 +27,13 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
+from nonsmooth.proofs.clauses.driven_law import rim_speeds
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
 
 GRAVITY = 9.81
 HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere
@@ -32,6 +41,8 @@ RADIUS = 0.05  # of the spheres
 SETTLING = 0.5  # seconds: fifty time constants of the contacts
 TWIST = 2e-3  # relative, of twists; the goal is 0.05, the largest seen 0.0007
 SHARE = 1e-3  # of the weight, of loads; 0.0003 was the largest seen
+IMPOSED = 2e-4  # relative, of twists that speeds impose; the largest seen 2e-5
+LAG = 2e-2  # relative, of the pose: the engine settles and its law acts on samples
 PATH = 2e-3  # lengths and radians on a path of length 0.4; 3e-4 was the largest seen
 
 FRICTION = {"side 1/2": (1.0, 0.5), "side 1/10": (1.0, 0.1), "roll 1/2": (0.5, 1.0)}  # (mu_R, mu_S)
@@ -173,3 +184,51 @@ def test_engines_path_is_that_of_full_dynamics(friction: tuple[float, float]) ->
         assert np.abs(plate.pose - path.at(quarter * until / 4)).max() < PATH
     travelled = np.abs(plate.pose - (*start, 0.0))
     assert travelled.min() > 10 * PATH
+
+
+# ---- what the feedback clause says that speeds impose --------------------------------------------
+
+
+INWARD = -np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+
+
+def law_of(arrays: Arrays, side_friction: Fraction) -> tuple[Scene, DrivenFeedback]:
+    """The array turned by 45 degrees, of size 3/2, with the law of rule ellipse."""
+    far = Fraction(3, 2)
+    scene = arrays.scene(arrays.inward([(far, 0), (0, far), (-far, 0), (0, -far)]), (1, side_friction))
+    return scene, decide_driven_feedback(replace(scene, contact=replace(scene.contact, rule=Rule.ELLIPSE)))
+
+
+@pytest.mark.parametrize("side_friction", [Fraction(1, 2), Fraction(1, 10)], ids=["side 1/2", "side 1/10"])
+def test_the_engine_turns_the_body_as_imposed(arrays: Arrays, side_friction: Fraction) -> None:
+    """Inward rims have no torque about the equilibrium; speeds that let wheels slip unequally turn the body."""
+    scene, feedback = law_of(arrays, side_friction)
+    (cone,) = feedback.cones
+    assert any(twist[2] for twist in cone.vectors)
+    for imposed in cone.twists:
+        speeds = 1e-4 * np.array(rim_speeds(scene, imposed))
+        wheels = ContactModel.build(-1.5 * INWARD, INWARD, speeds, (1.0, float(side_friction)))
+        plate = engine(wheels, (0.0, 0.0), timestep=1e-3, time_constant=0.01)
+        plate.step(SETTLING)
+        assert relative_error(1e-4 * np.array([float(x) for x in imposed.twist]), plate.twist) < IMPOSED
+
+
+def test_the_certified_law_brings_the_body_home_in_the_engine(arrays: Arrays) -> None:
+    """Position and heading, with inward rims: twist tracking and the paper's law leave theta where it is."""
+    scene, feedback = law_of(arrays, Fraction(1, 2))
+    (cone,) = feedback.cones
+    assert feedback.kappa is not None
+    twists = np.array([[float(x) for x in twist] for twist in cone.vectors])
+    speeds = np.array([rim_speeds(scene, imposed) for imposed in cone.twists])
+    wheels = ContactModel.build(-1.5 * INWARD, INWARD, np.full(4, 1e-4), (1.0, 0.5))
+    plate = engine(wheels, (0.05, 0.02), timestep=2e-3, time_constant=0.01)
+    plate.data.qpos[3], plate.data.qpos[6] = np.cos(0.05), np.sin(0.05)  # theta = 0.1
+    start, gain, seconds = np.linalg.norm(plate.pose), 0.05, 100.0
+    for _ in range(round(seconds / 0.01)):
+        products = twists @ plate.pose
+        best = int(np.argmax(np.abs(products)))
+        plate.model.geom_surfacevel[:4, :2] = -gain * products[best] * speeds[best][:, None] * INWARD
+        plate.step(0.01)
+    bound = np.exp(-gain * float(feedback.kappa) * seconds)  # V' <= -2 k kappa V
+    assert np.linalg.norm(plate.pose) <= bound * start * (1 + LAG)
+    assert abs(plate.pose[2]) < 0.05
