@@ -21,12 +21,11 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from nonsmooth.analysis.fields.cellwise_field import Law, Speeds
+from nonsmooth.analysis.fields.contact_model import turn
 from nonsmooth.analysis.fields.smooth_field import Vector
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
-
-J = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> Law:
@@ -76,8 +75,8 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
     def prepare(state: ContactState) -> Speeds:
         wheel = state.rows[0].wheel
         d, p = _floats(wheel.unit_direction), _floats(wheel.position)
-        n = J @ d
-        lever, sign = n @ J @ p, signs[wheel.index]
+        n = turn(d)
+        lever, sign = n @ turn(p), signs[wheel.index]
 
         def twist(c: Vector, theta: float) -> Vector:
             omega = -gain * theta
@@ -99,7 +98,7 @@ def tangential_law(gain: float, length: float) -> Law:
     def prepare(state: ContactState) -> Speeds:
         p = _floats(state.rows[0].wheel.position)
         out = p / np.hypot(*p)
-        across = J @ out
+        across = turn(out)
 
         def twist(c: Vector, theta: float) -> Vector:
             r, s = c @ out, c @ across

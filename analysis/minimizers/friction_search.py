@@ -48,28 +48,47 @@ def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> Fri
     """
     size = np.maximum(np.abs(along).max(axis=0), np.abs(across).max(axis=0))  # moments have another unit than forces
     along, across = (columns / np.where(size, size, 1) for columns in (along, across))
-    slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
-    rng = np.random.default_rng(SEED)
-    angles = rng.uniform(0, np.pi, (STARTS, len(slips)))
-    turns, lengths = rng.uniform(0, 2 * np.pi, (STARTS, len(still))), np.sqrt(rng.uniform(0, 1, (STARTS, len(still))))
-    held = np.concatenate([lengths * np.cos(turns), lengths * np.sin(turns)], axis=1)
-    fixed = np.concatenate([along[still], across[still]])
-    first, second = along[slips], across[slips] * signs[slips, None]
+    balance = _Balance(along, across, signs)
+    angles, held = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
-        force = np.cos(angles) @ first + np.sin(angles) @ second + held @ fixed
-        turning = np.cos(angles)[..., None] * second - np.sin(angles)[..., None] * first
-        columns = np.concatenate([turning, np.broadcast_to(fixed, (STARTS, *fixed.shape))], axis=1)
-        normal = np.einsum("ska,skb->sab", columns, columns) + REGULARIZATION * np.eye(3)
-        step = -np.einsum("ska,sa->sk", columns, np.linalg.solve(normal, force[..., None])[..., 0])
-        step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
-        angles, held = angles + step[:, : len(slips)], held + step[:, len(slips) :]
-    force = np.cos(angles) @ first + np.sin(angles) @ second + held @ fixed
-    split = np.stack([held[:, : len(still)], held[:, len(still) :]], axis=-1)
-    inside = ((angles > 0) & (angles < np.pi)).all(axis=1) & (np.abs(force).max(axis=1) < BALANCED)
+        angles, held = balance.stepped(angles, held)
+    pairs = np.stack(np.split(held, 2, axis=1), axis=-1)
+    inside = ((angles > 0) & (angles < np.pi)).all(axis=1)
+    inside &= np.abs(balance.force(angles, held)).max(axis=1) < BALANCED
     room = np.minimum(
-        np.sin(angles).min(axis=1, initial=1), (1 - np.linalg.norm(split, axis=-1)).min(axis=1, initial=1)
+        np.sin(angles).min(axis=1, initial=1), (1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1)
     )
     best = int(np.argmax(np.where(inside, room, -1)))
     if not inside[best] or room[best] < LEAST_ROOM:
         return None
-    return FrictionForces(angles[best], split[best])
+    return FrictionForces(angles[best], pairs[best])
+
+
+class _Balance:
+    """The sum of all forces for many starts at once: angles (m, k) of slipping wheels, held (m, 2l) of the others."""
+
+    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_]) -> None:
+        slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
+        self.first, self.second = along[slips], across[slips] * signs[slips, None]
+        self.fixed = np.concatenate([along[still], across[still]])
+
+    def starts(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        """Random angles, and random points of the discs."""
+        still = len(self.fixed) // 2
+        angles = rng.uniform(0, np.pi, (STARTS, len(self.first)))
+        turns, lengths = rng.uniform(0, 2 * np.pi, (STARTS, still)), np.sqrt(rng.uniform(0, 1, (STARTS, still)))
+        return angles, np.concatenate([lengths * np.cos(turns), lengths * np.sin(turns)], axis=1)
+
+    def force(self, angles: Floats, held: Floats) -> Floats:
+        """What is left of the balance, (m, 3)."""
+        return np.asarray(np.cos(angles) @ self.first + np.sin(angles) @ self.second + held @ self.fixed)
+
+    def stepped(self, angles: Floats, held: Floats) -> tuple[Floats, Floats]:
+        """A Newton step of least norm, shortened where it is long."""
+        turning = np.cos(angles)[..., None] * self.second - np.sin(angles)[..., None] * self.first
+        columns = np.concatenate([turning, np.broadcast_to(self.fixed, (len(angles), *self.fixed.shape))], axis=1)
+        normal = np.einsum("ska,skb->sab", columns, columns) + REGULARIZATION * np.eye(3)
+        multipliers = np.linalg.solve(normal, self.force(angles, held)[..., None])[..., 0]
+        step = -np.einsum("ska,sa->sk", columns, multipliers)
+        step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
+        return angles + step[:, : len(self.first)], held + step[:, len(self.first) :]

@@ -30,16 +30,9 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.minimizers.friction_search import search_forces
 from nonsmooth.analysis.partitions.loads import LoadRegion
-from nonsmooth.proofs.clauses.exclusion import (
-    PRECISION,
-    Exclusion,
-    WheelForces,
-    ball_of,
-    excludes,
-    rounded,
-    search_exclusion,
-)
-from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row
+from nonsmooth.proofs.clauses.exclusion import Exclusion, excludes, search_exclusion
+from nonsmooth.proofs.clauses.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded, wheel_forces
+from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.scene import Scene
 
 Real = TypeVar("Real")
@@ -105,7 +98,7 @@ class BalancedTwist:
     def _force(self, values: Sequence[arb]) -> list[arb]:
         total = [arb(0), arb(0), arb(0)]
         for wheel, part in self._parts(values):
-            rho, tau = _on_circle(part[0], wheel.side) if wheel.side else part
+            rho, tau = on_circle(part[0], wheel.side) if wheel.side else part
             for r, (a, b) in enumerate(zip(*wheel.balls, strict=True)):
                 total[r] += rho * a + tau * b
         return total
@@ -125,18 +118,6 @@ class BalancedTwist:
     def _is_admissible(self, values: Sequence[arb]) -> bool:
         """Whether all forces of sticking wheels are inside the disc, those of others on the open half circle."""
         return all(bool(sum((x * x for x in part), arb(0)) < 1) for _, part in self._parts(values))
-
-
-def wheel_forces(scene: Scene, region: LoadRegion, twist: Triple) -> tuple[WheelForces, ...]:
-    """The wheels that are loaded at the centred equilibrium, while the body moves with a twist."""
-    found: list[WheelForces] = []
-    for wheel, form in zip(scene.wheels, region.forces, strict=True):
-        if form[0]:
-            roll, side = roll_row(wheel), side_row(wheel)
-            along = scaled(roll.unit_normal, form[0] * wheel.friction.roll)
-            across = scaled(side.unit_normal, form[0] * wheel.friction.side)
-            found.append(WheelForces(wheel.index, along, across, inner(side.normal, twist).sign()))
-    return tuple(found)
 
 
 def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTwist:
@@ -170,12 +151,6 @@ def _best_pivots(trial: BalancedTwist) -> tuple[int, int, int]:
 def exclude_twist(trial: BalancedTwist) -> BalancedTwist:
     """The twist with a proof that no forces balance, where there is one."""
     return replace(trial, exclusion=search_exclusion(trial.wheels))
-
-
-def _on_circle(t: arb, side: int) -> tuple[arb, arb]:
-    """``rho, tau``."""
-    size = 1 + t * t
-    return 2 * t / size, side * (1 - t * t) / size
 
 
 def _circle_slope(t: arb, side: int) -> tuple[arb, arb]:

@@ -14,53 +14,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, reduce
+from functools import reduce
 from typing import TypeAlias
 
 import numpy as np
-from flint import arb, ctx, fmpq
+from flint import arb, ctx
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.proofs.clauses.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded
 
-PRECISION = 256  # bits of balls
-BITS = 50  # of proposed values
 BUDGET = 200  # linear programs for one twist
 FACETS = 16  # of the polygon around a disc in a linear program
 Arc: TypeAlias = tuple[Fraction, Fraction]
 Floats: TypeAlias = NDArray[np.float64]
 HALVES = (Fraction(-1), Fraction(1))
-
-
-@dataclass(frozen=True)
-class WheelForces:
-    """What one loaded wheel can contribute to the balance while the body moves with a twist.
-
-    Attributes:
-        index: number of the wheel.
-        along: ``N mu_R a``.
-        across: ``N mu_S b``.
-        side: sign of its side slip.
-    """
-
-    index: int
-    along: Triple
-    across: Triple
-    side: int
-
-    @cached_property
-    def balls(self) -> tuple[tuple[arb, ...], tuple[arb, ...]]:
-        """The columns, as balls."""
-        with ctx.workprec(PRECISION):
-            return tuple(x.ball() for x in self.along), tuple(x.ball() for x in self.across)
-
-    def most_along(self, direction: Sequence[arb], arc: Arc) -> arb:
-        """A bound of ``y . force`` over the forces of the arc, or of the disc where the wheel sticks."""
-        a, b = (sum((x * y for x, y in zip(column, direction, strict=True)), arb(0)) for column in self.balls)
-        if not self.side:
-            return (a * a + b * b).sqrt()
-        products = (ball_of(rho) * a + ball_of(tau) * b for rho, tau in enclosure(arc, self.side))
-        return reduce(arb.max, products)
 
 
 @dataclass(frozen=True)
@@ -90,8 +57,17 @@ def excludes(exclusion: Exclusion, wheels: Sequence[WheelForces], arcs: Sequence
         return excludes(exclusion.lower, wheels, low) and excludes(exclusion.upper, wheels, high)
     with ctx.workprec(PRECISION):
         y = [ball_of(entry) for entry in exclusion.direction]
-        reach = (wheel.most_along(y, arc) for wheel, arc in zip(wheels, ranges, strict=True))
+        reach = (_most_along(wheel, y, arc) for wheel, arc in zip(wheels, ranges, strict=True))
         return bool(sum(reach, arb(0)) < 0)
+
+
+def _most_along(wheel: WheelForces, direction: Sequence[arb], arc: Arc) -> arb:
+    """A bound of ``y . force`` over the forces of the arc, or of the disc where the wheel sticks."""
+    a, b = (sum((x * y for x, y in zip(column, direction, strict=True)), arb(0)) for column in wheel.balls)
+    if not wheel.side:
+        return (a * a + b * b).sqrt()
+    products = (ball_of(rho) * a + ball_of(tau) * b for rho, tau in enclosure(arc, wheel.side))
+    return reduce(arb.max, products)
 
 
 def search_exclusion(wheels: Sequence[WheelForces]) -> Exclusion | None:
@@ -158,18 +134,7 @@ def enclosure(arc: Arc, side: int) -> tuple[tuple[Fraction, Fraction], ...]:
     s, t = arc
     if arc == HALVES:  # the tangents are parallel
         return tuple((x, y) for x in HALVES for y in (Fraction(0), Fraction(side)))
-    ends = [(2 * x / (1 + x * x), side * (1 - x * x) / (1 + x * x)) for x in arc]
-    return (*ends, ((s + t) / (1 + s * t), side * (1 - s * t) / (1 + s * t)))
-
-
-def ball_of(value: Fraction) -> arb:
-    """The rational as a ball."""
-    return arb(fmpq(value.numerator, value.denominator))
-
-
-def rounded(value: float) -> Fraction:
-    """A dyadic rational beside a float."""
-    return Fraction(round(float(value) * 2**BITS), 2**BITS)
+    return (*(on_circle(x, side) for x in arc), ((s + t) / (1 + s * t), side * (1 - s * t) / (1 + s * t)))
 
 
 def _halved(arcs: Sequence[Arc], wheel: int) -> tuple[list[Arc], list[Arc]]:

@@ -141,7 +141,7 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
 def _shaped(
     partition: Partition, cells: tuple[InputCell, ...], local: frozenset[int], data: InputCell, stall: Point
 ) -> FeedbackResult:
-    """The best ``c^T P c + w theta^2`` where ``|c|^2 + theta^2`` stalls in a cell, or why there is none."""
+    """The best ``c^T P c + w theta^2`` where ``|c|^2 + theta^2`` stalls in a cell, or what there is instead."""
     demands = [data.demand for data in cells if data.cell.index in local]
     found = []
     for shape in find_shapes(demands):
@@ -155,7 +155,14 @@ def _shaped(
         )
         margin = build_margin(build_fan(partition), lyapunov)
         return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin)
-    none_serves = not shape_regions(demands)
+    return _cascaded(partition, cells, local, data, stall)
+
+
+def _cascaded(
+    partition: Partition, cells: tuple[InputCell, ...], local: frozenset[int], data: InputCell, stall: Point
+) -> FeedbackResult:
+    """The law that takes theta first where no such V was found, or why there is none of that form."""
+    none_serves = not shape_regions([data.demand for data in cells if data.cell.index in local])
     cascade = find_cascade(build_fan(partition))
     if cascade is not None:
         none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"

@@ -93,12 +93,11 @@ class Drives:
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         self.region = region
         self._arrangement = Arrangement(scene, region)
-        self._rolls = np.array([row.kind is RowKind.ROLL for row in self._arrangement.rows])
 
     def hold(self, twist: Triple) -> HeldTwist:
         """The twist with its slopes, for speeds at which no rim slips along; of a lost twist one that is negative."""
         rows = self._arrangement.rows
-        slips = (0 if roll else sign(inner(row.normal, twist)) for row, roll in zip(rows, self._rolls, strict=True))
+        slips = (0 if row.kind is RowKind.ROLL else sign(inner(row.normal, twist)) for row in rows)
         signs = np.fromiter(slips, dtype=int, count=len(rows))
         tight = [row.normal for row, slip in zip(rows, signs, strict=True) if not slip]
         falling = self._arrangement.falling_slope(signs)
