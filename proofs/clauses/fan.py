@@ -3,23 +3,31 @@
 Near the equilibrium only the cells whose closure holds it matter: a fan of cones, each with one velocity v and one
 rotation rate omega.  With exact kinematics ``c' = v + omega J c`` a Filippov solution near it is a chain of moves:
 
-- *escape*: a velocity that points into its own closed cone carries the body straight away: unstable;
+- *escape*: a velocity that points into its own closed cone carries the body straight away: unstable.  Where it lies
+  along a ray of the cone, omega decides: it is an escape unless omega bends the path out of the cone there;
 - *slide* along a ray between two cones: possible where the normal velocities ``N = n + s omega`` on its two sides
   do not have the same strict sign; the radial speed at distance s is ``(N_1 rho_2 - N_2 rho_1)/(N_1 - N_2)``.  Its
   sign for small s is found by comparing the constant term, then the linear one.  Outward: unstable (on repelling
   rays too: one solution is enough).  Inward: the body slides home.  Exactly zero: a ray of equilibria;
-- *turn* through a cone from ray r to ray r': lengths are multiplied by the gain ``(r x v)/(r' x v)``.  A sense of
-  rotation in which every cone can be crossed allows full turns: the product of gains above one is unstable, below
-  one contracts, exactly one is left undecided (second-order terms decide).
+- *crossing* of a cone from ray to ray, and *full turns* where every cone can be crossed in one sense:
+  :mod:`nonsmooth.proofs.clauses.full_turns`.  Distances that diverge: unstable; that contract: fine; a gain of exactly
+  one is left undecided (terms of higher order decide), and so are crossings of orders 1/2 and 2 that cancel.
+
+Each of these is decided by the sign of the cross product of ray and velocity, and where that is zero by the sign of
+omega: on the ray the body's velocity has the normal component ``n + s omega``, whose sign is the same for all small s.
+So every cone is left over a given ray, entered over it, or neither, and a path does not turn back inside a cone.
 
 If nothing is unstable and nothing rests, every chain ends in an inward slide or contracts, so the equilibrium is
 asymptotically stable; with rest it is stable, not asymptotically.  Where several motions tie in a cone, any of
 their mixtures may be followed.  With normal and radial parts (n, rho) the growth per angle ``rho/n`` of a mixture lies
 between those of the two, whose order ``rho_1 n_2 - rho_2 n_1 = +-v_1 x v_2`` is the same at every angle: so the largest
 gain is that of one of them, and turning back and forth between them where n changes sign grows the distance only
-if their mixture slides outward, which shows at a ray of the cone.  The overshoot is the largest growth of the
-distance along a chain, from a start anywhere in a cone (not bounded here where motions tie).  (Filippov 1988,
-sec. 15-16, for the piecewise constant field; the linear terms are the pose's own.)
+if their mixture slides outward, which shows at a ray of the cone.  That compares first-order terms; where a tied cone
+has a crossing of another order, full turns are not said to contract.  The overshoot is the largest growth of the
+distance along a chain, from a start anywhere in a cone; it has no bound where motions tie, and where a start at eps
+leaves a cone at the order of ``eps^(1/2)``.  Not decided: a cell that turns the body about the equilibrium itself,
+where that is the plane or has other motions.  (Filippov 1988, sec. 15-16, for the piecewise constant field; the linear
+terms are the pose's own.)
 """
 
 from __future__ import annotations
@@ -33,7 +41,7 @@ from typing import Any
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.cones import Cone, build_fan, is_plane, rays_of
-from nonsmooth.proofs.clauses.full_turns import full_turns
+from nonsmooth.proofs.clauses.full_turns import FullTurn, Growth, full_turns, leaves_at_a_root, squared_overshoot
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
@@ -59,7 +67,7 @@ class Evidence:
         move: the kind.
         ray: the direction in which it happens.
         twists: the twists involved (one for an escape, two for a slide, one per cone for a turn).
-        value: radial speed (leading nonzero term) of a slide, gain of a turn.
+        value: radial speed (leading nonzero term) of a slide, the full turn, or in words what ties.
     """
 
     move: Move
@@ -76,7 +84,7 @@ class Evidence:
                 speed = brief_text(self.value)
                 return f"along the ray ({x:.5g}, {y:.5g}) the body may slide outward (leading coefficient {speed})"
             case Move.TURN:
-                return f"a full turn multiplies the distance by {brief_text(self.value)} ~ {float(self.value):.6g}"
+                return str(self.value)
             case Move.REST:
                 return f"every point of the ray ({x:.5g}, {y:.5g}) near the equilibrium is an equilibrium"
             case _:
@@ -91,24 +99,36 @@ class FanResult:
         verdict: strong stability of the equilibrium.
         cones: the fan, counterclockwise.
         evidence: what is unstable, at rest, or tied (empty for asymptotic stability).
-        gains: product of gains of a full turn, by sense (1 counterclockwise, -1 clockwise), where one exists.
+        turns: the full turns, by sense, where they exist.
         squared_overshoot: square of the largest growth of the distance along a chain of cones (at least one);
-            None where none is claimed: unstable, undecided, or several motions tie in a cone.
+            None where none is claimed: unstable, undecided, several motions tie in a cone, or no factor bounds it.
     """
 
     verdict: Translation
     cones: tuple[Cone, ...]
     evidence: tuple[Evidence, ...]
-    gains: dict[int, Any]
+    turns: tuple[FullTurn, ...]
     squared_overshoot: Any
+
+    @property
+    def gains(self) -> dict[int, Any]:
+        """Gain of a full turn by sense (1 counterclockwise, -1 clockwise), of those whose crossings have order one."""
+        return {turn.sense: turn.gain for turn in self.turns if turn.gain is not None}
+
+    @property
+    def grows_to_a_root(self) -> bool:
+        """Whether a start at distance eps may first move away to the order of ``eps^(1/2)``."""
+        return any(leaves_at_a_root(cone) for cone in self.cones)
 
     @property
     def reason(self) -> str:
         """One sentence for people."""
         if self.evidence:
             return str(self.evidence[0])
-        turns = "; ".join(f"a full turn contracts by {brief_text(gain)}" for gain in self.gains.values())
-        return "no velocity escapes, every slide leads inward" + (f"; {turns}" if turns else ", no full turn exists")
+        turns = "; ".join(str(turn) for turn in self.turns)
+        reason = "no velocity escapes, every slide leads inward" + (f"; {turns}" if turns else ", no full turn exists")
+        far = "; a start at distance eps may first move away to the order of eps^(1/2)"
+        return reason + (far if self.grows_to_a_root else "")
 
     def check(self) -> bool:
         """Re-decide from the cones."""
@@ -123,22 +143,18 @@ def decide_fan(partition: Partition) -> FanResult:
 def decide_cones(cones: Sequence[Cone]) -> FanResult:
     """Decide stability from the fan."""
     fan = tuple(cones)
-    gains, overshoot = full_turns(fan)
+    turns = full_turns(fan)
     unstable = [*_escapes(fan), *_slides(fan, outward=True)]
-    unstable += [_turn_evidence(fan, sense, gain) for sense, gain in gains.items() if sign(gain - 1) > 0]
+    unstable += [_turn_evidence(fan, turn) for turn in turns if turn.growth is Growth.DIVERGES]
     if unstable:
-        return FanResult(Translation.UNSTABLE, fan, tuple(unstable), gains, None)
+        return FanResult(Translation.UNSTABLE, fan, tuple(unstable), turns, None)
     ties = [*_ties(fan)]
-    ties += [
-        Evidence(Move.TIE, fan[0].start, (), "a full turn has gain one")
-        for gain in gains.values()
-        if not sign(gain - 1)
-    ]
+    ties += [_turn_tie(fan, turn) for turn in turns if turn.growth is Growth.TIE]
     if ties:
-        return FanResult(Translation.UNDECIDED, fan, tuple(ties), gains, None)
+        return FanResult(Translation.UNDECIDED, fan, tuple(ties), turns, None)
     rest = [*_rests(fan), *_slides(fan, outward=False)]
     verdict = Translation.STABLE if rest else Translation.ASYMPTOTICALLY_STABLE
-    return FanResult(verdict, fan, tuple(rest), gains, overshoot)
+    return FanResult(verdict, fan, tuple(rest), turns, squared_overshoot(fan))
 
 
 # ---- moves -------------------------------------------------------------------------------
@@ -195,10 +211,14 @@ def slide_speed(ray: Point, first: Twist, second: Twist) -> Any | None:
 
 
 def _ties(fan: Sequence[Cone]) -> Iterator[Evidence]:
-    """Cones whose behaviour the leading terms do not decide."""
+    """Cells that turn the body about the equilibrium itself, and are the plane or have other motions too.
+
+    A cone with this motion alone is only crossed: the distance is kept.
+    """
     for cone in fan:
         for twist in cone.twists:
-            if not any(twist.velocity) and twist.omega:
+            crossed = len(cone.twists) == 1 and not is_plane(cone)
+            if not any(twist.velocity) and twist.omega and not crossed:
                 yield Evidence(Move.TIE, cone.start, (twist,), "the body turns about the equilibrium itself")
 
 
@@ -210,6 +230,16 @@ def _rests(fan: Sequence[Cone]) -> Iterator[Evidence]:
                 yield Evidence(Move.REST, cone.start, (twist,), twist.omega)
 
 
-def _turn_evidence(fan: Sequence[Cone], sense: int, gain: Any) -> Evidence:
+def _turn_evidence(fan: Sequence[Cone], turn: FullTurn) -> Evidence:
     twists = tuple(cone.twists[0] for cone in fan)
-    return Evidence(Move.TURN, fan[0].start if sense > 0 else fan[-1].end, twists, gain)
+    return Evidence(Move.TURN, _first_ray(fan, turn), twists, turn)
+
+
+def _turn_tie(fan: Sequence[Cone], turn: FullTurn) -> Evidence:
+    is_one = turn.gain is not None and not sign(turn.gain - 1)
+    why = "a full turn has gain one" if is_one else "the leading terms of a full turn cancel or mix"
+    return Evidence(Move.TIE, _first_ray(fan, turn), (), why)
+
+
+def _first_ray(fan: Sequence[Cone], turn: FullTurn) -> Point:
+    return fan[0].start if turn.sense > 0 else fan[-1].end

@@ -101,6 +101,8 @@ class TranslationResult:
         if highest > 0:  # V is refuted and the fan decides alone
             attained = self.witness is not None and self._is_attained(self.witness)
             return attained and self._fan_says(self.verdict)
+        if self.fan is not None and self.fan.verdict is Translation.UNSTABLE:
+            return False  # V* <= 0 shows stability: one of the two is wrong
         strict = highest < 0
         rest = self.witness is None or _rests_on_ray(self.derivatives, self.witness.point)
         decided = self.verdict is (Translation.ASYMPTOTICALLY_STABLE if strict else Translation.STABLE)

@@ -151,6 +151,47 @@ def test_rotation_bends_a_path_along_a_side_back_into_its_cone_or_out_of_it() ->
     assert Move.SLIDE in {e.move for e in pushed_back.evidence}
 
 
+# ---- velocities along rays: omega decides ------------------------------------------------------------
+
+
+def test_a_start_may_leave_at_a_root_and_come_home() -> None:
+    """The first quarter's velocity lies along its last ray and is bent out: eps leaves at about sqrt(2 eps)."""
+    result = decide(AXES, [(0, 1, 1), (-1, -1), (2, 1), (-1, 1)])
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.grows_to_a_root
+    assert result.squared_overshoot is None
+    assert "eps^(1/2)" in result.reason
+
+
+@pytest.mark.parametrize(
+    ("motions", "order", "verdict"),
+    [
+        ([(0, 1, 1), (-1, -1), (1, -1), (1, 1)], Fraction(1, 2), Translation.UNSTABLE),
+        ([(-1, 0, 1), (-1, -1), (1, -1), (1, 1)], Fraction(2), Translation.ASYMPTOTICALLY_STABLE),
+        ([(0, 1, 1), (0, -1, 1), (1, -1), (1, 1)], Fraction(1), Translation.UNDECIDED),
+    ],
+)
+def test_orders_of_full_turns(motions: list[tuple[int, ...]], order: Fraction, verdict: Translation) -> None:
+    """Along the exit ray outward: sqrt(eps). Along the entry ray inward: eps^2. Both in one turn: they cancel."""
+    result = decide(AXES, motions)  # type: ignore[arg-type]
+    assert [turn.order for turn in result.turns] == [order]
+    assert result.verdict is verdict
+
+
+@pytest.mark.parametrize(
+    ("below", "verdict"),
+    [((2, 1), Translation.ASYMPTOTICALLY_STABLE), ((1, 2), Translation.UNSTABLE), ((1, 1), Translation.UNDECIDED)],
+)
+def test_a_half_plane_keeps_the_distance_and_the_other_cones_decide(
+    below: tuple[int, int], verdict: Translation
+) -> None:
+    """Above, the body moves along the line and is bent back onto it at the same distance; below, two quarters."""
+    x, y = below
+    result = decide([(1, 0), (-1, 0), (0, -1)], [(-1, 0, 1), (x, -y), (1, 1)])
+    assert result.gains == {1: Fraction(y, x)}
+    assert result.verdict is verdict
+
+
 def random_fan(seed: int) -> tuple[list[Vector], list[tuple[int | Fraction, ...]]]:
     rng = np.random.default_rng(seed)
     angles = np.sort(rng.choice(24, size=int(rng.integers(3, 7)), replace=False)) * math.tau / 24
