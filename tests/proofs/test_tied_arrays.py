@@ -1,0 +1,112 @@
+"""Translation verdicts of arrays with exact coincidences, against paths that know nothing of the fan of cones."""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.verdicts import Theorem4, Translation
+from tests.conftest import WheelData
+from tests.oracles.nearest_paths import End, Wheel, observe
+from tests.oracles.tied_arrays import tied_array, untied_array
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
+    from tests.conftest import Arrays
+
+TIED, UNTIED, BLOCKS = 500, 100, 20
+
+
+def scene_of(arrays: Arrays, wheels: list[Wheel]) -> Scene:
+    data = [WheelData(w.position, w.direction, w.speed, (w.roll, w.side)) for w in wheels]
+    return arrays.scene(data, radius=Fraction(1, 10))
+
+
+def contradiction(result: TranslationResult, ends: set[End]) -> str:
+    """What the paths say against the verdict; empty where they agree."""
+    leaves = End.LEAVES in ends
+    if result.verdict is Translation.ASYMPTOTICALLY_STABLE and ends - {End.ARRIVES, End.UNCLEAR}:
+        return f"asymptotically stable, but paths end {ends}"
+    if result.verdict is Translation.STABLE and leaves:
+        return "stable, but a path leaves"
+    if result.verdict is Translation.UNSTABLE and not leaves:
+        return "unstable, but no path leaves"
+    return ""
+
+
+def compare(arrays: Arrays, wheels: list[Wheel], seed: int) -> Translation:
+    result = decide_translation(build_nearest_partition(scene_of(arrays, wheels)))
+    assert result.check()
+    found = contradiction(result, observe(wheels, seed=seed))
+    assert not found, f"seed {seed}: {found}; {wheels}"
+    return result.verdict
+
+
+# ---- arrays that were certified asymptotically stable ------------------------------------------
+
+
+def wheel(position: tuple[str, str], heading: tuple[str, str], speed: str) -> Wheel:
+    (x, y), (a, b) = position, heading
+    numbers = [Fraction(text) for text in (x, y, a, b, speed)]
+    return Wheel((numbers[0], numbers[1]), (numbers[2], numbers[3]), numbers[4], Fraction(1), Fraction(1, 2))
+
+
+LEAVES_LIKE_A_ROOT = [
+    wheel(("8/17", "-15/17"), ("0", "1"), "133325/642872"),
+    wheel(("12/13", "5/13"), ("15/17", "-8/17"), "-7"),
+    wheel(("-9/41", "40/41"), ("21/29", "-20/29"), "-5/4"),
+]
+CENTRE = [
+    wheel(("0", "1"), ("1", "0"), "1"),
+    wheel(("2", "1"), ("0", "1"), "-1"),
+    wheel(("2", "-1"), ("0", "1"), "-4"),
+]
+LEAVES_FROM_1E_9 = [
+    wheel(("0", "-1"), ("-4/5", "-3/5"), "-5/2"),
+    wheel(("1", "0"), ("-4/5", "-3/5"), "-1"),
+    wheel(("-1", "0"), ("4/5", "-3/5"), "1/25"),
+]
+
+
+@pytest.mark.parametrize("wheels", [LEAVES_LIKE_A_ROOT, LEAVES_FROM_1E_9])
+def test_a_velocity_along_a_ray_that_omega_bends_outward_lets_full_turns_diverge(
+    arrays: Arrays, wheels: list[Wheel]
+) -> None:
+    assert observe(wheels, seed=0) == {End.LEAVES}
+    result = check_theorem4(scene_of(arrays, wheels))
+    assert result.clauses[1].verdict is Translation.UNSTABLE
+    assert result.verdict is Theorem4.FAILS
+    assert result.check()
+
+
+def test_half_planes_whose_velocity_lies_along_their_line_have_gain_one(arrays: Arrays) -> None:
+    assert observe(CENTRE, seed=0) == {End.CYCLES}
+    result = decide_translation(build_nearest_partition(scene_of(arrays, CENTRE)))
+    assert result.verdict is Translation.UNDECIDED
+    assert result.fan is not None
+    assert set(result.fan.gains.values()) == {1}
+
+
+# ---- many --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("block", range(BLOCKS))
+def test_verdicts_of_tied_arrays_agree_with_paths(arrays: Arrays, block: int) -> None:
+    size = TIED // BLOCKS
+    for seed in range(size * block, size * (block + 1)):
+        wheels, _ = tied_array(seed)
+        compare(arrays, wheels, seed)
+
+
+@pytest.mark.parametrize("block", range(4))
+def test_verdicts_of_untied_arrays_agree_with_paths_and_are_decided(arrays: Arrays, block: int) -> None:
+    size = UNTIED // 4
+    seeds = range(size * block, size * (block + 1))
+    verdicts = Counter(compare(arrays, untied_array(seed), seed) for seed in seeds)
+    assert verdicts[Translation.UNDECIDED] == 0
