@@ -4,11 +4,12 @@
 omega over ``{f in F(c*): translation part 0}``.  If it holds a nonzero rate, the body may spin in place for
 ever: theta is strongly unstable.  The convex weights are the witness, the multipliers prove the range.
 (c) If the drift is {0} and ``V* <= -kappa |c|`` where the body moves, it comes to rest within ``2 |c_0|/kappa`` and
-theta turns by at most ``2 max|omega| |c_0|/kappa``: stable, not attractive.  (d) If F(c*) = {0}, every cell at the
-equilibrium is at rest: a neighbourhood of it does not move at all.  (e) If the drift is {0}, ``|omega| <= K |v|`` on
-the polytope F(c*) (Hoffman); where the fan of cones shows that every path leads inward or to rest, its length is at
-most a multiple of |c_0|, hence so is the rotation.  (Where motions tie and the point only rests, the body might run to
-and fro between two opposite ones for ever: that is left out.)
+theta turns by at most ``2 max|omega| |c_0|/kappa``: stable, not attractive.  Where no cell of the square turns the
+body, theta does not change while it stays there; that bounds it for all time only where the translation is stable.
+(d) If F(c*) = {0}, every cell at the equilibrium is at rest: a neighbourhood of it does not move at all.  (e) If the
+drift is {0}, ``|omega| <= K |v|`` on the polytope F(c*) (Hoffman); where the fan of cones shows that every path leads
+inward or to rest, its length tends to zero with |c_0|, hence so does the rotation.  (Where motions tie and the point
+only rests, the body might run to and fro between two opposite ones for ever: that is left out.)
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Triple, Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
+
+STABLE_TRANSLATIONS = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
 
 
 @dataclass(frozen=True)
@@ -101,13 +104,20 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
         reason = "the drift is {0}, so |omega| <= K |v| in F(c*), and every path leads inward or to rest"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason, fan)
     if per_distance is None:
-        return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay rate bounds the rotation")
+        return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(translation))
     reason = f"the drift is {{0}} and theta turns by at most {brief_text(per_distance)} |c_0|"
     return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
 
 
+def _why_open(translation: TranslationResult) -> str:
+    """Why a drift of {0} does not bound the rotation."""
+    if translation.verdict in STABLE_TRANSLATIONS:
+        return "the drift is {0} and no decay rate bounds the rotation"
+    return "the drift is {0}, but (x, y) is not shown to be stable: a body that leaves may turn elsewhere"
+
+
 def _has_short_paths(fan: FanResult) -> bool:
-    """Whether paths are no longer than a multiple of |c_0|."""
+    """Whether the length of all paths tends to zero with |c_0|."""
     single = all(len(cone.twists) == 1 for cone in fan.cones)
     resting = single and fan.verdict is Translation.STABLE
     return resting or fan.verdict is Translation.ASYMPTOTICALLY_STABLE
@@ -122,7 +132,8 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
     if not moving or not partition.complete:
         return None
     if not any(derivative.twist.omega for derivative in moving):
-        return partition.scene.field.zero
+        # a body that leaves the square may turn beyond it
+        return partition.scene.field.zero if translation.verdict in STABLE_TRANSLATIONS else None
     rate = max(derivative.relative() for derivative in moving).value
     if rate.sign() < 0:
         return 2 * max(abs(d.twist.omega) for d in moving) / -rate

@@ -19,6 +19,7 @@ from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.scene import Scene
+from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
@@ -190,3 +191,38 @@ def test_a_claim_of_stability_needs_its_bound_and_a_claim_of_spin_its_drift(arra
     assert not replace(result, rotation_per_distance=None).check()
     assert not replace(result, verdict=Rotation.UNSTABLE).check()
     assert not replace(result, drift=None).check()
+
+
+def test_a_body_that_leaves_the_square_may_turn_beyond_it(arrays: Arrays) -> None:
+    """Near the point no cell turns the body, but it leaves and meets a wheel that does: theta is not bounded.
+
+    The path is followed by the definition, in small steps: from 1e-4 the body turns by more than one radian.
+    """
+    wheels = [WheelData((1, 0), (1, 0), 1), WheelData((-1, 0), (-1, 0), 1), WheelData((3, 1), (0, 1), 5)]
+    scene = arrays.scene(wheels, radius=Fraction(1, 4))
+    assert turned_from(scene, (1e-4, 0.0), until=3.0) > 1.0
+    result = decide(scene)
+    assert result.verdict is Rotation.UNDECIDED
+    assert result.check()
+
+
+def turned_from(scene: Scene, start: tuple[float, float], until: float) -> float:
+    """Largest rotation along Euler steps of rule ``nearest``, from the rows of the two nearest wheels."""
+    x, y, theta, most, step = *start, 0.0, 0.0, 1e-3
+    for _ in range(round(until / step)):
+        ordered = sorted(scene.wheels, key=lambda w: (x - float(w.position[0])) ** 2 + (y - float(w.position[1])) ** 2)
+        rows, speeds = [], []
+        for k, wheel in enumerate(ordered[:2]):
+            (px, py), (dx, dy) = (tuple(map(float, v)) for v in (wheel.position, wheel.direction))
+            rows.append((dx, dy, dy * px - dx * py))
+            speeds.append(float(wheel.speed))
+            if k == 0:
+                rows.append((-dy, dx, dx * px + dy * py))
+                speeds.append(0.0)
+        if abs(np.linalg.det(rows)) < 1e-12:  # the roll row of the second wheel is dependent: its side row follows
+            (px, py), (dx, dy) = (tuple(map(float, v)) for v in (ordered[1].position, ordered[1].direction))
+            rows[2], speeds[2] = (-dy, dx, dx * px + dy * py), 0.0
+        vx, vy, omega = np.linalg.solve(rows, speeds)
+        x, y, theta = x + step * (vx - omega * y), y + step * (vy + omega * x), theta + step * omega
+        most = max(most, abs(theta))
+    return most
