@@ -89,11 +89,7 @@ def _document(result: CellCheck) -> Record:
     return {
         "schema": SCHEMA,
         "field": scene.field,
-        "at": list(scene.check.equilibrium),
-        "radius": scene.check.radius,
-        "rule": str(scene.contact.rule),
-        "loads": _loads(scene),
-        "wheels": [_wheel(wheel) for wheel in scene.wheels],
+        **_scene(scene),
         "points": [homogeneous(point) for point in points],
         "cells": _cells(partition, chains, disc),
         "equilibrium": {"verdict": str(result.equilibrium.verdict), "separator": _separator(partition)},
@@ -102,6 +98,25 @@ def _document(result: CellCheck) -> Record:
         "feedback": _feedback(result.feedback),
         "theorem4": str(result.verdict),
         "notes": _notes(result),
+    }
+
+
+def scene_record(scene: Scene) -> Record:
+    """The part of a certificate that says which scene it is about, with the field of its numbers.
+
+    Raises:
+        CertificateError: where the length of a rim direction lies in no field that a certificate can name.
+    """
+    return encode({"field": scene.field, **_scene(scene)})
+
+
+def _scene(scene: Scene) -> Record:
+    return {
+        "at": list(scene.check.equilibrium),
+        "radius": scene.check.radius,
+        "rule": str(scene.contact.rule),
+        "loads": _loads(scene),
+        "wheels": [_wheel(wheel) for wheel in scene.wheels],
     }
 
 

@@ -1,7 +1,18 @@
 """Stand-alone checker of certificates: ``python -I -S checker.py FILE``, with the standard library alone.
 
-It shares no code with the workbench and rebuilds every claim from the wheels.  Exit status 0 valid, 1 rejected, 2 not
-readable.  A number is zero if no terms are left; any other sign needs an interval that shows it, else it rejects.
+It shares no code with the workbench that wrote the certificate and rebuilds every claim from the wheels.  A certificate
+names the wheels, a contact rule, the cells of the checked square with their twists, and for each clause of Theorem 4
+the evidence for its verdict.  The methods ``show_...`` at the end hold one claim each: what it says, and why the test
+implies it.  A clause whose verdict is ``undecided`` claims nothing.
+
+Exit status: 0 valid, 1 rejected, 2 not readable, 3 valid but without any claim.
+
+The file in order: limits, the shapes of JSON, exact numbers, planar geometry, the array with its rows and loads, the
+cells, the fan of cones at the checked point, the clauses, the command.
+
+Conventions: J is the quarter turn.  A twist is ``(vx, vy, omega, 1)``; the body at c moves by ``c' = v + omega J c``,
+measured from the checked point.  A row is the vector of an equation ``row . twist = 0``: rolling ``d . v(p) = u`` and
+no side slip ``n . v(p) = 0`` with ``v(p) = v + omega J p``.  A point is ``(X, Y, W)``, W > 0, for ``(X/W, Y/W)``.
 """
 
 from __future__ import annotations
@@ -10,391 +21,1157 @@ import json
 import math
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
 from fractions import Fraction
-from functools import cache
 from itertools import combinations, pairwise, product
 from typing import Any, TypeAlias
 
-SCHEMA, CALM, NEITHER = "nonsmooth-certificate/1", "stable, not attractive", "no certificate"
+SCHEMA = "nonsmooth-certificate/1"
 KEYS = "schema field at radius rule loads wheels points cells equilibrium translation rotation feedback theorem4 notes"
-MAX_BYTES, MAX_SIZE, MAX_WORK, PRECISIONS = 64 << 20, 400, 30_000_000, (96, 384, 1536)  # of a field; words; bits
-RATIONAL = re.compile(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?")
+
+# ---- limits: no certificate keeps the checker busy for ever ------------------------------------
+
+MAX_BYTES = 64 << 20
+MAX_GENERATORS = 400
+MAX_DEGREE = 400
+MAX_WHEELS = 20_000
+MAX_FACTORS = 64  # of one product of generators
+MAX_DIGITS = 4000  # of a rational number, on either side of its bar
+MAX_WORK = 200_000_000  # operations on machine words, as they are charged below
+MAX_SECONDS = 60.0  # on the clock
+PRECISIONS = (96, 384, 1536)  # bits with which a sign is looked for, one after the other
+WORD = 30  # bits
+
+RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
+
+# ---- words -------------------------------------------------------------------------------------
+
+HOLDS, FAILS, HYPOTHESES_NOT_MET, UNDECIDED = "holds", "fails", "hypotheses not met", "undecided"
+ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
+NEUTRAL = "stable, not attractive"
+STABILIZABLE, NO_CERTIFICATE, NOT_APPLICABLE = "stabilizable", "no certificate", "not applicable"
+
+
+class RejectedError(ValueError):
+    """A claim that does not hold or is not shown."""
+
+
+# What data of another form than a certificate's raise while they are read.
 MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError)
-ASYMPTOTIC, STABLE, UNDECIDED, UNSTABLE = TRANSLATION = ("asymptotically stable", "stable", "undecided", "unstable")
-
-RejectedError = type("RejectedError", (ValueError,), {"__doc__": "A claim that does not hold or is not shown."})
-Vector: TypeAlias = tuple["Number", ...]  # a twist, a row, or a point (X, Y, W) at X/W, Y/W with W > 0
 
 
-def _require(holds: object, claim: str) -> None:
+def require(holds: object, claim: str) -> None:
+    """Reject the certificate unless something holds."""
     if not holds:
         raise RejectedError(claim)
 
 
-def _take(data: Any, names: str) -> list[Any]:
-    _require(type(data) is dict and sorted(data) == sorted(names.split()), f"an object with the keys {names}")
-    return [data[name] for name in names.split()]
+# ---- shapes of JSON ----------------------------------------------------------------------------
 
 
-def _items(data: Any, count: int | None = None) -> list[Any]:
+def take(data: Any, names: str) -> list[Any]:
+    """The values of an object that has these keys and no others, in their order."""
+    keys = names.split()
+    require(type(data) is dict and sorted(data) == sorted(keys), f"an object with the keys {names}")
+    return [data[key] for key in keys]
+
+
+def items(data: Any, count: int | None = None) -> list[Any]:
+    """The items of a list, of a given number where one is given; truth values are no items."""
     sound = type(data) is list and count in (None, len(data)) and not any(type(item) is bool for item in data)
-    _require(sound, f"a list of {count or 'any'} items")
+    require(sound, f"a list of {count or 'any'} items")
     return list(data)
 
 
+# ---- exact numbers -----------------------------------------------------------------------------
+
+Monomial: TypeAlias = tuple[int, ...]  # a product of generators, by their numbers in ascending order
+Vector: TypeAlias = tuple["Number", ...]
+
+
+class Budget:
+    """Work and time that are left; each operation on numbers is charged before it is done."""
+
+    def __init__(self) -> None:
+        self.work = MAX_WORK
+        self.deadline = time.monotonic() + MAX_SECONDS
+        self.until_the_clock = 0
+
+    def charge(self, work: int) -> None:
+        """Take some work off; reject where none is left."""
+        self.work -= work
+        self.until_the_clock -= work
+        require(self.work >= 0, "less work: the limit is reached")
+        if self.until_the_clock <= 0:
+            self.until_the_clock = 100_000
+            require(time.monotonic() < self.deadline, f"less work: {MAX_SECONDS:.0f} s are over")
+
+
+@dataclass(frozen=True)
+class Generator:
+    """The only root above a bound of a monic polynomial, whose lower coefficients are given, lowest first."""
+
+    lower: Vector
+    above: Fraction
+
+    @property
+    def degree(self) -> int:
+        """Of the polynomial."""
+        return len(self.lower)
+
+
 class Field:
-    """The rationals and generators: each the only root above a bound of a monic polynomial over those before it."""
+    """The rationals with generators, each a root of a polynomial over the rationals and those before it."""
 
     def __init__(self, data: Any) -> None:
-        self.count, self.work, self.generators = len(_items(data)), 0, list[tuple[Vector, Fraction]]()
-        for entry in data:
-            polynomial, above = _take(entry, "polynomial above")
-            coefficients, low = self.vector(polynomial, min(len(polynomial), MAX_SIZE)), self.parse(above)
-            shifted = list(coefficients)  # p(x + low): negative at 0 and increasing for x > 0, so it has one root there
-            for j in (j for i in range(len(shifted)) for j in reversed(range(i, len(shifted) - 1))):
-                shifted[j] = shifted[j] + shifted[j + 1] * low
-            first, *others = _signs([*shifted, low])
-            monic = polynomial[-1] == "1" and len(polynomial) > 2 and all(c.bottom == 1 for c in coefficients)
-            _require(monic and first < 0 <= min(others) and self.count <= MAX_SIZE, "field: polynomials with one root")
-            self.generators.append((coefficients, Fraction(above)))
+        self.budget = Budget()
+        self.generators: list[Generator] = []
+        self._reduced: dict[Monomial, dict[Monomial, int]] = {}
+        self._roots: dict[tuple[int, int], tuple[int, int]] = {}
+        entries = items(data)
+        require(len(entries) <= MAX_GENERATORS, "field: polynomials with one root")
+        for entry in entries:
+            self.generators.append(self._generator(entry))
+
+    def _generator(self, entry: Any) -> Generator:
+        """The claim: the polynomial is monic, with whole coefficients, and has exactly one root above the bound b >= 0.
+
+        All coefficients of ``p(b + x)`` but the constant one are at least zero, and that is negative: so p increases
+        for x > 0 from a negative value.
+        """
+        polynomial, above = take(entry, "polynomial above")
+        require(type(polynomial) is not list or len(polynomial) <= MAX_DEGREE, f"a list of {MAX_DEGREE} items")
+        coefficients, bound = self.vector(polynomial, len(polynomial)), self.parse(above)
+        shifted = list(coefficients)
+        for i in range(len(shifted)):
+            for j in reversed(range(i, len(shifted) - 1)):
+                shifted[j] = shifted[j] + shifted[j + 1] * bound
+        first, *others = signs([*shifted, bound])
+        monic = polynomial[-1] == "1" and len(polynomial) > 2 and all(c.bottom == 1 for c in coefficients)
+        require(monic and first < 0 <= min(others), "field: polynomials with one root")
+        return Generator(coefficients[:-1], Fraction(above))
+
+    def constant(self, value: int) -> Number:
+        """A whole number."""
+        return Number(self, {(): value})
 
     def parse(self, data: Any) -> Number:
         """A number: a rational as text, or a list of ``[rational, generator, generator, ...]`` to be multiplied."""
-        out = Number(self, {})
-        for text, *factors in map(_items, [[data]] if type(data) is str else _items(data) or [data]):  # [] is none
-            powers = tuple(map(factors.count, range(self.count)))
-            known = all(0 <= k < len(self.generators) and powers[k] < len(self.generators[k][0]) - 1 for k in factors)
-            _require(known and RATIONAL.fullmatch(text), "numbers of the field")
-            out = out + Number(self, {powers: Fraction(text).numerator}, Fraction(text).denominator)
-        return out
+        entries = [[data]] if type(data) is str else items(data)
+        if not entries:
+            raise ValueError("an empty list is no number")
+        terms: dict[Monomial, Fraction] = {}
+        for entry in entries:
+            text, *factors = items(entry)
+            monomial, coefficient = self._monomial(factors), self._rational(text)
+            terms[monomial] = terms.get(monomial, Fraction(0)) + coefficient
+        self.budget.charge(sum(1 + (c.denominator.bit_length() // WORD) ** 2 for c in terms.values()))
+        bottom = math.lcm(*(c.denominator for c in terms.values()))
+        return Number(self, {m: c.numerator * (bottom // c.denominator) for m, c in terms.items()}, bottom)
+
+    def _rational(self, text: Any) -> Fraction:
+        require(RATIONAL.fullmatch(text), "numbers of the field")
+        self.budget.charge(1 + (len(text) // 9) ** 2)
+        return Fraction(text)
+
+    def _monomial(self, factors: Sequence[Any]) -> Monomial:
+        require(len(factors) <= MAX_FACTORS, f"products of at most {MAX_FACTORS} generators")
+        known = all(0 <= k < len(self.generators) for k in factors)
+        known = known and all(factors.count(k) < self.generators[k].degree for k in factors)
+        require(known, "numbers of the field")
+        return tuple(sorted(factors))
 
     def vector(self, data: Any, count: int) -> Vector:
         """A list of so many numbers."""
-        return tuple(self.parse(entry) for entry in _items(data, count))
+        return tuple(self.parse(entry) for entry in items(data, count))
 
-    @cache  # noqa: B019  (one field to a certificate)
-    def reduced(self, powers: tuple[int, ...]) -> dict[tuple[int, ...], int]:
-        """A product of generators, by powers below their degrees."""
-        for k, ((*lower, _), _) in enumerate(self.generators):
-            if powers[k] >= len(lower):  # x^degree = -(lower terms)
-                rests = ((*powers[:k], powers[k] - len(lower) + j, *powers[k + 1 :]) for j in range(len(lower)))
-                return _dot([Number(self, {rest: -1}) for rest in rests], lower).terms
-        return {powers: 1}
+    def reduced(self, monomial: Monomial) -> dict[Monomial, int]:
+        """A product of generators, by products with powers below their degrees."""
+        if monomial not in self._reduced:
+            self.budget.charge(len(monomial) ** 2 + 1)
+            self._reduced[monomial] = self._reduce(monomial)
+        return self._reduced[monomial]
 
-    @cache  # noqa: B019
+    def _reduce(self, monomial: Monomial) -> dict[Monomial, int]:
+        for k in sorted(set(monomial)):
+            generator, power = self.generators[k], monomial.count(k)
+            if power >= generator.degree:  # x^degree = -(lower terms)
+                others = [factor for factor in monomial if factor != k]
+                total = self.constant(0)
+                for j, coefficient in enumerate(generator.lower):
+                    rest = tuple(sorted(others + [k] * (power - generator.degree + j)))
+                    total = total - Number(self, {rest: 1}) * coefficient
+                return total.terms
+        return {monomial: 1}
+
     def root(self, k: int, bits: int) -> tuple[int, int]:
         """Enclosure of a generator, which is positive, in units of 2^-bits, by bisection."""
-        polynomial, above = self.generators[k]
-        low, high = math.floor(above * 2**bits), 0
-        while high - low != 1:
-            middle = (low + high) // 2 if high else 2 * low + 2
-            powers = [Number(self, {(0,) * self.count: middle**j}, 1 << bits * j) for j in range(len(polynomial))]
-            low, high = (middle, high) if _dot(powers, polynomial).sign() <= 0 else (low, middle)
+        if (k, bits) not in self._roots:
+            self._roots[k, bits] = self._bisect(self.generators[k], bits)
+        return self._roots[k, bits]
+
+    def _bisect(self, generator: Generator, bits: int) -> tuple[int, int]:
+        low = math.floor(generator.above * 2**bits)
+        high = 2 * low + 2
+        while self._is_below_root(generator, high, bits):
+            low, high = high, 2 * high
+        while high - low > 1:
+            middle = (low + high) // 2
+            if self._is_below_root(generator, middle, bits):
+                low = middle
+            else:
+                high = middle
         return low, high
+
+    def _is_below_root(self, generator: Generator, place: int, bits: int) -> bool:
+        """Whether the polynomial is at most zero at ``place 2^-bits``; by Horner's scheme, scaled to whole numbers."""
+        value = self.constant(1)
+        for j, coefficient in enumerate(reversed(generator.lower), 1):
+            value = value * self.constant(place) + coefficient * self.constant(1 << bits * j)
+        return value.sign() <= 0
 
 
 class Number:
-    """An exact number: whole multiples of products of generators, over one denominator."""
+    """An exact number: whole multiples of products of generators, over one positive denominator."""
 
-    def __init__(self, field: Field, terms: dict[tuple[int, ...], int], bottom: int = 1) -> None:
-        field.work += len(terms) ** 2 + 1 + sum(map(int.bit_length, terms.values())) // 64
-        _require(field.work < MAX_WORK, "less work: the limit is reached")  # no certificate keeps it busy for ever
+    def __init__(self, field: Field, terms: dict[Monomial, int], bottom: int = 1) -> None:
+        words = (bottom.bit_length() + sum(map(int.bit_length, terms.values()))) // WORD
+        # what making any number takes, and the greatest common divisor of its parts
+        field.budget.charge(8 + 2 * len(terms) + words * words // (len(terms) + 1))
         shared = math.gcd(bottom, *terms.values())
-        self.field, self.bottom = field, bottom // shared
-        self.terms = {powers: c // shared for powers, c in terms.items() if c}
+        self.field = field
+        self.bottom = bottom // shared
+        self.terms = {monomial: c // shared for monomial, c in terms.items() if c}
+        self.words = 1 + words
 
     def __add__(self, other: Number) -> Number:
-        a, b, m, n = self.terms, other.terms, self.bottom, other.bottom
-        return Number(self.field, {powers: a.get(powers, 0) * n + b.get(powers, 0) * m for powers in a | b}, m * n)
+        self.field.budget.charge(self.words + other.words)
+        terms: dict[Monomial, int] = {}
+        for number, factor in ((self, other.bottom), (other, self.bottom)):
+            for monomial, c in number.terms.items():
+                terms[monomial] = terms.get(monomial, 0) + c * factor
+        return Number(self.field, terms, self.bottom * other.bottom)
+
+    def __neg__(self) -> Number:
+        return Number(self.field, {monomial: -c for monomial, c in self.terms.items()}, self.bottom)
 
     def __sub__(self, other: Number) -> Number:
-        return self + other * -1
+        return self + -other
 
-    def __mul__(self, other: Number | int) -> Number:
-        other = Number(self.field, {(0,) * self.field.count: other}) if isinstance(other, int) else other
-        terms = dict[tuple[int, ...], int]()
-        for (s, a), (t, b) in product(self.terms.items(), other.terms.items()):
-            for powers, c in self.field.reduced(tuple(map(int.__add__, s, t))).items():
-                terms[powers] = terms.get(powers, 0) + a * b * c
+    def __mul__(self, other: Number) -> Number:
+        self.field.budget.charge(len(self.terms) * len(other.terms) + self.words * other.words)
+        terms: dict[Monomial, int] = {}
+        for (left, a), (right, b) in product(self.terms.items(), other.terms.items()):
+            for monomial, c in self.field.reduced(tuple(sorted(left + right))).items():
+                terms[monomial] = terms.get(monomial, 0) + a * b * c
         return Number(self.field, terms, self.bottom * other.bottom)
 
     def sign(self) -> int:
-        """Certified sign -1, 0 or 1."""
-        for bits in PRECISIONS if self.terms else ():
-            low = high = 0
-            for powers, c in self.terms.items():
-                lower = upper = 1 << bits
-                for a, b in (self.field.root(k, bits) for k, power in enumerate(powers) for _ in range(power)):
-                    lower, upper = lower * a >> bits, (upper * b >> bits) + 1
-                low, high = low + min(c * lower, c * upper), high + max(c * lower, c * upper)
+        """Certified sign -1, 0 or 1: zero if no terms are left, else shown by an interval, else rejected."""
+        if not self.terms:
+            return 0
+        if self.terms.keys() == {()}:
+            return 1 if self.terms[()] > 0 else -1
+        for bits in PRECISIONS:
+            low, high = self._interval(bits)
             if low > 0 or high < 0:
                 return 1 if low > 0 else -1
-        _require(not self.terms, f"a sign that {PRECISIONS[-1]} bits show")
-        return 0
+        raise RejectedError(f"a sign that {PRECISIONS[-1]} bits show")
+
+    def _interval(self, bits: int) -> tuple[int, int]:
+        """Bounds of the numerator in units of 2^-bits."""
+        low = high = 0
+        for monomial, c in self.terms.items():
+            self.field.budget.charge((len(monomial) + 1) * (bits // WORD) ** 2 + self.words)
+            lower = upper = 1 << bits
+            for k in monomial:
+                a, b = self.field.root(k, bits)
+                lower, upper = lower * a >> bits, (upper * b >> bits) + 1
+            low += min(c * lower, c * upper)
+            high += max(c * lower, c * upper)
+        return low, high
 
 
-def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
-    return sum((x * y for x, y in zip(a, b, strict=False)), Number(a[0].field, {}))  # up to the shorter's length
+# ---- planar geometry and vectors ---------------------------------------------------------------
 
 
-def _cross(a: Sequence[Number], b: Sequence[Number]) -> Number:
+def total(numbers: Sequence[Number]) -> Number:
+    """The sum of at least one number."""
+    first, *others = numbers
+    return sum(others, start=first)
+
+
+def dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
+    """The sum of products, up to the shorter's length."""
+    return total([x * y for x, y in zip(a, b, strict=False)])
+
+
+def cross(a: Sequence[Number], b: Sequence[Number]) -> Number:
+    """The planar cross product."""
     return a[0] * b[1] - a[1] * b[0]
 
 
-def _outer(a: Vector, b: Vector) -> Vector:
+def normal_to(a: Vector, b: Vector) -> Vector:
+    """The cross product in space: at right angles to both."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _signs(numbers: Iterable[Number]) -> list[int]:
+def negative(a: Vector) -> Vector:
+    """The opposite vector."""
+    return tuple(-x for x in a)
+
+
+def signs(numbers: Iterable[Number]) -> list[int]:
+    """Certified signs."""
     return [number.sign() for number in numbers]
 
 
-def _is_one_turn(steps: Iterable[tuple[Vector, Vector]]) -> bool:
-    """Whether counterclockwise steps, each of less than a half turn, that return to their start go around once."""
-    return sum(b > a for a, b in ([(v[1].sign() or v[0].sign()) > 0 for v in step] for step in steps)) == 1
+def is_zero(vector: Iterable[Number]) -> bool:
+    """Whether all entries are zero."""
+    return not any(signs(vector))
+
+
+def turns_once(steps: Iterable[tuple[Vector, Vector]]) -> bool:
+    """Whether counterclockwise steps, each of less than a half turn, that return to their start go around once.
+
+    They do iff they pass from the lower half plane into the upper one exactly once.
+    """
+    entries = 0
+    for step in steps:
+        before, after = ((v[1].sign() or v[0].sign()) > 0 for v in step)
+        entries += after > before
+    return entries == 1
+
+
+def around(values: Sequence[Any]) -> list[tuple[Any, Any]]:
+    """Neighbours in a closed chain."""
+    return list(pairwise([*values, values[0]]))
+
+
+# ---- the array ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Array:
+    """The wheels of a certificate, seen from the checked point; wheels are named "1", "2", ...
+
+    Attributes:
+        places: position ``(p_x, p_y, 1)`` of each wheel.
+        rows: the rows "R1" (rolling), "S1" (no side slip), ... as ``(a, b, c, -u)``.
+        friction: coefficient of each row.
+        loads: for each wheel ``(b, c, a)`` with ``N = a + b x + c y`` where a table is given; empty otherwise.
+        elastic: whether the wheels are identical springs.
+    """
+
+    places: dict[str, Vector]
+    rows: dict[str, Vector]
+    friction: dict[str, Number]
+    loads: dict[str, Vector]
+    elastic: bool
+
+
+def read_array(field: Field, at: Vector, rule: str, loads: Any, wheels: Any) -> Array:
+    """The wheels with their rows; the claim of each: a unit direction, and friction that is not negative."""
+    require(rule == "box" or (rule == "nearest" and loads is None), "schema, rule, loads")
+    entries = items(wheels)
+    require(len(entries) <= MAX_WHEELS, f"at most {MAX_WHEELS} wheels")
+    one, zero = field.constant(1), field.constant(0)
+    places: dict[str, Vector] = {}
+    rows: dict[str, Vector] = {}
+    friction: dict[str, Number] = {}
+    for number, entry in enumerate(entries, 1):
+        *pairs, speed = take(entry, "position direction friction speed")
+        position, (a, b), (roll, side) = (field.vector(pair, 2) for pair in pairs)
+        sound = not (a * a + b * b - one).sign() and min(signs((roll, side))) >= 0
+        require(sound, f"wheels[{number - 1}]: a unit direction, and friction that is not negative")
+        p, q = position[0] - at[0], position[1] - at[1]
+        places[str(number)] = (p, q, one)
+        rows[f"R{number}"] = (a, b, b * p - a * q, -field.parse(speed))
+        rows[f"S{number}"] = (-b, a, a * p + b * q, zero)
+        friction[f"R{number}"], friction[f"S{number}"] = roll, side
+    elastic = rule == "box" and loads == "elastic"
+    table: dict[str, Vector] = {}
+    if rule == "box" and not elastic:
+        for name, form in zip(places, items(loads, len(places)), strict=True):
+            a, b, c = field.vector(form, 3)
+            table[name] = (b, c, a + b * at[0] + c * at[1])
+    return Array(places, rows, friction, table, elastic)
+
+
+def friction_limits(array: Array, loaded: Any, corners: Sequence[Vector]) -> list[dict[str, Number]]:
+    """The friction limits ``mu N`` of the loaded rows at each corner, up to one positive factor at each.
+
+    The claim: the listed wheels are those that carry load in the cell.  Elastic: ``N_i = max(0, m_i . y)`` with
+    ``m_i = (p_i, 1)`` and ``y = A^-1 (c, 1)``, A the sum of ``m m^T`` over the loaded wheels: a spring carries load
+    where its form is not negative, and the others have no load because theirs is not positive.
+    """
+    forms, active = array.loads, set(array.loads)
+    if array.elastic:
+        active = {f"{number:d}" for number in items(loaded)}
+        forms = _elastic_forms(array, active)
+    loads = [{name: dot(form, corner) for name, form in forms.items()} for corner in corners]
+    sound = all(
+        load.sign() * (1 if name in active else -1) >= 0 for at_corner in loads for name, load in at_corner.items()
+    )
+    require(sound and (loaded is None) == (not array.elastic), "loaded: the loads of the model")
+    return [
+        {row: array.friction[row] * at_corner[row[1:]] for row in array.rows if row[1:] in active}
+        for at_corner in loads
+    ]
+
+
+def _elastic_forms(array: Array, active: set[str]) -> dict[str, Vector]:
+    """The forms ``m_i . adj(A) (c, 1)``: adj(A) is A^-1 up to a positive factor."""
+    carrying = [array.places[name] for name in active]
+    require(carrying, "loaded: wheels that are not collinear")
+    gram = [tuple(total([m[r] * m[s] for m in carrying]) for s in range(3)) for r in range(3)]
+    adjugate = [normal_to(gram[r - 2], gram[r - 1]) for r in range(3)]
+    require(dot(gram[0], adjugate[0]).sign() > 0, "loaded: wheels that are not collinear")
+    return {name: tuple(dot(column, m) for column in adjugate) for name, m in array.places.items()}
+
+
+Limits: TypeAlias = Sequence[dict[str, Number]]
+
+
+def edge_slopes(array: Array, slips: dict[str, int], limits: Limits) -> Iterator[tuple[Vector, list[int]]]:
+    """Each way out of a twist along an edge, and the signs of the slope of D along it under each of the limits.
+
+    D is a sum of ``limit |slip|`` over rows.  The planes of the rows that a twist satisfies cut the neighbourhood into
+    cones on which D is linear; their edges are the intersections of two planes, in both senses.  The slope along m is
+    the sum of ``limit |row . m|`` over those rows and of ``limit sign(slip) (row . m)`` over the others.
+    """
+    tight = [array.rows[row] for row, side in slips.items() if not side]
+    for a, b in combinations(tight, 2):
+        edge = normal_to(a, b)
+        if is_zero(edge):
+            continue
+        for way in (edge, negative(edge)):
+            pulls = {}
+            for row in limits[0]:
+                pull = dot(way, array.rows[row][:3])
+                pulls[row] = pull if (slips[row] or pull.sign()) > 0 else -pull
+            yield way, [total([pulls[row] * limit for row, limit in at.items()]).sign() for at in limits]
+
+
+def has_rank_three(vectors: Sequence[Vector]) -> bool:
+    """Whether vectors in space (their first three entries) span it."""
+    spans = (normal_to(a, b) for a, b in combinations(vectors, 2))
+    normal = next((n for n in spans if not is_zero(n)), None)
+    return normal is not None and any(dot(normal, row[:3]).sign() for row in vectors)
+
+
+# ---- cells -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One twist of a cell.
+
+    Attributes:
+        cell: number of the cell.
+        rows: names of the rows that give it.
+        twist: ``(vx, vy, omega, 1)``.
+        rates: signs of ``V*/2 = c . v`` for ``V = |c|^2`` at the cell's corners other than the checked point.
+        barrier: evidence about where V* grows, as JSON; None where there is none.
+    """
+
+    cell: int
+    rows: tuple[str, ...]
+    twist: Vector
+    rates: tuple[int, ...]
+    barrier: Any
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A convex polygon with its motions.
+
+    Attributes:
+        polygon: numbers of its corners, counterclockwise.
+        corners: the corners.
+        loaded: the wheels that carry load, as JSON.
+        motions: all twists that the rule gives in it.
+        rays: numbers of the corners after and before the checked point, the rays of the cell's cone there;
+            ``(-1, -1)`` where the point lies inside, None where it does not lie in the cell.
+    """
+
+    polygon: tuple[int, ...]
+    corners: tuple[Vector, ...]
+    loaded: Any
+    motions: tuple[Motion, ...]
+    rays: tuple[int, int] | None
+
+
+class CellReader:
+    """Reads the cells of a certificate and verifies each against the contact rule."""
+
+    def __init__(self, field: Field, array: Array, rule: str, points: Sequence[Vector]) -> None:
+        self.field = field
+        self.array = array
+        self.points = points
+        self.check_rule: Callable[..., None] = self._check_box if rule == "box" else self._check_nearest
+        # |c - p|^2 - |c|^2 as a form in (c, 1)
+        two = field.constant(2)
+        self.distances = {name: (-(two * p), -(two * q), p * p + q * q) for name, (p, q, _) in array.places.items()}
+
+    def read(self, number: int, data: Any) -> Cell:
+        """The claims: the polygon is convex, and the rule gives the listed twists, and no others, at all its points."""
+        name = f"cells[{number}]"
+        polygon, loaded, states = take(data, "polygon loaded states")
+        corners = self._corners(name, polygon)
+        self._check_convex(name, corners)
+        rows, twists, barriers = self._states(name, states)
+        self.check_rule(name, rows, twists, corners, loaded)
+        origin = [k for k, corner in enumerate(corners) if is_zero(corner[:2])]
+        away = [corner[:2] for k, corner in enumerate(corners) if k not in origin]
+        motions = tuple(
+            Motion(number, tuple(names), twist, tuple(dot(twist, place).sign() for place in away), barrier)
+            for names, twist, barrier in zip(rows, twists, barriers, strict=True)
+        )
+        rays = self._rays(name, polygon, corners, origin)
+        return Cell(tuple(polygon), tuple(corners), loaded, motions, rays)
+
+    def _corners(self, name: str, polygon: Any) -> list[Vector]:
+        numbers = items(polygon)
+        require(all(0 <= k < len(self.points) for k in numbers), f"{name}: numbers of points")
+        return [self.points[k] for k in numbers]
+
+    def _check_convex(self, name: str, corners: Sequence[Vector]) -> None:
+        """Each side turns left of the last one, or goes straight on; and all of them turn around once."""
+        sides = [(q[0] * p[2] - p[0] * q[2], q[1] * p[2] - p[1] * q[2]) for p, q in around(corners)]
+        turns = around(sides)
+        bends = [(cross(a, b).sign(), dot(a, b).sign()) for a, b in turns]
+        require(min(bends) > (0, 0) and turns_once(turns), f"{name}: a convex polygon, counterclockwise")
+
+    def _states(self, name: str, states: Any) -> tuple[list[list[str]], list[Vector], list[Any]]:
+        taken = [take(state, "rows twist barrier") for state in items(states)]
+        rows, given, barriers = (list(column) for column in zip(*taken, strict=True))
+        twists = [(*self.field.vector(twist, 3), self.field.constant(1)) for twist in given]
+        for names, twist in zip(rows, twists, strict=True):
+            slips = [dot(self.array.rows[row], twist) for row in items(names)]
+            require(is_zero(slips), f"{name}: twists that satisfy their rows")
+        return rows, twists, barriers
+
+    def _rays(self, name: str, polygon: Any, corners: Sequence[Vector], origin: list[int]) -> tuple[int, int] | None:
+        """The checked point lies in the cell iff it lies left of, or on, every side; on a side it is a vertex."""
+        views = [cross(a, b).sign() for a, b in around(corners)]
+        if min(views) < 0:
+            return None
+        require(bool(origin) == (min(views) == 0), f"{name}: the checked point as a vertex")
+        if not origin:
+            return (-1, -1)
+        place, count = origin[0], len(polygon)
+        return polygon[(place + 1) % count], polygon[place - 1]
+
+    def _check_nearest(self, name: str, rows: list[Any], _: Any, corners: list[Vector], loaded: Any) -> None:
+        """Rule nearest: both rows of the nearest wheel i, then of the second, j, the row of larger friction.
+
+        If that row depends on those of i, the other one follows; where the frictions of j are equal, either may come
+        first.  A row without friction limits nothing and is never taken.  Distances differ by functions that are affine
+        in c, so their order at the corners is that in the cell.
+        """
+        (i, j), friction = (rows[0][0][1:], rows[0][2][1:]), self.array.friction
+        gap = (friction[f"S{j}"] - friction[f"R{j}"]).sign()
+        normal = normal_to(self.array.rows[f"R{i}"], self.array.rows[f"S{i}"])
+        kinds = "SR" if gap > 0 else "RS"
+        able = [
+            kind + j for kind in kinds if friction[kind + j].sign() and dot(normal, self.array.rows[kind + j]).sign()
+        ]
+        expected = [[f"R{i}", f"S{i}", row] for row in (able[:1] if gap else able)]
+        bears = friction[f"R{i}"].sign() and friction[f"S{i}"].sign()
+        require(bears and rows == expected and loaded is None, f"{name}: the rows that the rule takes")
+        others = [n for n in self.distances if n not in (i, j)]
+        for near, far in [(i, j), *((j, n) for n in others)]:
+            line = [b - a for a, b in zip(self.distances[near], self.distances[far], strict=True)]
+            ahead = min(signs(dot(line, corner) for corner in corners)) >= 0
+            require(not is_zero(line[:2]) and ahead, f"{name}: wheels {i} and {j} the nearest at every vertex")
+
+    def _check_box(self, name: str, rows: list[Any], twists: list[Vector], corners: list[Vector], loaded: Any) -> None:
+        """Rule box: the twists minimize D at all points of the cell, and no other twist does throughout.
+
+        D is convex and piecewise linear, so a twist at which no slope along an edge is negative is a minimizer; slopes
+        are affine in c, so the corners decide.  Where a slope vanishes at all corners D is flat along the edge, which
+        then leads to another twist of the list.
+        """
+        limits = friction_limits(self.array, loaded, corners)
+        for names, twist in zip(rows, twists, strict=True):
+            slips = {row: dot(normal, twist).sign() for row, normal in self.array.rows.items()}
+            tight = [row for row in slips if not slips[row]]
+            require(names == tight, f"{name}: all rows that a twist satisfies")
+            require(has_rank_three([self.array.rows[row] for row in tight]), "tight rows of rank three")
+            gaps = [tuple(a - b for a, b in zip(other, twist, strict=True))[:3] for other in twists]
+            for way, slopes in edge_slopes(self.array, slips, limits):
+                follows = any(dot(way, gap).sign() > 0 and is_zero(normal_to(gap, way)) for gap in gaps)
+                sound = min(slopes) >= 0 and (max(slopes) or follows)
+                require(sound, f"{name}: all twists that minimize D")
+
+
+def check_cover(cells: Sequence[Cell], points: Sequence[Vector], radius: Number) -> None:
+    """The claim: the cells cover the square ``|x|, |y| <= radius`` once, and each point is a vertex of one.
+
+    Neighbours list the same side in opposite senses, so these cancel.  What is left runs along the border of the
+    square, counterclockwise and around once: so every point of the square is surrounded once by polygons that do not
+    overlap.
+    """
+    sides = [side for cell in cells for side in around(cell.polygon)]
+    unique = set(sides)
+    used = {k for side in sides for k in side}
+    once = len(sides) == len(unique) and used == set(range(len(points)))
+    border = [(points[a], points[b]) for a, b in unique - {(b, a) for a, b in unique}]
+    on_border = all(_lies_on_one_edge(side, radius) for side in border)
+    turning = on_border and all(cross(a, b).sign() > 0 for a, b in border) and turns_once(border)
+    require(once and turning, "cells: they cover the square once, and each point is a vertex")
+
+
+def _lies_on_one_edge(side: tuple[Vector, Vector], radius: Number) -> bool:
+    for axis in (0, 1):
+        for edge in (radius, -radius):
+            if all(not (point[axis] - edge * point[2]).sign() for point in side):
+                return True
+    return False
+
+
+# ---- the fan of cones at the checked point -----------------------------------------------------
+
+
+class Outcome(IntEnum):
+    """What the moves of a fan do, from the best to the worst."""
+
+    INWARD = 0
+    REST = 1
+    OPEN = 2
+    OUTWARD = 3
+
+
+SLIDE_OUTCOMES = {1: Outcome.OUTWARD, 0: Outcome.REST, -1: Outcome.INWARD}  # by the sign of the radial speed
+VERDICT_OF = {
+    Outcome.INWARD: ASYMPTOTICALLY_STABLE,
+    Outcome.REST: STABLE,
+    Outcome.OPEN: UNDECIDED,
+    Outcome.OUTWARD: UNSTABLE,
+}
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A cell at the checked point: from ray ``start`` counterclockwise to ray ``end``, with its twists.
+
+    Rays are numbers of points; ``(-1, -1)`` for the whole plane.
+    """
+
+    start: int
+    end: int
+    twists: tuple[Vector, ...]
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether the checked point lies inside the cell."""
+        return self.start < 0
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """From ray to ray through a cone: ``s'`` is of order ``s^order``.
+
+    ``gain`` is ``(a, b)``, both of one sign, where ``s' = (a/b) s``; None where the order is not one, and where the
+    body turns about the checked point itself and keeps its distance.
+    """
+
+    order: Fraction
+    gain: tuple[Number, Number] | None = None
+
+
+class Fan:
+    """The cones that meet at the checked point, and what solutions do in them.
+
+    The theorem (Filippov 1988, sec. 15-16, with the linear term of the pose): every solution near the point is a chain
+    of escapes, slides and crossings.  If none leads outward and none rests, the point is asymptotically stable; if
+    some rest, stable; if one leads outward, unstable.
+
+    On a ray r at distance s the body's velocity has the normal part ``r x v + s omega |r|^2``, whose sign for all
+    small s is that of the first term, or where that is zero of omega.
+    """
+
+    def __init__(self, cones: Sequence[Cone], points: Sequence[Vector]) -> None:
+        self.cones = list(cones)
+        self.points = points
+
+    def verdict(self) -> str:
+        """Stability of the checked point."""
+        outcomes = [Outcome.INWARD]
+        for cone in self.cones:
+            outcomes += [self._escape(cone, twist) for twist in cone.twists]
+        if not any(cone.is_plane for cone in self.cones):
+            outcomes += self._slides()
+            outcomes += [self._full_turn(sense) for sense in (1, -1)]
+        return VERDICT_OF[max(outcomes)]
+
+    def _escape(self, cone: Cone, twist: Vector) -> Outcome:
+        """A velocity in its own closed cone carries the body straight away, unless omega bends it out along a ray."""
+        if is_zero(twist[:2]):
+            if not twist[2].sign():
+                return Outcome.REST
+            only_crossed = len(cone.twists) == 1 and not cone.is_plane
+            return Outcome.INWARD if only_crossed else Outcome.OPEN
+        if cone.is_plane:
+            return Outcome.OUTWARD
+        start, end, turning = self.points[cone.start], self.points[cone.end], twist[2].sign()
+        after_start = cross(start, twist).sign() or turning * dot(start[:2], twist).sign()
+        before_end = cross(twist, end).sign() or -turning * dot(end[:2], twist).sign()
+        return Outcome.OUTWARD if after_start >= 0 and before_end >= 0 else Outcome.INWARD
+
+    def _slides(self) -> Iterator[Outcome]:
+        """Along a ray the hull of the velocities beside it holds a radial one where their normal parts are opposed."""
+        beginning = {cone.start: cone.twists for cone in self.cones}
+        for cone in self.cones:
+            ray = self.points[cone.end][:2]
+            twists = (*cone.twists, *beginning[cone.end])
+            for first, second in product(twists, repeat=2):
+                outcome = _slide(ray, first, second)
+                if outcome is not None:
+                    yield outcome
+
+    def _full_turn(self, sense: int) -> Outcome:
+        """The product of the orders of all crossings decides, and where that is one the product of their gains.
+
+        In each cone the crossing with the most growth counts: a mixture of motions that tie gains no more, to first
+        order, so a turn with a tied cone of another order is not said to contract.
+        """
+        steps, mixed = [], False
+        for cone in self.cones:
+            crossings = [step for twist in cone.twists if (step := self._crossing(cone, twist, sense)) is not None]
+            if not crossings:
+                return Outcome.INWARD  # no full turn exists
+            steps.append(_most_growth(crossings))
+            mixed |= len(cone.twists) > 1 and any(step.gain is None for step in crossings)
+        order = math.prod((step.order for step in steps), start=Fraction(1))
+        side = _side_of_one(steps) if order == 1 else (1 if order < 1 else -1)
+        if side > 0:
+            return Outcome.OUTWARD
+        return Outcome.INWARD if side < 0 and not mixed else Outcome.OPEN
+
+    def _crossing(self, cone: Cone, twist: Vector, sense: int) -> Crossing | None:
+        """How a motion crosses a cone, or None; along its circle ``c x v + omega |c|^2 / 2`` does not change.
+
+        So ``(r x v) s + (omega |r|^2 / 2) s^2`` is the same at the entry and at the exit.
+        """
+        ends = [self.points[cone.start], self.points[cone.end]]
+        entry, exit_ray = ends[::sense]
+        entering, leaving = cross(entry, twist), cross(exit_ray, twist)
+        before, after = sense * entering.sign(), sense * leaving.sign()
+        bend = sense * twist[2].sign()
+        if before > 0 and after > 0:
+            return Crossing(Fraction(1), (entering, leaving))
+        if bend <= 0 or before < 0 or after < 0:
+            return None
+        if before > 0:
+            return Crossing(Fraction(1, 2))
+        if after > 0:
+            return Crossing(Fraction(2))
+        if is_zero(twist[:2]):
+            return Crossing(Fraction(1))
+        # a half-plane with the velocity along its line: opposite rays, at equal distances
+        at_entry, at_exit = dot(entry[:2], exit_ray) * exit_ray[2], dot(exit_ray[:2], exit_ray) * entry[2]
+        return Crossing(Fraction(1), (-at_entry, at_exit))
+
+
+def _slide(ray: Vector, first: Vector, second: Vector) -> Outcome | None:
+    """A slide along a ray, or None: ``first`` pushes counterclockwise or not at all, ``second`` clockwise or not.
+
+    With normal parts ``n + s m`` and radial parts r its speed at distance s has the sign of
+    ``(n_1 r_2 - n_2 r_1) + s (m_1 r_2 - m_2 r_1)``, or of r where both normal parts vanish for all s.
+    """
+    (n1, r1), (n2, r2) = ((cross(ray, v), dot(ray, v)) for v in (first, second))
+    m1, m2 = first[2], second[2]
+    pushes = [n1.sign() or m1.sign(), n2.sign() or m2.sign()]
+    if pushes[0] < 0 or pushes[1] > 0:
+        return None
+    if pushes == [0, 0]:
+        return SLIDE_OUTCOMES[r1.sign()]
+    speed = (n1 * r2 - n2 * r1).sign() or (m1 * r2 - m2 * r1).sign()
+    return SLIDE_OUTCOMES[speed]
+
+
+def _most_growth(crossings: Sequence[Crossing]) -> Crossing:
+    """Of the lowest order, and then of the largest gain."""
+    lowest = min(step.order for step in crossings)
+    best, *others = [step for step in crossings if step.order == lowest]
+    for step in others:
+        if best.gain is not None and step.gain is not None:
+            inverse = Crossing(lowest, (best.gain[1], best.gain[0]))
+            best = step if _side_of_one([step, inverse]) > 0 else best
+    return best
+
+
+def _side_of_one(steps: Sequence[Crossing]) -> int:
+    """Sign of the product of gains less one; zero, which decides nothing, where a crossing has no gain."""
+    gains = [step.gain for step in steps if step.gain is not None]
+    if len(gains) < len(steps):
+        return 0
+    above, below = gains[0]
+    for a, b in gains[1:]:
+        above, below = above * a, below * b
+    return (above - below).sign() * below.sign()
+
+
+# ---- the clauses -------------------------------------------------------------------------------
 
 
 class Checker:
-    """One certificate, seen from the checked point; twists are ``(vx, vy, omega, 1)``, rows vanish on them."""
+    """One certificate: reading it verifies array and cells; :meth:`check` verifies the clauses."""
 
     def __init__(self, data: Any) -> None:
-        schema, field, at, radius, rule, loads, wheels, points, cells, *self.clauses, _ = _take(data, KEYS)
-        _require(schema == SCHEMA and (rule == "box" or (rule, loads) == ("nearest", None)), "schema, rule, loads")
-        self.field, self.box = Field(field), rule == "box"
-        self.zero, self.one = self.field.parse("0"), self.field.parse("1")
-        (x, y), self.radius = self.field.vector(at, 2), self.field.parse(radius)
-        self.places, self.rows, self.friction = dict[str, Vector](), dict[str, Vector](), dict[str, Number]()
-        for n, wheel in enumerate(_items(wheels), 1):
-            *pairs, speed = _take(wheel, "position direction friction speed")
-            (p, q), (a, b), (roll, side) = (self.field.vector(pair, 2) for pair in pairs)
-            sound = not (a * a + b * b - self.one).sign() and min(_signs((roll, side))) >= 0
-            _require(sound, f"wheels[{n - 1}]: a unit direction, and friction that is not negative")
-            p, q, u, self.places[str(n)] = p - x, q - y, self.field.parse(speed) * -1, (p - x, q - y, self.one)
-            self.rows |= {f"R{n}": (a, b, b * p - a * q, u), f"S{n}": (b * -1, a, a * p + b * q, self.zero)}
-            self.friction |= {f"R{n}": roll, f"S{n}": side}
-        forms = _items(loads, len(self.places)) if self.box and loads != "elastic" else []
-        given = ((n, self.field.vector(form, 3)) for n, form in zip(self.places, forms, strict=False))
-        self.table: dict[str, Vector] = {n: (b, c, a + b * x + c * y) for n, (a, b, c) in given}
-        self.points = [self.field.vector(point, 3) for point in _items(points)]
-        _require(min(_signs([self.radius, *(w for _, _, w in self.points)])) > 0, "radius, points: positive weights")
-        self.rays = dict[int, tuple[int, int]]()  # by cell at the checked point: its first and last ray, as points
-        self.cells = [self._cell(k, *_take(cell, "polygon loaded states")) for k, cell in enumerate(_items(cells))]
-        self.motions = [(k, *motion) for k, (*_, motions) in enumerate(self.cells) for motion in motions]
-        self.here = [motion for motion in self.motions if motion[0] in self.rays]
-        sides = [side for cell in cells for side in pairwise([*cell["polygon"], cell["polygon"][0]])]
-        once = len(sides) == len(set(sides)) and {k for side in sides for k in side} == set(range(len(self.points)))
-        border = [(self.points[a], self.points[b]) for a, b in set(sides) - {(b, a) for a, b in sides}]  # others cancel
-        ends = list(product((0, 1), (1, -1)))
-        on = [any(not any(_signs(p[k] - self.radius * p[2] * s for p in side)) for k, s in ends) for side in border]
-        around = all(on) and all(_cross(a, b).sign() > 0 for a, b in border) and _is_one_turn(border)
-        _require(once and around, "cells: they cover the square once, and each point is a vertex")
-        self.highest = max(max(rates) for *_, rates, _ in self.here)  # of V* = 2 c . v on the cells at the point
-        self.fan = self._decide_fan([(k, v) for k, _, v, *_ in self.here]) if self.highest >= 0 else ASYMPTOTIC
+        schema, field, at, radius, rule, loads, wheels, points, cells, *clauses, _ = take(data, KEYS)
+        require(schema == SCHEMA, "schema, rule, loads")
+        self.field, self.rule = Field(field), rule
+        self.zero, self.one = self.field.constant(0), self.field.constant(1)
+        self.at, self.radius = self.field.vector(at, 2), self.field.parse(radius)
+        self.array = read_array(self.field, self.at, rule, loads, wheels)
+        self.points = [self.field.vector(point, 3) for point in items(points)]
+        weights = [point[2] for point in self.points]
+        require(min(signs([self.radius, *weights])) > 0, "radius, points: positive weights")
+        reader = CellReader(self.field, self.array, rule, self.points)
+        self.cells = [reader.read(number, cell) for number, cell in enumerate(items(cells))]
+        check_cover(self.cells, self.points, self.radius)
+        self.motions = [motion for cell in self.cells for motion in cell.motions]
+        self.here = [motion for cell in self.cells if cell.rays is not None for motion in cell.motions]
+        self.highest = max(max(motion.rates) for motion in self.here)
+        self.fan = self._fan_verdict() if self.highest >= 0 else ASYMPTOTICALLY_STABLE
+        self._read_clauses(clauses)
 
-    def _cell(self, number: int, polygon: Any, loaded: Any, states: Any) -> tuple[Any, ...]:
-        """A convex cell where the rule gives the twists: corners, places but the checked point, and states."""
-        name, count = f"cells[{number}]", len(self.points)
-        _require(all(0 <= k < count for k in _items(polygon)), f"{name}: numbers of points")
-        corners = [self.points[k] for k in polygon]
-        ring = list(pairwise([*corners, corners[0]]))
-        steps = [(q[0] * p[2] - p[0] * q[2], q[1] * p[2] - p[1] * q[2]) for p, q in ring]
-        turns = list(pairwise([*steps, steps[0]]))
-        bends = [(_cross(a, b).sign(), _dot(a, b).sign()) for a, b in turns]
-        _require(min(bends) > (0, 0) and _is_one_turn(turns), f"{name}: a convex polygon, counterclockwise")
-        rows, given, barriers = zip(*(_take(state, "rows twist barrier") for state in _items(states)), strict=True)
-        twists = [(*self.field.vector(v, 3), self.one) for v in given]
-        slips = [_dot(self.rows[row], v) for names, v in zip(rows, twists, strict=True) for row in _items(names)]
-        _require(not any(_signs(slips)), f"{name}: twists that satisfy their rows")
-        (self._check_box if self.box else self._check_nearest)(name, list(rows), twists, corners, loaded)
-        views = [_cross(a, b).sign() for a, b in ring]
-        origin = [k for k, corner in enumerate(corners) if not any(_signs(corner[:2]))]
-        if min(views) >= 0:
-            _require(bool(origin) == (min(views) == 0), f"{name}: the checked point as a vertex")
-            self.rays[number] = (polygon[origin[0] + 1 - len(polygon)], polygon[origin[0] - 1]) if origin else (-1, -1)
-        places = [corner[:2] for k, corner in enumerate(corners) if k not in origin]
-        rates = [[_dot(v, place).sign() for place in places] for v in twists]  # V* = 2 c . v
-        return corners, places, loaded, zip(rows, twists, rates, barriers, strict=True)
+    def _read_clauses(self, clauses: Sequence[Any]) -> None:
+        equilibrium, translation, rotation, feedback, self.theorem4 = clauses
+        self.said: dict[str, Any] = {}
+        self.drift_signs: list[int] | None = None
+        self.said["equilibrium"], self.separator = take(equilibrium, "verdict separator")
+        self.said["translation"], self.squared_radius = take(translation, "verdict squared_radius")
+        self.said["rotation"], *self.drift = take(rotation, "verdict lowest highest")
+        self.said["feedback"], self.evidence = take(feedback, "verdict evidence")
 
-    def _check_nearest(self, name: str, rows: list[Any], _: Any, corners: list[Vector], loaded: Any) -> None:
-        """Wheel i nearest, j second at every vertex; both rows of i, then of j the row of larger friction."""
-        i, j = rows[0][0][1:], rows[0][2][1:]
-        gap = (self.friction[f"S{j}"] - self.friction[f"R{j}"]).sign()
-        normal = _outer(self.rows[f"R{i}"], self.rows[f"S{i}"])
-        regular = [kind for kind in ("SR" if gap > 0 else "RS") if _dot(normal, self.rows[kind + j]).sign()]
-        expected = [[f"R{i}", f"S{i}", kind + j] for kind in (regular[:1] if gap else regular)]
-        _require(rows == expected and loaded is None, f"{name}: the rows that the rule takes")
-        forms = {n: (p * -2, q * -2, p * p + q * q) for n, (p, q, _) in self.places.items()}  # |c - p|^2 - |c|^2
-        for near, far in [(i, j), *((j, n) for n in forms if n not in (i, j))]:
-            line = [b - a for a, b in zip(forms[near], forms[far], strict=True)]
-            ahead = min(_signs(_dot(line, corner) for corner in corners)) >= 0
-            _require(any(_signs(line[:2])) and ahead, f"{name}: wheels {i} and {j} the nearest at every vertex")
-
-    def _check_box(self, name: str, rows: list[Any], twists: list[Vector], corners: list[Vector], loaded: Any) -> None:
-        """No slope of D at a twist is negative, and where one vanishes throughout, another twist follows."""
-        forces = self._forces(loaded, corners)
-        for names, twist in zip(rows, twists, strict=True):
-            slips = {row: _dot(normal, twist).sign() for row, normal in self.rows.items()}
-            _require(names == [row for row in slips if not slips[row]], f"{name}: all rows that a twist satisfies")
-            gaps = [tuple(a - b for a, b in zip(other, twist, strict=True)) for other in twists]
-            for way, slopes in self._slopes(slips, forces, fixed=True):
-                follows = any(_dot(way, gap).sign() > 0 and not any(_signs(_outer(gap, way))) for gap in gaps)
-                _require(min(slopes) >= 0 and (max(slopes) or follows), f"{name}: all twists that minimize D")
-
-    def _forces(self, loaded: Any, corners: list[Vector]) -> list[dict[str, Number]]:
-        """The friction limits of the loaded rows at each corner, by the model of the loads."""
-        forms, active = self.table, set(self.table) or {f"{n:d}" for n in _items(loaded)}
-        if not forms:  # elastic: N_i = max(0, m_i . y), by the loaded wheels, up to one positive factor
-            held = [self.places[n] for n in active]
-            gram = [tuple(sum((m[r] * m[s] for m in held), self.zero) for s in range(3)) for r in range(3)]
-            adjugate = [_outer(gram[r - 2], gram[r - 1]) for r in range(3)]
-            _require(_dot(gram[0], adjugate[0]).sign() > 0, "loaded: wheels that are not collinear")
-            forms = {n: tuple(_dot(column, m) for column in adjugate) for n, m in self.places.items()}
-        loads = [{n: _dot(form, corner) for n, form in forms.items()} for corner in corners]
-        signs = [load.sign() * (1 if n in active else -1) for at in loads for n, load in at.items()]
-        _require(min(signs) >= 0 and (loaded is None) == bool(self.table), "loaded: the loads of the model")
-        return [{row: self.friction[row] * at[row[1:]] for row in self.rows if row[1:] in active} for at in loads]
-
-    def _slopes(self, slips: dict[str, int], forces: Any, *, fixed: bool) -> Iterator[tuple[Vector, list[int]]]:
-        """Each way out of a twist, and the signs of the slope of D along it under each of the forces."""
-        tight = [self.rows[row] for row in slips if not slips[row]]
-        ways = [m for a, b in combinations(tight, 2) if any(_signs(m := _outer(a, b)))]
-        _require(not fixed or any(_signs(_dot(m, row) for m in ways[:1] for row in tight)), "tight rows of rank three")
-        for way in (w for m in ways for w in (m, tuple(x * -1 for x in m))):
-            pulls = {row: (pull := _dot(way, self.rows[row])) * (slips[row] or pull.sign()) for row in forces[0]}
-            yield way, _signs(sum((pulls[row] * at[row] for row in pulls), self.zero) for at in forces)
-
-    def _drift(self, separator: Any, *bounds: Any) -> tuple[str, str]:
-        """0 in F and the range of omega there, by weights and multipliers; or a direction into which F points."""
-        twists = [twist for _, _, twist, *_ in self.here]
-        if separator is not None:
-            margins = [_dot(self.field.vector(separator, 2), v) for v in twists]
-            _require(min(_signs(margins)) > 0 and bounds == (None, None), "equilibrium: a separating direction")
-            return "fails", UNDECIDED
-        ends = list[int]()
-        for side, bound in zip((-1, 1), bounds, strict=True):
-            weights, multipliers = _take(bound, "weights multipliers")
-            (a, b, shift, scale), shares = self.field.vector(multipliers, 4), self.field.vector(weights, len(twists))
-            x, y, omega, whole = (_dot(shares, [v[k] for v in twists]) for k in range(4))
-            tight = not any(_signs((x, y, shift * whole - scale * omega * side)))  # at omega/whole = side shift/scale
-            above = (_dot((a, b, scale * -side, shift), v) for v in twists)
-            convex = min(_signs([*shares, *above])) >= 0 < min(_signs((whole, scale)))
-            _require(tight and convex, "rotation: weights and multipliers of the drift")
-            ends.append(omega.sign())
-        # drift {0}: |omega| <= K |v| in F, and paths that lead inward or to rest are bounded; ties may run to and fro
-        short = self.fan in (ASYMPTOTIC, STABLE)[: 1 + (len(self.here) == len(self.rays))]
-        calm = short or not any(v[2].sign() for _, _, v, *_ in self.motions)
-        return "holds", UNSTABLE if any(ends) else CALM if calm else UNDECIDED
-
-    def _translation(self, squared: Any) -> str:
-        """By V = |c|^2 on the closed cells at the point; what it leaves open by the fan of their cones."""
-        disc = None if self.highest > 0 else self.field.parse(squared)
-        inside = squared is None if disc is None else disc.sign() > 0 <= (self.radius * self.radius - disc).sign()
-        _require(inside, "translation: a disc in the square where V* shows one")
-        for k, _, v, rates, barrier in self.motions:
-            grows = disc is not None and k not in self.rays and max(rates) > self.highest
-            _require((barrier is not None) == grows, f"cells[{k}]: a barrier where V* grows")
-            if disc is not None and grows:  # (n - t v) . c >= 1, t >= 0, shows |c| |n| >= 1 where v . c >= 0
-                a, b, t = self.field.vector(barrier, 3)
-                margins = [t, *(_dot((a, b, self.one * -1), corner) for corner in self.cells[k][0])]
-                margins.append(self.one - disc * _dot(n := (a + t * v[0], b + t * v[1]), n))
-                _require(min(_signs(margins)) >= 0, f"cells[{k}]: the barrier")
-        return self.fan if disc is None or self.fan == ASYMPTOTIC else STABLE
-
-    def _decide_fan(self, motions: Sequence[tuple[int, Vector]]) -> str:
-        """Escapes along a velocity, slides along a ray, full turns: 0 all lead inward, 1 rest, 2 open, 3 outward."""
-        worst, points = [0], self.points
-        fan = [(a, b, [v for k, v in motions if k == cell]) for cell, (a, b) in self.rays.items()]
-        for start, end, v in ((a, b, v) for a, b, twists in fan for v in twists):
-            leaving = _cross(points[start], v).sign(), _cross(v, points[end]).sign()
-            bend = [(v[2] * _dot(points[k][:2], v)).sign() for k in (start, end)]
-            stays = start < 0 or (leaving[0] or bend[0]) >= 0 <= (leaving[1] or -bend[1])
-            worst.append((3 if stays else 0) if any(_signs(v[:2])) else 2 if v[2].sign() else 1)
-        fan = [cone for cone in fan if cone[0] >= 0]
-        after = {start: twists for start, _, twists in fan}
-        for ray, pool in ((points[end][:2], [*twists, *after[end]]) for _, end, twists in fan):
-            for f, g in product(pool, repeat=2):  # f pushes counterclockwise, g clockwise
-                (n, r, w), (m, q, z) = ((_cross(ray, v), _dot(ray, v), v[2]) for v in (f, g))
-                if (n.sign() or w.sign()) >= 0 >= (m.sign() or z.sign()):
-                    speed = (n * q - m * r).sign() or (w * q - z * r).sign()
-                    worst.append((1, 3, 0)[speed or (0 if any(_signs((n, m, w, z))) else r.sign())])
-        for sense in (1, -1) if fan else ():  # each way through a cone multiplies the distance by entry / exit
-            ways = [[(_cross(points[a], v) * sense, _cross(points[b], v) * sense) for v in vs] for a, b, vs in fan]
-            for choice in product(*([way[::sense] for way in cone if min(_signs(way)) > 0] for cone in ways)):
-                gains = [math.prod((way[k] for way in choice), start=self.one) for k in (0, 1)]
-                worst.append((2, 3, 0)[(gains[0] - gains[1]).sign()])
-        return TRANSLATION[max(worst)]
-
-    def _feedback(self, said: str, evidence: Any) -> str:
-        """A law by translations along the nearest rims, or by three imposed twists; or a plane of all motions."""
-        held = {row[1:] for _, rows, *_ in self.here for row in (self.rows if self.box else rows)}
-        outside = any((self.friction["S" + n] - self.friction["R" + n]).sign() >= 0 for n in held)
-        if outside or evidence is None:
-            return "not applicable" if outside else UNDECIDED if self.box else NEITHER
-        if said == NEITHER:
-            normal, sides = self.field.vector(evidence, 3), [row for name, row in self.rows.items() if name[0] == "S"]
-            full = any(_dot(_outer(a, b), c).sign() for a, b, c in combinations(sides, 3))
-            axes = [tuple(self.one if j == k else self.zero for j in range(3)) for k in range(3) if not full]
-            # control fields: of both rims where a roll row stands third, of the nearest one where a side row does
-            fields = ((self.rows[s], self.rows[y]) for _, (r, s, x), *_ in self.here for y in (x, r)[: 1 + (x < "S")])
-            for a, b in combinations(sides + axes, 2) if self.box else fields:
-                off = _dot(normal, m := _outer(a, b)).sign() and (not self.box or self._imposes(m, 0))
-                _require(any(_signs(normal)) and not off, "feedback: a plane of all motions")
-            return said
-        if self.box:
-            a, b, c = three = [self.field.vector(twist, 3) for twist in _items(evidence, 3)]
-            serves = all(self._imposes(v, 1) for v in three) and _dot(_outer(a, b), c).sign()
-        else:
-            rims = [(k, self.rows[r], self.places[r[1:]], x[0]) for k, (r, _, x), *_ in self.here]
-            law = zip(rims, _items(evidence), strict=True)
-            descent = self._decide_fan([(k, (a * s, b * s, self.zero)) for (k, (a, b, *_), *_), s in law])
-            turned = any(_dot(row[:2], p).sign() for _, row, p, _ in rims)  # tangential rims may turn with gain one
-            serves = descent in (ASYMPTOTIC, UNDECIDED)[: 2 - turned] and "S" not in [x for *_, x in rims]
-        return "stabilizable" if serves else UNDECIDED
-
-    def _imposes(self, twist: Vector, least: int) -> bool:
-        """Whether all slopes of D at the checked point have such a sign, at a twist along which no rim slips."""
-        slips = {row: 0 if row[0] == "R" else _dot(normal[:3], twist).sign() for row, normal in self.rows.items()}
-        forces = self._forces(self.cells[self.here[0][0]][2], [(self.zero, self.zero, self.one)])
-        return all(min(slopes) >= least for _, slopes in self._slopes(slips, forces, fixed=least > 0))
+    def _fan_verdict(self) -> str:
+        cones = []
+        for cell in self.cells:
+            if cell.rays is not None:
+                twists = tuple(motion.twist for motion in cell.motions)
+                cones.append(Cone(*cell.rays, twists))
+        return Fan(cones, self.points).verdict()
 
     def check(self) -> None:
         """Compare each verdict with what its evidence shows; ``undecided`` claims nothing."""
-        keys = ("verdict separator", "verdict squared_radius", "verdict lowest highest", "verdict evidence")
-        clauses = [_take(*pair) for pair in zip(self.clauses, keys, strict=False)]
-        equilibrium, rotation = self._drift(clauses[0][1], *clauses[2][1:])
-        shown = (equilibrium, self._translation(clauses[1][1]), rotation, self._feedback(*clauses[3]))
-        for name, (said, *_), found in zip(KEYS.split()[9:], clauses, shown, strict=False):
-            _require(said in (found, UNDECIDED), f"{name}: {found}, received {said!r:.60}")
-        words = [said for said, *_ in clauses]
-        refuted = words[1] == UNSTABLE or words[2] == CALM or (words[3] == NEITHER and clauses[3][1] is not None)
-        verdict = "fails" if refuted else UNDECIDED if {UNDECIDED, NEITHER} & {*words} else "holds"
-        verdict = "hypotheses not met" if words[0] == "fails" else verdict
-        _require(self.clauses[4] == verdict, f"theorem4: {verdict}")
+        shown = {"equilibrium": self.show_equilibrium()}
+        shown["translation"] = self.show_translation()
+        shown["rotation"] = self.show_rotation(shown["translation"])
+        shown["feedback"] = self.show_feedback()
+        for clause, found in shown.items():
+            said = self.said[clause]
+            require(said in (found, UNDECIDED), f"{clause}: {found}, received {said!r:.60}")
+        verdict = self.show_conclusion()
+        require(self.theorem4 == verdict, f"theorem4: {verdict}")
+
+    @property
+    def claims_nothing(self) -> bool:
+        """Whether every clause is undecided."""
+        return set(self.said.values()) == {UNDECIDED}
+
+    # ---- clause 1
+
+    def show_equilibrium(self) -> str:
+        """The claim: 0 lies in F(c*), the convex hull of the velocities at the checked point; or it does not.
+
+        Convex weights of velocities that cancel show the first (:meth:`show_drift`).  A direction along which every
+        velocity has a positive part shows the second: then so has every convex combination.
+        """
+        if self.separator is None:
+            self.drift_signs = self.show_drift()
+            return HOLDS
+        margins = [dot(self.field.vector(self.separator, 2), motion.twist) for motion in self.here]
+        sound = min(signs(margins)) > 0 and self.drift == [None, None]
+        require(sound, "equilibrium: a separating direction")
+        return FAILS
+
+    def show_drift(self) -> list[int]:
+        """The claim: both ends of the range of omega over the members of F(c*) with zero velocity; here their signs.
+
+        The weights (not negative, not all zero) mix the velocities to zero, and omega to an end ``w``.  Multipliers
+        ``(a, b, t, q)``, q > 0, with ``a vx + b vy - side q omega + t >= 0`` at every twist show that no mixture with
+        zero velocity passes ``side omega = t/q``, and the mixture attains it.
+        """
+        ends = []
+        for side, bound in zip((-1, 1), self.drift, strict=True):
+            weights, multipliers = take(bound, "weights multipliers")
+            a, b, shift, scale = self.field.vector(multipliers, 4)
+            shares = self.field.vector(weights, len(self.here))
+            twists = [motion.twist for motion in self.here]
+            x, y, omega, whole = (dot(shares, [twist[k] for twist in twists]) for k in range(4))
+            outward = omega if side > 0 else -omega
+            attained = is_zero((x, y, shift * whole - scale * outward))
+            form = (a, b, -scale if side > 0 else scale, shift)
+            above = [dot(form, twist) for twist in twists]
+            convex = min(signs([*shares, *above])) >= 0 and min(signs((whole, scale))) > 0
+            require(attained and convex, "rotation: weights and multipliers of the drift")
+            ends.append(omega.sign())
+        return ends
+
+    # ---- clause 2
+
+    def show_translation(self) -> str:
+        """The claim: the point is (asymptotically) stable or unstable in (x, y), and V* keeps its sign on a disc.
+
+        ``V = |c|^2`` changes by ``V* = 2 c . v``, linear on each closed cell, so its sign at the corners of the cells
+        at the point is that near the point.  Negative: asymptotically stable.  Not positive: stable (Lyapunov for
+        differential inclusions), and asymptotically where the fan of cones shows that all paths come home.  Positive
+        somewhere: V shows nothing and the fan decides alone.
+        """
+        if self.highest > 0:
+            require(self.squared_radius is None, "translation: a disc in the square where V* shows one")
+            self._check_barriers(None)
+            return self.fan
+        disc = self.field.parse(self.squared_radius)
+        inside = disc.sign() > 0 and (self.radius * self.radius - disc).sign() >= 0
+        require(inside, "translation: a disc in the square where V* shows one")
+        self._check_barriers(disc)
+        require(self.fan != UNSTABLE, "translation: V* and the fan of cones that agree")
+        return self.fan if self.fan == ASYMPTOTICALLY_STABLE else STABLE
+
+    def _check_barriers(self, disc: Number | None) -> None:
+        """The claim: cells away from the point where V* grows have their growing part outside the disc.
+
+        A barrier ``(m, t)``, t >= 0, with ``m . c >= 1`` at all corners shows ``(m + t v) . c >= 1`` wherever
+        ``v . c >= 0`` in the cell, so there ``|c| >= 1/|m + t v|``, which is at least the radius of the disc.
+        """
+        for motion in self.motions:
+            cell = self.cells[motion.cell]
+            grows = disc is not None and cell.rays is None and max(motion.rates) > self.highest
+            require((motion.barrier is not None) == grows, f"cells[{motion.cell}]: a barrier where V* grows")
+            if disc is None or not grows:
+                continue
+            a, b, t = self.field.vector(motion.barrier, 3)
+            v = motion.twist
+            margins = [t, *(dot((a, b, -self.one), corner) for corner in cell.corners)]
+            n = (a + t * v[0], b + t * v[1])
+            margins.append(self.one - disc * dot(n, n))
+            require(min(signs(margins)) >= 0, f"cells[{motion.cell}]: the barrier")
+
+    # ---- clause 3
+
+    def show_rotation(self, translation: str) -> str:
+        """The claim: theta is unstable, or stable and not attractive (it never attracts: no twist depends on it).
+
+        Unstable: the drift holds a rate other than zero, so the body may stay at the point and turn for ever.  With a
+        drift of {0} theta is stable where the rotation along a path tends to zero with the distance of its start:
+        ``|omega| <= K |v|`` on the polytope F(c*) (Hoffman 1952), so it is enough that paths near the point have
+        lengths that do, as where all lead inward, or to rest without ties (tied motions might run to and fro).  It is
+        also stable where the translation is and no motion at the point turns the body.
+        """
+        if self.drift_signs is None:
+            return UNDECIDED
+        if any(self.drift_signs):
+            return UNSTABLE
+        tied = any(len(cell.motions) > 1 for cell in self.cells if cell.rays is not None)
+        short = self.fan == ASYMPTOTICALLY_STABLE or (self.fan == STABLE and not tied)
+        turning = any(motion.twist[2].sign() for motion in self.here)
+        stable = translation in (ASYMPTOTICALLY_STABLE, STABLE)
+        return NEUTRAL if short or (stable and not turning) else UNDECIDED
+
+    # ---- clause 4
+
+    def show_feedback(self) -> str:
+        """The claim: some law brings pose and heading home; or no static law does; or the clause does not apply.
+
+        It speaks of wheels with less friction across the rim than along it: those whose rows act at the point under
+        rule nearest, all of them under rule box.
+        """
+        if self.said["feedback"] == UNDECIDED:
+            return UNDECIDED
+        names = list(self.array.rows) if self.rule == "box" else [row for motion in self.here for row in motion.rows]
+        acting = {name[1:] for name in names}
+        gaps = (self.array.friction["S" + n] - self.array.friction["R" + n] for n in acting)
+        if any(sign >= 0 for sign in signs(gaps)):
+            return NOT_APPLICABLE
+        if self.evidence is None:
+            return UNDECIDED if self.rule == "box" else NO_CERTIFICATE
+        if self.said["feedback"] == NO_CERTIFICATE:
+            self._check_obstruction()
+            return NO_CERTIFICATE
+        serves = self._three_twists_serve() if self.rule == "box" else self._signs_serve()
+        return STABILIZABLE if serves else UNDECIDED
+
+    def _check_obstruction(self) -> None:
+        """The claim: all motions that any speeds give near the point lie in one plane ``m . xi = 0``.
+
+        Then no static feedback stabilizes (Brockett's condition).  Under rule nearest the motions are those of the
+        control fields: along both rims where a roll row stands third, along the nearest one's where a side row does.
+        Under rule box every imposed motion lies in the hull of twists along which no rim slips at the edges of the
+        arrangement of side rows.
+        """
+        normal = self.field.vector(self.evidence, 3)
+        require(not is_zero(normal), "feedback: a plane of all motions")
+        for a, b in self._pairs_of_edges():
+            twist = normal_to(a, b)
+            off = dot(normal, twist).sign()
+            if off and (self.rule != "box" or self._is_imposed(twist, strictly=False)):
+                raise RejectedError("feedback: a plane of all motions")
+
+    def _pairs_of_edges(self) -> Iterator[tuple[Vector, Vector]]:
+        rows = self.array.rows
+        if self.rule == "nearest":
+            for motion in self.here:
+                rolling, side, third = motion.rows
+                yield rows[side], rows[third]
+                if third[0] == "R":
+                    yield rows[side], rows[rolling]
+            return
+        sides = [row[:3] for name, row in rows.items() if name[0] == "S"]
+        axes = []
+        if not has_rank_three(sides):
+            axes = [tuple(self.one if j == k else self.zero for j in range(3)) for k in range(3)]
+        yield from combinations([*sides, *axes], 2)
+
+    def _three_twists_serve(self) -> bool:
+        """Three independent twists, each imposed as the only minimizer by speeds along the rims.
+
+        Then so is any multiple of either sign, and ``-k (g . xi) xi``, g the state, with the largest ``|g . xi|`` of
+        the three makes ``|g|^2`` fall.
+        """
+        three = [self.field.vector(twist, 3) for twist in items(self.evidence, 3)]
+        independent = dot(normal_to(three[0], three[1]), three[2]).sign() != 0
+        return independent and all(self._is_imposed(twist, strictly=True) for twist in three)
+
+    def _is_imposed(self, twist: Vector, *, strictly: bool) -> bool:
+        """Whether a twist minimizes D at the point when all rims move with it, strictly or not."""
+        slips = {}
+        for name, row in self.array.rows.items():
+            slips[name] = 0 if name[0] == "R" else dot(row[:3], twist).sign()
+        tight = [self.array.rows[name] for name, side in slips.items() if not side]
+        if strictly:
+            require(has_rank_three(tight), "tight rows of rank three")
+        loaded = self.cells[self.here[0].cell].loaded
+        limits = friction_limits(self.array, loaded, [(self.zero, self.zero, self.one)])
+        least = 1 if strictly else 0
+        return all(min(slopes) >= least for _, slopes in edge_slopes(self.array, slips, limits))
+
+    def _signs_serve(self) -> bool:
+        """Under rule nearest: theta is brought home first; then the body moves along the nearest rims, ``+-|c| d_i``.
+
+        That planar field is a fan of cones; if all its paths lead inward, so do those of the law.  If all rims are
+        tangential, full turns of gain one serve too: turning the body to and fro then brings it home.  Without
+        turning every crossing is of order one, so nothing else is left open by the fan.
+        """
+        evidence = items(self.evidence)
+        require(len(evidence) == len(self.here), "feedback: a sign for each motion at the point")
+        require(all(type(s) is int and s in (1, -1) for s in evidence), "feedback: signs +1 or -1")
+        if any(motion.rows[2][0] == "S" for motion in self.here):
+            return False
+        by_cell: dict[int, list[Vector]] = {}
+        tangential = True
+        for motion, s in zip(self.here, evidence, strict=True):
+            rim = self.array.rows[motion.rows[0]]
+            along = rim if s > 0 else negative(rim)
+            by_cell.setdefault(motion.cell, []).append((along[0], along[1], self.zero))
+            place = self.array.places[motion.rows[0][1:]]
+            tangential = tangential and not dot(rim[:2], place).sign()
+        cones = [Cone(*(self.cells[k].rays or (-1, -1)), tuple(twists)) for k, twists in by_cell.items()]
+        descent = Fan(cones, self.points).verdict()
+        return descent == ASYMPTOTICALLY_STABLE or (descent == UNDECIDED and tangential)
+
+    # ---- Theorem 4
+
+    def show_conclusion(self) -> str:
+        """The claim: Theorem 4 holds for the array, fails, or its hypotheses are not met.
+
+        Its hypothesis is that the point is an equilibrium.  It says: (x, y) stable, theta unstable, both stabilizable
+        by feedback; so a clause that shows the opposite refutes it, and one left open leaves it open.
+        """
+        if self.said["equilibrium"] != HOLDS:
+            return HYPOTHESES_NOT_MET if self.said["equilibrium"] == FAILS else UNDECIDED
+        obstructed = self.said["feedback"] == NO_CERTIFICATE and self.evidence is not None
+        if self.said["translation"] == UNSTABLE or self.said["rotation"] == NEUTRAL or obstructed:
+            return FAILS
+        is_open = {UNDECIDED, NO_CERTIFICATE} & set(self.said.values())
+        return UNDECIDED if is_open else HOLDS
+
+
+# ---- the command -------------------------------------------------------------------------------
+
+
+def read_certificate(data: Any) -> tuple[str, Checker | None]:
+    """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
+    try:
+        checker = Checker(data)
+        checker.check()
+    except MALFORMED as error:
+        claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
+        return claim, None
+    return "", checker
 
 
 def check_certificate(data: Any) -> str:
     """The claim of a certificate (parsed JSON) that is not shown; empty where all are."""
-    try:
-        Checker(data).check()
-    except MALFORMED as error:
-        return str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
-    return ""
+    return read_certificate(data)[0]
+
+
+def load(path: str) -> Any:
+    """The JSON document of a file.
+
+    Raises:
+        OSError, ValueError, RecursionError: where it cannot be read or is no JSON document.
+    """
+    with open(path, "rb") as file:
+        text = file.read(MAX_BYTES + 1)
+    require(len(text) <= MAX_BYTES, f"more than {MAX_BYTES} bytes")
+    return json.loads(text, parse_float=str, parse_constant=str, object_pairs_hook=_object)
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    require(len(found) == len(pairs), "a key twice")
+    return found
 
 
 def check_file(path: str) -> tuple[int, str]:
-    """Exit status and one line: 0 valid, 1 rejected, 2 unreadable."""
+    """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable, 3 valid without any claim."""
     try:
-        with open(path, "rb") as file:
-            _require(len(text := file.read(MAX_BYTES + 1)) <= MAX_BYTES, f"more than {MAX_BYTES} bytes")
-        once = lambda pairs: dict(pairs) if len(dict(pairs)) == len(pairs) else _require(0, "a key twice")  # noqa: E731
-        data = json.loads(text, parse_float=str, parse_constant=str, object_pairs_hook=once)
+        data = load(path)
     except (OSError, *MALFORMED) as error:
         return 2, f"unreadable: {error}"
-    return (1, f"rejected: required {claim}") if (claim := check_certificate(data)) else (0, "valid: all claims hold")
+    claim, checker = read_certificate(data)
+    if checker is None:
+        return 1, f"rejected: required {claim}"
+    about = describe(data, checker)
+    if checker.claims_nothing:
+        return 3, f"valid, but it claims nothing: every clause is undecided\n{about}"
+    return 0, f"valid: all claims hold\n{about}"
+
+
+def describe(data: dict[str, Any], checker: Checker) -> str:
+    """The array and the verdicts that a valid certificate is about, one to a line."""
+    name = data["notes"].get("scene") if type(data["notes"]) is dict else None
+    named = f", noted as {str(name)[:60]!r}" if name is not None else ""
+    x, y = (_shown(text) for text in data["at"])
+    lines = [
+        f"array: {len(checker.array.places)} wheels, rule {checker.rule}, at ({x}, {y}), "
+        f"square of half side {_shown(data['radius'])}{named}"
+    ]
+    lines += [f"{clause}: {said}" for clause, said in checker.said.items()]
+    return "\n".join([*lines, f"theorem 4: {checker.theorem4}"])
+
+
+def _shown(number: Any) -> str:
+    return number if type(number) is str and len(number) < 30 else "an exact number of its field"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Check one file."""
+    if len(arguments) != 1:
+        print("usage: checker.py FILE")
+        return 2
+    status, line = check_file(arguments[0])
+    print(line)
+    return status
 
 
 if __name__ == "__main__":
-    STATUS, LINE = check_file(sys.argv[1]) if len(sys.argv) == 2 else (2, "usage: checker.py FILE")
-    print(LINE)
-    sys.exit(STATUS)
+    sys.exit(main(sys.argv[1:]))

@@ -1,8 +1,8 @@
 """The verdict of Theorem 4 for one array, with the evidence of every clause.
 
 ``holds`` iff the equilibrium holds, translation is (asymptotically) stable, rotation is unstable and, where
-mu_S < mu_R, feedback stabilizes.  A clause that is refuted makes it ``fails``; a missing certificate alone is not a
-refutation, so it makes it ``undecided``.
+mu_S < mu_R, feedback stabilizes.  At an equilibrium a clause that is refuted makes it ``fails``; a missing certificate
+alone is not a refutation, so it makes it ``undecided``, and so does a point that is not shown to be an equilibrium.
 """
 
 from __future__ import annotations
@@ -225,6 +225,8 @@ def conclude(
     """The theorem's verdict from the clauses', and the clause that decided it."""
     if equilibrium.verdict is Equilibrium.FAILS:
         return Theorem4.HYPOTHESES_NOT_MET, f"the point is no equilibrium: {equilibrium.reason}"
+    if equilibrium.verdict is Equilibrium.UNDECIDED:
+        return Theorem4.UNDECIDED, f"equilibrium, undecided: {equilibrium.reason}"
     if translation.verdict is Translation.UNSTABLE:
         return Theorem4.FAILS, f"translation is unstable: {translation.reason}"
     if rotation.verdict is Rotation.NEUTRAL:
@@ -232,7 +234,6 @@ def conclude(
     if feedback.obstruction is not None:
         return Theorem4.FAILS, obstruction_text(feedback.obstruction)
     for name, clause, open_verdicts in (
-        ("equilibrium", equilibrium, (Equilibrium.UNDECIDED,)),
         ("translation", translation, (Translation.UNDECIDED,)),
         ("rotation", rotation, (Rotation.UNDECIDED,)),
         ("feedback", feedback, (Feedback.UNDECIDED, Feedback.NO_CERTIFICATE)),

@@ -1,25 +1,74 @@
-"""``nonsmooth verify``: a certificate, re-checked by the stand-alone checker."""
+"""``nonsmooth verify``: a certificate, re-checked by the stand-alone checker, and compared with a scene."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from nonsmooth.reports.console import BAD_INPUT, RefusedError, write
+from nonsmooth.reports.options import At, Radius, RuleOption, complete_scene
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
+
+REJECTED = 1
 
 
 def verify(
     file: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file written by check --certificate.")],
+    scene: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENE]",
+            help="The array that the certificate must be about: a scene file or a built-in name.",
+            autocompletion=complete_scene,
+        ),
+    ] = None,
+    rule: RuleOption = None,
+    radius: Radius = None,
+    at: At = None,
 ) -> int:
     """Re-check a certificate with the stand-alone checker, which trusts nothing else of this program.
 
-    Exit status: 0 accepted, 1 rejected, 2 no certificate.
+    Prints the array and the verdicts that are shown. With a scene, the certificate must be about the same wheels,
+    contact rule, point and square. Exit status: 0 accepted, 1 rejected, 2 no certificate, 3 accepted, but every clause
+    is undecided.
     """
     from nonsmooth.proofs.checker import check_file
 
+    wanted = _wanted(scene, rule, radius, at)
     status, message = check_file(file)
     if status == BAD_INPUT:
         raise RefusedError(f"{file}: required a certificate, received a file that is {message}")
+    if wanted is not None and status != REJECTED:
+        difference = _difference(file, wanted)
+        if difference:
+            write(f"rejected: required a certificate about {scene}, received another {difference}\n{message}\n")
+            return REJECTED
+        message += f"\nabout {scene}: the same wheels, rule, point and square"
     write(f"{message}\n")
     return status
+
+
+def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:
+    """The scene to compare with; options that would replace something of it need one."""
+    from nonsmooth.symbolic.files.scene_file import load_scene
+
+    if scene is not None:
+        return load_scene(scene, rule=rule, radius=radius, at=at)
+    for option, given in (("--rule", rule), ("--radius", radius), ("--at", at)):
+        if given is not None:
+            raise RefusedError(f"{option}: required a scene to compare the certificate with, received none")
+    return None
+
+
+def _difference(file: str, scene: Scene) -> str:
+    from nonsmooth.proofs.certificate import CertificateError
+    from nonsmooth.proofs.certified_scene import find_difference
+    from nonsmooth.proofs.checker import load
+
+    try:
+        return find_difference(load(file), scene)
+    except CertificateError as error:
+        raise RefusedError(f"{scene.origin}: {error}") from None

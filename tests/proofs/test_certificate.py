@@ -65,7 +65,17 @@ def test_the_words_are_those_of_the_check(arrays: Arrays) -> None:
 def test_a_written_file_verifies(arrays: Arrays, tmp_path: Path) -> None:
     path = tmp_path / "certificate.json"
     path.write_text(certificate_text(build_certificate(check_cells(arrays.ring(5)))), encoding="utf-8")
-    assert check_file(str(path)) == (0, "valid: all claims hold")
+    status, text = check_file(str(path))
+    assert status == 0
+    assert text.splitlines() == [
+        "valid: all claims hold",
+        "array: 5 wheels, rule nearest, at (0, 0), square of half side 1, noted as 'ring-5'",
+        "equilibrium: holds",
+        "translation: asymptotically stable",
+        "rotation: unstable",
+        "feedback: stabilizable",
+        "theorem 4: holds",
+    ]
 
 
 def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import pytest
@@ -12,20 +11,14 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4, Translation
-from tests.conftest import WheelData
 from tests.oracles.nearest_paths import End, Wheel, observe
 from tests.oracles.tied_arrays import tied_array, untied_array
+from tests.oracles.tied_scenes import CENTRE, LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
     from tests.conftest import Arrays
 
 TIED, UNTIED, BLOCKS = 500, 100, 20
-
-
-def scene_of(arrays: Arrays, wheels: list[Wheel]) -> Scene:
-    data = [WheelData(w.position, w.direction, w.speed, (w.roll, w.side)) for w in wheels]
-    return arrays.scene(data, radius=Fraction(1, 10))
 
 
 def contradiction(result: TranslationResult, ends: set[End]) -> str:
@@ -49,29 +42,6 @@ def compare(arrays: Arrays, wheels: list[Wheel], seed: int) -> Translation:
 
 
 # ---- arrays that were certified asymptotically stable ------------------------------------------
-
-
-def wheel(position: tuple[str, str], heading: tuple[str, str], speed: str) -> Wheel:
-    (x, y), (a, b) = position, heading
-    numbers = [Fraction(text) for text in (x, y, a, b, speed)]
-    return Wheel((numbers[0], numbers[1]), (numbers[2], numbers[3]), numbers[4], Fraction(1), Fraction(1, 2))
-
-
-LEAVES_LIKE_A_ROOT = [
-    wheel(("8/17", "-15/17"), ("0", "1"), "133325/642872"),
-    wheel(("12/13", "5/13"), ("15/17", "-8/17"), "-7"),
-    wheel(("-9/41", "40/41"), ("21/29", "-20/29"), "-5/4"),
-]
-CENTRE = [
-    wheel(("0", "1"), ("1", "0"), "1"),
-    wheel(("2", "1"), ("0", "1"), "-1"),
-    wheel(("2", "-1"), ("0", "1"), "-4"),
-]
-LEAVES_FROM_1E_9 = [
-    wheel(("0", "-1"), ("-4/5", "-3/5"), "-5/2"),
-    wheel(("1", "0"), ("-4/5", "-3/5"), "-1"),
-    wheel(("-1", "0"), ("4/5", "-3/5"), "1/25"),
-]
 
 
 @pytest.mark.parametrize("wheels", [LEAVES_LIKE_A_ROOT, LEAVES_FROM_1E_9])

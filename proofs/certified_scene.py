@@ -1,0 +1,76 @@
+"""Whether a certificate speaks of a given scene: the same wheels, rule, loads, point and square, exactly.
+
+Both sides are numbers over generators, each the largest root of a monic polynomial over the generators before it.  So
+equal polynomials have equal roots, and after renaming the scene's generators to the certificate's, numbers are equal if
+they are the same sums of products.  The certificate has been accepted by the checker: its generators are as they should
+be and its products are reduced.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.certificate import scene_record
+from nonsmooth.symbolic.scene import Scene
+
+Record: TypeAlias = dict[str, Any]
+Sum: TypeAlias = dict[tuple[int, ...], Fraction]
+
+UNKNOWN = -1  # a generator of the scene that the certificate does not have
+
+
+def find_difference(certificate: Record, scene: Scene) -> str:
+    """Where an accepted certificate and a scene differ, in words; empty where it speaks of this scene.
+
+    Args:
+        certificate: parsed JSON that :func:`nonsmooth.proofs.checker.check_certificate` accepted.
+        scene: the array, with the rule, the point and the square that were checked.
+    """
+    own = scene_record(scene)
+    names = _renamed_generators(own["field"], certificate["field"])
+    for key in ("rule", "at", "radius", "loads"):
+        if _value(certificate[key], None) != _value(own[key], names):
+            return key
+    if len(certificate["wheels"]) != len(own["wheels"]):
+        return f"{len(certificate['wheels'])} wheels instead of {len(own['wheels'])}"
+    for number, (theirs, ours) in enumerate(zip(certificate["wheels"], own["wheels"], strict=True), 1):
+        for key in ours:
+            if _value(theirs[key], None) != _value(ours[key], names):
+                return f"{key} of wheel {number}"
+    return ""
+
+
+def _renamed_generators(own: list[Record], theirs: list[Record]) -> list[int]:
+    """The number of each of the scene's generators in the certificate."""
+    polynomials = [_value(entry["polynomial"], None) for entry in theirs]
+    names: list[int] = []
+    for entry in own:
+        polynomial = _value(entry["polynomial"], names)
+        names.append(polynomials.index(polynomial) if polynomial in polynomials else UNKNOWN)
+    return names
+
+
+def _value(data: Any, names: list[int] | None) -> Any:
+    """Numbers as sums of products, in lists of the same shape; words as they are."""
+    if data is None or data in ("nearest", "box", "elastic"):
+        return data
+    if isinstance(data, str):
+        return _sum([[data]], names)
+    if data and all(_is_product(item) for item in data):
+        return _sum(data, names)
+    return [_value(item, names) for item in data]
+
+
+def _is_product(item: Any) -> bool:
+    """Whether an item is ``[rational, generator, ...]``; the items of a vector are texts or lists of these."""
+    return isinstance(item, list) and isinstance(item[0], str) and all(isinstance(k, int) for k in item[1:])
+
+
+def _sum(products: list[list[Any]], names: list[int] | None) -> Sum:
+    total: Sum = {}
+    for text, *factors in products:
+        renamed = factors if names is None else [names[k] for k in factors]
+        monomial = tuple(sorted(renamed))
+        total[monomial] = total.get(monomial, Fraction(0)) + Fraction(text)
+    return {monomial: c for monomial, c in total.items() if c}
