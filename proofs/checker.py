@@ -573,21 +573,25 @@ class CellReader:
         first.  A row without friction limits nothing and is never taken.  Distances differ by functions that are affine
         in c, so their order at the corners is that in the cell.
         """
-        (i, j), friction = (rows[0][0][1:], rows[0][2][1:]), self.array.friction
-        gap = (friction[f"S{j}"] - friction[f"R{j}"]).sign()
-        normal = normal_to(self.array.rows[f"R{i}"], self.array.rows[f"S{i}"])
-        kinds = "SR" if gap > 0 else "RS"
-        able = [
-            kind + j for kind in kinds if friction[kind + j].sign() and dot(normal, self.array.rows[kind + j]).sign()
-        ]
-        expected = [[f"R{i}", f"S{i}", row] for row in (able[:1] if gap else able)]
-        bears = friction[f"R{i}"].sign() and friction[f"S{i}"].sign()
-        require(bears and rows == expected and loaded is None, f"{name}: the rows that the rule takes")
+        i, j = rows[0][0][1:], rows[0][2][1:]
+        expected = self._rows_of_nearest(i, j)
+        require(rows == expected and loaded is None, f"{name}: the rows that the rule takes")
         others = [n for n in self.distances if n not in (i, j)]
         for near, far in [(i, j), *((j, n) for n in others)]:
             line = [b - a for a, b in zip(self.distances[near], self.distances[far], strict=True)]
             ahead = min(signs(dot(line, corner) for corner in corners)) >= 0
             require(not is_zero(line[:2]) and ahead, f"{name}: wheels {i} and {j} the nearest at every vertex")
+
+    def _rows_of_nearest(self, i: str, j: str) -> list[list[str]]:
+        """The rows of each motion where wheel i is nearest and j second; none where a row of i has no friction."""
+        friction, rows = self.array.friction, self.array.rows
+        if not friction[f"R{i}"].sign() or not friction[f"S{i}"].sign():
+            return []
+        gap = (friction[f"S{j}"] - friction[f"R{j}"]).sign()
+        normal = normal_to(rows[f"R{i}"], rows[f"S{i}"])
+        kinds = "SR" if gap > 0 else "RS"
+        able = [kind + j for kind in kinds if friction[kind + j].sign() and dot(normal, rows[kind + j]).sign()]
+        return [[f"R{i}", f"S{i}", row] for row in (able[:1] if gap else able)]
 
     def _check_box(self, name: str, rows: list[Any], twists: list[Vector], corners: list[Vector], loaded: Any) -> None:
         """Rule box: the twists minimize D at all points of the cell, and no other twist does throughout.
@@ -604,9 +608,13 @@ class CellReader:
             require(has_rank_three([self.array.rows[row] for row in tight]), "tight rows of rank three")
             gaps = [tuple(a - b for a, b in zip(other, twist, strict=True))[:3] for other in twists]
             for way, slopes in edge_slopes(self.array, slips, limits):
-                follows = any(dot(way, gap).sign() > 0 and is_zero(normal_to(gap, way)) for gap in gaps)
-                sound = min(slopes) >= 0 and (max(slopes) or follows)
+                sound = min(slopes) >= 0 and (max(slopes) > 0 or _leads_along(way, gaps))
                 require(sound, f"{name}: all twists that minimize D")
+
+
+def _leads_along(way: Vector, gaps: Sequence[Vector]) -> bool:
+    """Whether one of the gaps is a positive multiple of a direction."""
+    return any(dot(way, gap).sign() > 0 and is_zero(normal_to(gap, way)) for gap in gaps)
 
 
 def check_cover(cells: Sequence[Cell], points: Sequence[Vector], radius: Number) -> None:
@@ -621,9 +629,15 @@ def check_cover(cells: Sequence[Cell], points: Sequence[Vector], radius: Number)
     used = {k for side in sides for k in side}
     once = len(sides) == len(unique) and used == set(range(len(points)))
     border = [(points[a], points[b]) for a, b in unique - {(b, a) for a, b in unique}]
-    on_border = all(_lies_on_one_edge(side, radius) for side in border)
-    turning = on_border and all(cross(a, b).sign() > 0 for a, b in border) and turns_once(border)
-    require(once and turning, "cells: they cover the square once, and each point is a vertex")
+    sound = once and _runs_around(border, radius)
+    require(sound, "cells: they cover the square once, and each point is a vertex")
+
+
+def _runs_around(border: Sequence[tuple[Vector, Vector]], radius: Number) -> bool:
+    """Whether sides lie on the square's border, counterclockwise, and go around once."""
+    if not all(_lies_on_one_edge(side, radius) for side in border):
+        return False
+    return all(cross(a, b).sign() > 0 for a, b in border) and turns_once(border)
 
 
 def _lies_on_one_edge(side: tuple[Vector, Vector], radius: Number) -> bool:
@@ -740,18 +754,20 @@ class Fan:
         In each cone the crossing with the most growth counts: a mixture of motions that tie gains no more, to first
         order, so a turn with a tied cone of another order is not said to contract.
         """
-        steps, mixed = [], False
-        for cone in self.cones:
-            crossings = [step for twist in cone.twists if (step := self._crossing(cone, twist, sense)) is not None]
-            if not crossings:
-                return Outcome.INWARD  # no full turn exists
-            steps.append(_most_growth(crossings))
-            mixed |= len(cone.twists) > 1 and any(step.gain is None for step in crossings)
+        choices = [self._crossings(cone, sense) for cone in self.cones]
+        if not all(choices):
+            return Outcome.INWARD  # no full turn exists
+        steps = [_most_growth(crossings) for crossings in choices]
         order = math.prod((step.order for step in steps), start=Fraction(1))
-        side = _side_of_one(steps) if order == 1 else (1 if order < 1 else -1)
+        side = _side_of_one(steps) if order == 1 else (1 - order)
         if side > 0:
             return Outcome.OUTWARD
+        mixed = any(len(cone.twists) > 1 for cone, step in zip(self.cones, choices, strict=True) if _has_no_gain(step))
         return Outcome.INWARD if side < 0 and not mixed else Outcome.OPEN
+
+    def _crossings(self, cone: Cone, sense: int) -> list[Crossing]:
+        found = (self._crossing(cone, twist, sense) for twist in cone.twists)
+        return [step for step in found if step is not None]
 
     def _crossing(self, cone: Cone, twist: Vector, sense: int) -> Crossing | None:
         """How a motion crosses a cone, or None; along its circle ``c x v + omega |c|^2 / 2`` does not change.
@@ -776,6 +792,10 @@ class Fan:
         # a half-plane with the velocity along its line: opposite rays, at equal distances
         at_entry, at_exit = dot(entry[:2], exit_ray) * exit_ray[2], dot(exit_ray[:2], exit_ray) * entry[2]
         return Crossing(Fraction(1), (-at_entry, at_exit))
+
+
+def _has_no_gain(crossings: Sequence[Crossing]) -> bool:
+    return any(step.gain is None for step in crossings)
 
 
 def _slide(ray: Vector, first: Vector, second: Vector) -> Outcome | None:
@@ -986,10 +1006,8 @@ class Checker:
         """
         if self.said["feedback"] == UNDECIDED:
             return UNDECIDED
-        names = list(self.array.rows) if self.rule == "box" else [row for motion in self.here for row in motion.rows]
-        acting = {name[1:] for name in names}
-        gaps = (self.array.friction["S" + n] - self.array.friction["R" + n] for n in acting)
-        if any(sign >= 0 for sign in signs(gaps)):
+        gaps = (self.array.friction["S" + n] - self.array.friction["R" + n] for n in self._acting_wheels())
+        if max(signs(gaps)) >= 0:
             return NOT_APPLICABLE
         if self.evidence is None:
             return UNDECIDED if self.rule == "box" else NO_CERTIFICATE
@@ -998,6 +1016,11 @@ class Checker:
             return NO_CERTIFICATE
         serves = self._three_twists_serve() if self.rule == "box" else self._signs_serve()
         return STABILIZABLE if serves else UNDECIDED
+
+    def _acting_wheels(self) -> set[str]:
+        if self.rule == "box":
+            return set(self.array.places)
+        return {row[1:] for motion in self.here for row in motion.rows}
 
     def _check_obstruction(self) -> None:
         """The claim: all motions that any speeds give near the point lie in one plane ``m . xi = 0``.
@@ -1065,17 +1088,21 @@ class Checker:
         require(all(type(s) is int and s in (1, -1) for s in evidence), "feedback: signs +1 or -1")
         if any(motion.rows[2][0] == "S" for motion in self.here):
             return False
+        descent = Fan(self._cones_along_rims(evidence), self.points).verdict()
+        return descent == ASYMPTOTICALLY_STABLE or (descent == UNDECIDED and self._has_tangential_rims())
+
+    def _cones_along_rims(self, evidence: Sequence[int]) -> list[Cone]:
+        """The cones at the point with the translations along the nearest wheel's rim, by the signs."""
         by_cell: dict[int, list[Vector]] = {}
-        tangential = True
         for motion, s in zip(self.here, evidence, strict=True):
             rim = self.array.rows[motion.rows[0]]
             along = rim if s > 0 else negative(rim)
             by_cell.setdefault(motion.cell, []).append((along[0], along[1], self.zero))
-            place = self.array.places[motion.rows[0][1:]]
-            tangential = tangential and not dot(rim[:2], place).sign()
-        cones = [Cone(*(self.cells[k].rays or (-1, -1)), tuple(twists)) for k, twists in by_cell.items()]
-        descent = Fan(cones, self.points).verdict()
-        return descent == ASYMPTOTICALLY_STABLE or (descent == UNDECIDED and tangential)
+        return [Cone(*(self.cells[k].rays or (-1, -1)), tuple(twists)) for k, twists in by_cell.items()]
+
+    def _has_tangential_rims(self) -> bool:
+        nearest = {motion.rows[0] for motion in self.here}
+        return all(not dot(self.array.rows[row][:2], self.array.places[row[1:]]).sign() for row in nearest)
 
     # ---- Theorem 4
 
