@@ -33,7 +33,7 @@ def find_difference(certificate: Record, scene: Scene) -> str:
         if _value(certificate[key], None) != _value(own[key], names):
             return key
     if len(certificate["wheels"]) != len(own["wheels"]):
-        return f"{len(certificate['wheels'])} wheels instead of {len(own['wheels'])}"
+        return f"number of wheels ({len(certificate['wheels'])} instead of {len(own['wheels'])})"
     for number, (theirs, ours) in enumerate(zip(certificate["wheels"], own["wheels"], strict=True), 1):
         for key in ours:
             if _value(theirs[key], None) != _value(ours[key], names):

@@ -1,0 +1,97 @@
+"""``nonsmooth verify``: what it prints, and whether a certificate is about a scene."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+
+def test_it_prints_the_array_and_every_verdict(invoke: Invoke) -> None:
+    invoke("check", "four-wheel", "--certificate", "c.json")
+    assert invoke("verify", "c.json") == (
+        0,
+        "valid: all claims hold\n"
+        "array: 4 wheels, rule nearest, at (0, 0), square of half side 1/2, noted as 'four-wheel'\n"
+        "equilibrium: holds\n"
+        "translation: asymptotically stable\n"
+        "rotation: unstable\n"
+        "feedback: stabilizable\n"
+        "theorem 4: holds\n",
+        "",
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("four-wheel", []), ("ring-5", []), ("spiral-30", ["--rule", "box"]), ("off-center", ["--radius", "1/3"])],
+)
+def test_a_certificate_is_about_its_scene(invoke: Invoke, name: str, options: list[str]) -> None:
+    invoke("check", name, "--certificate", "c.json", *options)
+    status, text, _ = invoke("verify", "c.json", name, *options)
+    assert status == 0
+    assert text.splitlines()[-1] == f"about {name}: the same wheels, rule, point and square"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "difference"),
+    [
+        (["four-wheel-side"], "friction of wheel 1"),
+        (["four-wheel", "--rule", "box"], "rule"),
+        (["four-wheel", "--radius", "1/3"], "radius"),
+        (["four-wheel", "--at", "0,1/9"], "at"),
+        (["ring-8", "--radius", "1/2"], "number of wheels (4 instead of 8)"),
+        (["outward"], "direction of wheel 1"),
+    ],
+)
+def test_a_certificate_of_another_scene_is_rejected(invoke: Invoke, arguments: list[str], difference: str) -> None:
+    invoke("check", "four-wheel", "--certificate", "c.json")
+    status, text, _ = invoke("verify", "c.json", *arguments)
+    assert status == 1
+    required = f"rejected: required a certificate about {arguments[0]}, received another {difference}"
+    assert text.splitlines()[0] == required
+
+
+Change = Callable[[dict[str, Any]], object]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda c: c["field"].reverse(),  # the generators of ring-5 under other names
+        lambda c: c["wheels"][0].update(speed=[["1/2"], ["1/2"]]),
+        lambda c: c["field"][0].update(above="0"),
+    ],
+    ids=["nothing to rename", "a sum", "another bound"],
+)
+def test_numbers_are_compared_and_not_their_text(invoke: Invoke, change: Change) -> None:
+    invoke("check", "four-wheel", "--certificate", "c.json")
+    certificate = json.loads(Path("c.json").read_text(encoding="utf-8"))
+    change(certificate)
+    Path("c.json").write_text(json.dumps(certificate), encoding="utf-8")
+    assert invoke("verify", "c.json", "four-wheel").status == 0
+
+
+def test_a_certificate_without_any_claim_is_told_apart(invoke: Invoke) -> None:
+    invoke("check", "four-wheel", "--certificate", "c.json")
+    certificate = json.loads(Path("c.json").read_text(encoding="utf-8"))
+    for clause in ("equilibrium", "translation", "rotation", "feedback"):
+        certificate[clause]["verdict"] = "undecided"
+    Path("c.json").write_text(json.dumps({**certificate, "theorem4": "undecided"}), encoding="utf-8")
+    status, text, _ = invoke("verify", "c.json")
+    assert status == 3
+    assert text.splitlines()[0] == "valid, but it claims nothing: every clause is undecided"
+
+
+@pytest.mark.parametrize("option", [["--rule", "box"], ["--radius", "1"], ["--at", "0,0"]])
+def test_options_of_a_scene_need_a_scene(invoke: Invoke, option: list[str]) -> None:
+    invoke("check", "four-wheel", "--certificate", "c.json")
+    status, out, err = invoke("verify", "c.json", *option)
+    assert (status, out) == (2, "")
+    assert err == f"nonsmooth: {option[0]}: required a scene to compare the certificate with, received none\n"
