@@ -279,3 +279,15 @@ def test_every_cited_source_is_in_the_references() -> None:
 
 def in_references(entries: list[str], name: str, year: str) -> bool:
     return any(name in entry and year in entry for entry in entries)
+
+
+def test_the_specification_names_the_tests_of_each_claim() -> None:
+    """Every claim's row names tests, and these exist."""
+    text = (ROOT / "docs" / "specification.md").read_text(encoding="utf-8")
+    existing = set[str]()
+    for path in (ROOT / "tests" / "proofs").glob("test_*.py"):
+        existing |= set(re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE))
+    rows = [line for line in text.splitlines() if line.startswith("| ") and "`test_" in line]
+    assert len(rows) == 12
+    named = re.findall(r"`(test_\w+)`", text)
+    assert set(named) <= existing
