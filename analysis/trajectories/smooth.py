@@ -159,7 +159,9 @@ class _SmoothPath:
             self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
         elif before is not None:
             self._event(EventKind.LEAVE if before else EventKind.CROSS, self.faces[0].name)
-        notes = [f"keep to {other.motion.face.name}" for other in choices[1:]]
+        notes = [f"keep to {c.motion.face.name}" for c in choices[1:]]
+        if not choice.sure:
+            notes.append("perhaps not even this, as the derivatives looked at vanish")
         if choice.free:
             notes.append("theta may drift at any rate of an interval" if choice.rates else "the weights are free")
         tied = [member.name for member in face.members if member.name in self.field.tied]
