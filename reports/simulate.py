@@ -151,7 +151,7 @@ def events_view(head: str, trajectory: Trajectory, states: Sequence[str]) -> Ren
         rows.add_row(Text("..."), Text(f"{len(trajectory.events) - SHOWN} more events"))
     end = f"{_place(trajectory.end.state, states, 10)}: {trajectory.end.reason}"
     rows.add_row(Text(f"end, t = {float(trajectory.end.t):.6g}", "bold"), Text(end))
-    said = {True: "unique", False: "not unique: other solutions branch off", None: "uniqueness not examined"}
+    said = {True: "unique", False: "not unique: other solutions branch off", None: "uniqueness not decided"}
     return Group(Text(head), rows, Text(said[trajectory.unique]))
 
 

@@ -10,7 +10,8 @@ from rich.text import Text
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResult
+from nonsmooth.proofs.systems.written_potential import potential_pieces
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.records import CHECK_SCHEMA
 from nonsmooth.reports.terminal import brief, two_columns, verdict_text
@@ -33,7 +34,7 @@ def system_record(result: SystemResult) -> Record:
         "states": list(scene.states),
         **with_exact({"radius": scene.check.radius}),
         "equilibrium": {"verdict": str(result.equilibrium), **with_exact({"at": scene.check.equilibrium})},
-        "lyapunov": {"V": scene.check.lyapunov.text, **_lyapunov_record(result.lyapunov)},
+        "lyapunov": _shown_record(result),
         "translation": {
             "verdict": str(result.verdict),
             "method": str(result.method),
@@ -41,6 +42,44 @@ def system_record(result: SystemResult) -> Record:
             "reason": result.reason,
         },
     }
+
+
+def _shown_record(result: SystemResult) -> Record:
+    """The V that proves the verdict, with the scene's V under ``tried`` where that is another; else the scene's V."""
+    proving = result.proving
+    if proving is None:
+        return {**_given_record(result), "proves": False, "tried": None}
+    shown = _given_record(result, proving)
+    pieces = None
+    if result.searched:
+        parts = potential_pieces(proving.cells, result.scene.states)
+        rays = [None if part.start is None else with_exact({"from": part.start, "to": part.end}) for part in parts]
+        pieces = [{"V": str(part.potential), "cone": ray} for part, ray in zip(parts, rays, strict=True)]
+    tried = _given_record(result) if proving is not result.lyapunov else None
+    return {**shown, "V": _proving_text(result), "pieces": pieces, "proves": True, "tried": tried}
+
+
+def _given_record(result: SystemResult, found: LyapunovResult | None = None) -> Record:
+    """The scene's V where it was looked at, or the conditions on another one on its own domain."""
+    domain = result.domain if found is not None and result.domain is not None else result.reported_domain
+    return {
+        "V": result.scene.check.lyapunov.text,
+        "pieces": None,
+        "domain": _domain_record(domain),
+        **_lyapunov_record(result.lyapunov if found is None else found),
+    }
+
+
+def _domain_record(domain: Domain) -> Record:
+    kind = "plane" if domain.radius is None else "square"
+    return {"kind": kind, **with_exact({"radius": domain.radius}), "text": str(domain)}
+
+
+def _proving_text(result: SystemResult) -> str:
+    """V in the displacement from the equilibrium: the scene's formula, or the pieces of one that was searched."""
+    if not result.searched or result.proving is None:
+        return one_line(result.scene.check.lyapunov.text)
+    return "; ".join(map(str, potential_pieces(result.proving.cells, result.scene.states)))
 
 
 def audit_record(result: AuditResult) -> Record:
@@ -59,14 +98,21 @@ def audit_record(result: AuditResult) -> Record:
 
 
 def system_view(result: SystemResult) -> RenderableType:
-    """The verdict with the ladder of derivatives."""
+    """The verdict with the V that proves it, or else what the scene's V shows, and the ladder of derivatives."""
     scene, rows = result.scene, two_columns()
     rows.add_row("equilibrium", verdict_text(str(result.equilibrium)))
+    proving = result.proving
+    if proving is not result.lyapunov:
+        place = f" (on {result.reported_domain})"
+        rows.add_row(f"tried: V = {one_line(scene.check.lyapunov.text)}", Text(f"{result.lyapunov.reason}{place}"))
     for key, name in DERIVATIVES.items():
-        rows.add_row(f"sup of V', {name}", Text(_supremum_text(result.lyapunov.supremum(key))))
-    rows.add_row(f"V = {one_line(scene.check.lyapunov.text)}", Text(str(result.lyapunov.reason)))
+        rows.add_row(f"sup of V', {name}", Text(_supremum_text((proving or result.lyapunov).supremum(key))))
     rows.add_row("stability", verdict_text(str(result.verdict)))
-    rows.add_row("because", Text(f"{result.reason} ({result.method})"))
+    method = "" if result.method is Method.NONE else f" ({result.method})"
+    rows.add_row("because", Text(f"{result.reason}{method}"))
+    if proving is not None:
+        rows.add_row("with", Text(f"V = {_proving_text(result)}"))
+        rows.add_row("on", Text(str(result.domain)))
     head = f"{one_line(scene.name)}: plain switched system in {', '.join(scene.states)}"
     return Group(Text(head), rows)
 

@@ -64,6 +64,10 @@ class CellwiseField:
         found += [edge for edge in self._edges if self._holds(edge, x, slack)]
         return found + [cell for cell in self._cells if self._holds(cell, x, slack)]
 
+    def has_contact(self, x: Vector) -> bool:
+        """Polygons have no curved sides."""
+        return False
+
     def on_border(self, x: Vector) -> bool:
         """Whether the position lies on an edge with a cell on one side only."""
         slack = SURFACE_SLACK * self.size

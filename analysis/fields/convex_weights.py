@@ -48,6 +48,36 @@ def basic_weights(vectors: Array) -> Array:
     return weights / weights.sum(axis=1, keepdims=True)
 
 
+def central_weights(vectors: Array) -> Array | None:
+    """A solution of ``l @ vectors = 0, sum l = 1`` whose least entry t is largest; None where there is none.
+
+    t is not negative exactly where the hull of the vectors holds zero, and it changes continuously with them: with the
+    mean m of the n vectors, ``-s m`` leaves their hull at ``s = n t/(1 - n t)``.  Written ``l = t + p, p >= 0``, it is
+    the best of the basic solutions, which hold t and rank many of the p.
+    """
+    count = len(vectors)
+    scale = float(np.abs(vectors).max(initial=0.0))
+    if not scale:
+        return np.full(count, 1.0 / count)
+    _, values, directions = np.linalg.svd(vectors / scale, full_matrices=False)
+    reduced = (vectors / scale) @ directions[values > RANK_SLACK * values[0]].T
+    rank = reduced.shape[1]
+    columns = np.vstack([np.concatenate([reduced, np.ones((count, 1))], axis=1), [*reduced.sum(axis=0), count]])
+    subsets = np.array([(*chosen, count) for chosen in combinations(range(count), rank)])
+    systems = columns[subsets].transpose(0, 2, 1)
+    regular = np.abs(np.linalg.det(systems)) > RANK_SLACK
+    right = np.zeros((int(regular.sum()), rank + 1, 1))
+    right[:, -1] = 1.0
+    solutions = np.linalg.solve(systems[regular], right)[:, :, 0]
+    possible = np.flatnonzero((solutions[:, :-1] >= -WEIGHT_SLACK).all(axis=1))
+    if not len(possible):
+        return None
+    best = possible[np.argmax(solutions[possible, -1])]
+    weights = np.full(count, solutions[best, -1])
+    weights[subsets[regular][best, :-1]] += solutions[best, :-1]
+    return weights
+
+
 def least_norm_weights(points: Array) -> Array:
     """Convex weights of the point of least norm in the hull of some points.
 

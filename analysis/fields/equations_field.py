@@ -38,7 +38,7 @@ def _surface(polynomial: Polynomial) -> Surface:
     """A switching function with its exact gradient."""
     value = _Polynomials([polynomial])
     gradient = _Polynomials([polynomial.derivative(name) for name in polynomial.variables])
-    return Surface(str(polynomial), lambda x: float(value(x)[0]), gradient)
+    return Surface(str(polynomial), lambda x: float(value(x)[0]), gradient, flat=polynomial.degree <= 1)
 
 
 class _Polynomials:

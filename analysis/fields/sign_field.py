@@ -9,13 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import combinations, product
 from typing import TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import origin_distance
-from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, Member, Surface, Vector, Velocity, length
+from nonsmooth.analysis.fields.smooth_field import (
+    SURFACE_SLACK,
+    Face,
+    Member,
+    Surface,
+    Vector,
+    Velocity,
+    length,
+    unit_normal,
+)
 
 Signs: TypeAlias = tuple[int, ...]
 
@@ -64,6 +73,15 @@ class SignField:
             self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
         return self._known[key]
 
+    def has_contact(self, x: Vector) -> bool:
+        """Whether curved surfaces touch at a state: their normals there are more than the dimensions they span.
+
+        Where the normals span the whole space, the tangent cone of a pattern without points is empty with a margin.
+        """
+        active = [s for s in self.surfaces if self._active(s, x, s.value(x))]
+        subsets = (chosen for count in range(2, len(active) + 1) for chosen in combinations(active, count))
+        return any(_touch(chosen, x) for chosen in subsets)
+
     def on_border(self, x: Vector) -> bool:
         """A plain system has no border."""
         return False
@@ -102,6 +120,14 @@ class SignField:
         if signs not in self._members:
             self._members[signs] = Member(self._pattern_name(signs), self.flow(signs))
         return self._members[signs]
+
+
+def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:
+    """Whether the normals of surfaces, not all of them flat, span less than they may."""
+    if all(surface.flat for surface in surfaces):
+        return False
+    rank = _span(np.array([unit_normal(surface, x) for surface in surfaces]).T).shape[1]
+    return rank < min(len(surfaces), len(x))
 
 
 def _filled(sides: Signs, active: Sequence[int], pattern: Signs) -> Signs:

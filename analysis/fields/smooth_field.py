@@ -31,17 +31,18 @@ DIFFERENCE_STEP = 6e-6
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A switching function with its gradient."""
+    """A switching function with its gradient; flat where that is constant."""
 
     name: str
     value: Callable[[Vector], float]
     gradient: Callable[[Vector], Vector]
+    flat: bool = False
 
 
 def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> Surface:
     """``normal . x - offset``."""
     vector = np.array(normal, dtype=float)
-    return Surface(name, lambda x: float(vector @ x) - offset, lambda x: vector)
+    return Surface(name, lambda x: float(vector @ x) - offset, lambda x: vector, flat=True)
 
 
 def smooth_surface(name: str, value: Callable[[Vector], float]) -> Surface:
@@ -116,6 +117,9 @@ class SmoothField(Protocol):
 
     def faces_at(self, x: Vector) -> list[Face]:
         """Every face whose closure holds a state, cells last; none outside the domain."""
+
+    def has_contact(self, x: Vector) -> bool:
+        """Whether curved surfaces touch at a state, so that cells may lie there that no tangent cone shows."""
 
     def on_border(self, x: Vector) -> bool:
         """Whether a state lies on the border of the domain."""

@@ -67,7 +67,7 @@ def _half_planes(cell: FieldCell) -> list[HalfPlane]:
 
 def _surface(surface: Polynomial) -> Surface:
     value, slopes = float_form(surface), [float_form(surface.derivative(name)) for name in PLANE]
-    return Surface(f"{surface}", value, lambda x: np.array([slope(x) for slope in slopes]))
+    return Surface(f"{surface}", value, lambda x: np.array([slope(x) for slope in slopes]), surface.degree <= 1)
 
 
 def _velocity(first: Polynomial, second: Polynomial) -> Velocity:

@@ -5,18 +5,23 @@ On a face that holds surfaces with unit normals g the motion is ``sum l_k f_k`` 
 motion of least norm is drawn and the solution is called non-unique.  A face is a continuation iff its motion stays on
 it for small times; where a speed vanishes its derivative along the motion decides (Filippov 1988, sec. 10, 14 and 19;
 Piiroinen & Kuznetsov 2008).  Beyond the derivative nothing is decided: a face that both leave in doubt is taken only
-where no other is left.
+where no other is left, and the path is not called unique then.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, least_norm_weights
+from nonsmooth.analysis.fields.convex_weights import (
+    basic_weights,
+    central_weights,
+    least_mix,
+    least_norm_weights,
+)
 from nonsmooth.analysis.fields.smooth_field import (
     SURFACE_SLACK,
     Face,
@@ -34,6 +39,8 @@ TANGENT_SLACK = 1e-9
 LOOK_AHEAD = 1e-6
 # Relative to the fields around a point per unit of size: derivatives below are zero (ten times the error above).
 BEND_SLACK = 1e-5
+# Fall of the least weight within the step above that counts: its own error is the rounding error of the fields.
+WEIGHT_CHANGE = 1e-12
 SMALLEST_SPEED = 1e-300  # only to divide by: where nothing moves, any step will do
 
 
@@ -43,7 +50,6 @@ class FaceMotion:
     def __init__(self, face: Face) -> None:
         self.face = face
         self._single = face.members[0].velocity if len(face.members) == 1 and not face.keep else None
-        self._last = np.full(len(face.members), 1.0 / len(face.members))
 
     def __call__(self, t: float, x: Vector) -> Vector:
         """``sum l_k f_k``."""
@@ -62,7 +68,7 @@ class FaceMotion:
         return np.asarray(fields @ normals.T)
 
     def mix(self, fields: Vector, speeds: Vector) -> Vector:
-        """Weights of the members; outside the mode's region those of two members are extrapolated."""
+        """Weights of the members; outside the mode's region they are extrapolated: negative ones, still tangent."""
         if self.is_pair:
             first, second = speeds[0, 0], speeds[1, 0]
             if abs(first) + abs(second) > TANGENT_SLACK * largest(fields):
@@ -72,8 +78,14 @@ class FaceMotion:
             return np.array([share, 1 - share])
         possible = basic_weights(speeds)
         if len(possible):
-            self._last = least_norm_weights(possible @ fields) @ possible
-        return self._last
+            return np.asarray(least_norm_weights(possible @ fields) @ possible)
+        weights = central_weights(speeds)
+        return np.full(len(fields), 1.0 / len(fields)) if weights is None else weights
+
+    def least_weight(self, t: float, x: Vector) -> float:
+        """The least weight of the mode, as large as it can be: negative where the mode does not exist."""
+        weights = central_weights(self.normal_speeds(x, self.fields(t, x)))
+        return -1.0 if weights is None else float(weights.min())
 
     @property
     def velocity(self) -> Velocity:
@@ -102,10 +114,6 @@ class FaceMotion:
         cleaned = np.where(np.abs(speeds) > TANGENT_SLACK * largest(fields), speeds, 0.0)
         return np.asarray(basic_weights(cleaned) @ fields)
 
-    def possible(self, t: float, x: Vector) -> bool:
-        """Whether some convex combination is tangent to the surfaces held."""
-        return bool(len(self.extremes(t, x)))
-
 
 @dataclass(frozen=True)
 class FaceChoice:
@@ -116,12 +124,14 @@ class FaceChoice:
         free: whether the motion is not the only one on the face.
         rates: interval of rates of the drifting state, where the field names one and only it moves.
         orders: signs of the two members' speeds just ahead, on one surface between two members.
+        sure: whether the motion is known to stay on the face; where its second derivative vanishes too it may not.
     """
 
     motion: FaceMotion
     free: bool = False
     rates: tuple[float, float] | None = None
     orders: tuple[int, int] | None = None
+    sure: bool = True
 
 
 class _Trial:
@@ -170,6 +180,15 @@ class _Trial:
             signs = [s or self.bend(float(a), float(b)) for s, a, b in zip(signs, now, later, strict=True)]
         return signs[0], signs[1]
 
+    def exists(self) -> bool:
+        """Whether the surfaces held leave a motion here and just ahead: by its least weight, or where that is zero by
+        whether it falls.
+        """
+        here = self.motion.least_weight(self.t, self.x)
+        if abs(here) > TANGENT_SLACK:
+            return here > 0
+        return self.motion.least_weight(*self.later) - here >= -WEIGHT_CHANGE
+
     def inward(self) -> int:
         """Whether the motion keeps to the bounds that the state lies on: 1 yes, -1 no, 0 not decided."""
         verdict = 1
@@ -189,9 +208,8 @@ class _Trial:
 
 
 def face_choices(field: SmoothField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
-    """Continuations at a state among the faces there, those that hold most surfaces first."""
-    strict: list[FaceChoice] = []
-    doubtful: list[FaceChoice] = []
+    """Continuations at a state among the faces there, those that hold most surfaces first; sure ones where any is."""
+    found: list[FaceChoice] = []
     for face in faces:
         motion = FaceMotion(face)
         trial, orders = _Trial(field, motion, t, x), None
@@ -199,12 +217,12 @@ def face_choices(field: SmoothField, faces: Sequence[Face], t: float, x: Vector)
             orders = trial.pair_orders()
             if orders[0] * orders[1] > 0:
                 continue
-        elif face.keep and not (motion.possible(t, x) and motion.possible(*trial.later)):
+        elif face.keep and not trial.exists():
             continue
         verdict = trial.inward()
         if verdict >= 0:
-            (strict if verdict else doubtful).append(_choice(field, trial, orders))
-    return strict or doubtful
+            found.append(replace(_choice(field, trial, orders), sure=verdict > 0))
+    return [choice for choice in found if choice.sure] or found
 
 
 def _choice(field: SmoothField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:

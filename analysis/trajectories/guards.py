@@ -1,7 +1,8 @@
 """Guards of a smooth path: functions that are positive as long as it keeps to its face, and where they cease to be.
 
 Guards are looked at after every step; where the slope of one turns from falling to rising within the step, its lowest
-value in between is looked for too, so that a short excursion is not stepped over.  A guard that starts at zero is
+value in between is looked for too, so that a short excursion is not stepped over.  Within a step that the integrator
+found easy a guard may do so more than once, and is sampled.  A guard that starts at zero is
 expected to rise first; one that never does counts as met only beyond its slack, so that every stretch takes time.
 """
 
@@ -10,18 +11,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
 from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector, length, unit_normal
-from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
+from nonsmooth.analysis.trajectories.faces import LOOK_AHEAD, SMALLEST_SPEED, FaceChoice, FaceMotion
 
 Interpolant: TypeAlias = Callable[[float], Vector]
 
 HALVINGS = 40  # of a step, in search of a moment at which a guard that starts at zero is positive
 ROOT_STEPS = 100  # bisection alone needs 60
 CUBIC_STEPS = 4  # of Newton's method from the secant's root; the cubic itself is off by more than what they leave
+SAMPLED_PARTS = 12  # of an easy step: more than the extrema of a polynomial of the dense output's degree
 ROOT_SLACK = 4 * np.finfo(np.float64).eps  # relative to the times at hand: what floats can resolve
 # Relative to the size of the states (lengths) or of the fields (speeds): the integrator's error per step.
 GUARD_SLACK = 1e-12
@@ -29,51 +33,76 @@ GUARD_SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Guard:
-    """Positive on the face; ``slope`` is its derivative along the motion where that is cheap."""
+    """Positive on the face; ``slope`` is its derivative along the motion, exact where that is cheap."""
 
     value: Callable[[float, Vector], float]
     slack: float
-    slope: Callable[[Vector, Vector], float] | None = None
+    slope: Callable[[float, Vector, Vector], float]
     surface: Surface | None = None
 
 
 @dataclass(frozen=True)
 class Step:
-    """Both ends of a step, ``(t, x, f)``, and how to get the dense output between them."""
+    """Both ends of a step, ``(t, x, f)``, and how to get the dense output between them.
+
+    ``easy`` is a step whose error is far below the tolerance: the solution is nearly a polynomial of low degree there,
+    and no bound on the step keeps a guard from falling and rising more than once within it.
+    """
 
     before: tuple[float, Vector, Vector]
     after: tuple[float, Vector, Vector]
     dense_output: Callable[[], Interpolant]
+    easy: bool = False
 
     @cached_property
     def interpolant(self) -> Interpolant:
         """Dense output, made at most once."""
         return self.dense_output()
 
+    @cached_property
+    def samples(self) -> list[tuple[float, Vector]]:
+        """Times and states within an easy step; none within any other."""
+        if not self.easy:
+            return []
+        start, span = float(self.before[0]), float(self.after[0] - self.before[0])
+        times = [start + span * k / SAMPLED_PARTS for k in range(1, SAMPLED_PARTS)]
+        return [(t, self.interpolant(t)) for t in times]
+
 
 def guards_of(field: SmoothField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
-    """Bounds of the face, then normal speeds of its members or the existence of its mode."""
+    """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
     guards = [_bound(surface, side, GUARD_SLACK * field.size, x) for surface, side in face.bounds]
     if choice.orders is not None:
         slack = GUARD_SLACK * float(np.abs(motion.fields(t, x)).max())
-        guards += [_exit(motion, k, order, slack) for k, order in enumerate(choice.orders) if order]
+        exits = [_exit(motion, k, order) for k, order in enumerate(choice.orders) if order]
+        guards += [Guard(value, slack, _difference(value, field.size)) for value in exits]
     elif face.keep and len(face.members) > 1:
-        guards.append(Guard(lambda t, x: 1.0 if motion.possible(t, x) else -1.0, 0.0))
+        guards.append(Guard(motion.least_weight, WEIGHT_SLACK, _difference(motion.least_weight, field.size)))
     return guards
 
 
 def _bound(surface: Surface, side: int, slack: float, x: Vector) -> Guard:
-    def slope(x: Vector, velocity: Vector) -> float:
+    def slope(t: float, x: Vector, velocity: Vector) -> float:
         return side * float(surface.gradient(x) @ velocity)
 
     return Guard(lambda t, x: side * surface.value(x), slack * length(surface.gradient(x)), slope, surface)
 
 
-def _exit(motion: FaceMotion, member: int, order: int, slack: float) -> Guard:
+def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Vector], float]:
     """A member's normal speed, with the sign it has inside the mode."""
     surface, velocity = motion.face.keep[0], motion.face.members[member].velocity
-    return Guard(lambda t, x: order * float(unit_normal(surface, x) @ velocity(t, x)), slack)
+    return lambda t, x: order * float(unit_normal(surface, x) @ velocity(t, x))
+
+
+def _difference(value: Callable[[float, Vector], float], size: float) -> Callable[[float, Vector, Vector], float]:
+    """The derivative of a guard along a motion, by a short step ahead."""
+
+    def slope(t: float, x: Vector, velocity: Vector) -> float:
+        ahead = LOOK_AHEAD * size / max(length(velocity), SMALLEST_SPEED)
+        return (value(t + ahead, x + ahead * velocity) - value(t, x)) / ahead
+
+    return slope
 
 
 def first_event(
@@ -82,15 +111,25 @@ def first_event(
     """Earliest time in a step at which a guard falls below zero."""
     best: tuple[float, Guard] | None = None
     for guard, first, last in zip(guards, values, following, strict=True):
-        if last < -guard.slack:
-            time: float | None = _fall(guard, (step.before[0], first), (step.after[0], last), step)
-        elif guard.slope is not None and guard.slope(*step.before[1:]) < 0 < guard.slope(*step.after[1:]):
-            time = _dip(guard, first, step)
-        else:
-            continue
+        time = _first_fall(guard, first, last, step)
         if time is not None and (best is None or time < best[0]):
             best = time, guard
     return best
+
+
+def _first_fall(guard: Guard, first: float, last: float, step: Step) -> float | None:
+    """Earliest time in a step at which one guard falls below zero."""
+    inner = [(t, guard.value(t, x)) for t, x in step.samples]
+    known = [(float(step.before[0]), first), *inner, (float(step.after[0]), last)]
+    for k, (before, after) in enumerate(pairwise(known)):
+        if after[1] < -guard.slack:
+            return _fall(guard, before, after, step)
+        if k and known[k - 1][1] > before[1] < after[1]:
+            time = _dip(guard, known[k - 1], after[0], step)
+            if time is not None:
+                return time
+    falls_then_rises = not inner and guard.slope(*step.before) < 0 < guard.slope(*step.after)
+    return _dip(guard, known[0], known[-1][0], step) if falls_then_rises else None
 
 
 def _fall(guard: Guard, before: tuple[float, float], after: tuple[float, float], step: Step) -> float:
@@ -110,26 +149,26 @@ def _fall(guard: Guard, before: tuple[float, float], after: tuple[float, float],
     return find_root(lambda t: value(t) + guard.slack, (low, max(first, 0.0) + guard.slack), after)
 
 
-def _dip(guard: Guard, first: float, step: Step) -> float | None:
-    """Time at which a guard falls through zero on its way to a lowest value below zero within the step."""
+def _dip(guard: Guard, before: tuple[float, float], high: float, step: Step) -> float | None:
+    """Time at which a guard falls through zero on its way to a lowest value below zero between two times."""
     from scipy.optimize import minimize_scalar
 
-    low, high = float(step.before[0]), float(step.after[0])
-    lowest = minimize_scalar(lambda t: guard.value(t, step.interpolant(t)), bounds=(low, high), method="bounded")
+    bounds = (before[0], float(high))
+    lowest = minimize_scalar(lambda t: guard.value(t, step.interpolant(t)), bounds=bounds, method="bounded")
     if lowest.fun >= -guard.slack:
         return None
-    return _fall(guard, (low, first), (float(lowest.x), float(lowest.fun)), step)
+    return _fall(guard, before, (float(lowest.x), float(lowest.fun)), step)
 
 
 def _hermite_root(
     guard: Guard, before: tuple[float, float], after: tuple[float, float], step: Step
 ) -> tuple[float, float]:
-    """Root, and slope there, of the cubic through values and slopes at both ends; without slopes, of the line."""
+    """Root, and slope there, of the cubic through values and slopes at both ends of a step; within it, of the line."""
     (low, first), (high, last) = before, after
     s, span = first / (first - last), high - low
-    if guard.slope is None or high != step.after[0]:
+    if (low, high) != (step.before[0], step.after[0]):
         return low + s * span, (last - first) / span
-    rise, fall = guard.slope(*step.before[1:]) * span, guard.slope(*step.after[1:]) * span
+    rise, fall = guard.slope(*step.before) * span, guard.slope(*step.after) * span
     square, cube = 3 * (last - first) - 2 * rise - fall, 2 * (first - last) + rise + fall
     slope = last - first
     for _ in range(CUBIC_STEPS):
@@ -154,8 +193,10 @@ def find_root(
     here = value(t)
     for _ in range(ROOT_STEPS):
         low, high = (t, high) if here > 0 else (low, t)
-        following = t - here / slope if slope else t
-        if here == 0 or abs(following - t) <= ROOT_SLACK * abs(t):
+        if here == 0 or abs(high - low) <= ROOT_SLACK * abs(t):
+            break
+        following = t - here / slope if slope else (low + high) / 2  # a flat secant says nothing of the root
+        if abs(following - t) <= ROOT_SLACK * abs(t):
             break
         if not low < following < high:
             following = (low + high) / 2

@@ -135,7 +135,8 @@ class Trajectory:
         states: one state per time.
         events: what happened, in order.
         end: last state and reason.
-        unique: whether no other solution branches off along the way; None where the method does not look.
+        unique: whether no other solution branches off along the way; None where the method does not look, or cannot
+            tell.
         pieces: the smooth stretches.
     """
 

@@ -89,7 +89,7 @@ class _SmoothPath:
         self.stalled = 0
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
-        self.unique = True
+        self.unique: bool | None = True
         self.method = EXPLICIT
         self.memory = LoopMemory()
 
@@ -159,16 +159,29 @@ class _SmoothPath:
             self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
         elif before is not None:
             self._event(EventKind.LEAVE if before else EventKind.CROSS, self.faces[0].name)
-        notes = [f"keep to {other.motion.face.name}" for other in choices[1:]]
+        notes = [f"keep to {c.motion.face.name}" for c in choices[1:]]
         if choice.free:
             notes.append("theta may drift at any rate of an interval" if choice.rates else "the weights are free")
         tied = [member.name for member in face.members if member.name in self.field.tied]
-        if tied and self.unique:
+        if tied and self.unique is not False:
             notes.append(f"any mixture of the motions that tie in {tied[0]}")
+        doubts = self._doubts(choice)
         if notes:
             self.unique = False
-            note = f"also possible: {'; '.join(notes)}; {RULE}"
+        elif doubts and self.unique:
+            self.unique = None
+        if notes or doubts:
+            also = [f"also possible: {'; '.join(notes)}"] if notes else []
+            perhaps = [f"perhaps possible: {'; '.join(doubts)}"] if doubts else []
+            note = "; ".join([*also, *perhaps, RULE])
             self._event(EventKind.NONUNIQUE, face.name, weights, choice.rates, note)
+
+    def _doubts(self, choice: FaceChoice) -> list[str]:
+        """Continuations that are neither found nor excluded."""
+        doubts = [] if choice.sure else ["another face, as the derivatives that decide vanish here"]
+        if self.field.has_contact(self.x):
+            doubts.append("a way into a cell squeezed between surfaces that touch here")
+        return doubts
 
     def _rests(self, choice: FaceChoice) -> bool:
         """Whether the motion stands still (the drifting state apart)."""

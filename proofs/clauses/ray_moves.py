@@ -22,8 +22,10 @@ from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
+from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
 from nonsmooth.proofs.systems.ladder import mixtures
+from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -82,22 +84,18 @@ def resting_edges(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
     """Sides that end at the origin and consist of equilibria near it, whatever the cells are.
 
     There the fields beside the side are opposed (or one of them is zero) all along: two polynomials in one variable.
+    Beside it are the cells whose open parts have points near every point of the side near the origin.
     """
     for cell in cells:
         for g, h in cell.region.edges:
             origin, other = (g, h) if not any(g[:2]) else (h, g)
-            if any(origin[:2]) or not origin[2] or cell.region.guards:
+            if any(origin[:2]) or not origin[2]:
                 continue
             ray = (other[0], other[1])
-            beside = [c for c in cells if _holds_near_origin(c, ray)]
+            beside = [c for c in cells if ray_adherence(c.region, ray) is Adherence.YES]
             fields = [v for c in beside for v in c.velocities]
             if any(_rests_along(f, k, ray) for f in fields for k in fields):
                 yield RayMove(RayKind.REST, ray, ray[0] - ray[0])
-
-
-def _holds_near_origin(cell: FieldCell, ray: Point) -> bool:
-    """Whether a closed cell holds the points of a ray near the origin."""
-    return all(sign(a * ray[0] + b * ray[1]) >= 0 if not c else sign(c) > 0 for a, b, c in cell.region.sides)
 
 
 def _rests_along(first: Velocity, second: Velocity, ray: Point) -> bool:
@@ -188,11 +186,11 @@ def _with_closed_orbits(fan: FanResult) -> tuple[Translation, str]:
 
 
 def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
-    """The cones at the origin, counterclockwise, neighbours sharing one vector per ray."""
-    zero = cells[0].velocities[0][0].field.zero
-    here = [cell for cell in cells if cell.region.contains((zero, zero))]
-    if any(cell.region.guards or any(p.degree for v in cell.velocities for p in v) for cell in here):
+    """The cones at the origin, counterclockwise, neighbours sharing one vector per ray; None where there are others."""
+    here = conic_germ(cells)
+    if here is None or any(p.degree for cell in here for v in cell.velocities for p in v):
         return None
+    zero = cells[0].velocities[0][0].field.zero
     pieces: list[tuple[Point, tuple[Velocity, ...]]] = [
         ((a[0], a[1]), cell.velocities) for cell in here for a, _ in directions(cell.region)
     ]

@@ -2,7 +2,8 @@
 
 ``prove(sense, polynomial, region)`` decides ``polynomial < 0``, ``<= 0``, ``> 0`` or ``>= 0`` on a closed region of the
 plane, bounded or not, with coefficients in the scene's field; with theta (any real), ``|theta|`` and
-``r = sqrt(x^2 + y^2)`` where the polynomial holds them.  Each simplicial part goes through the same ways in turn:
+``r = sqrt(x^2 + y^2)`` where the polynomial holds them.  Where a curve cuts the cell, rational points are tried first
+(:mod:`nonsmooth.proofs.inequalities.samples`), elsewhere last.  Each simplicial part goes through the same ways:
 
 1. non-negative coefficients in the generators, with a few bisections (extreme rays for a linear form);
 2. what is complete: real roots for two generators, principal minors for a quadratic form;
@@ -27,6 +28,7 @@ from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_q
 from nonsmooth.proofs.inequalities.cuts import zero_cut
 from nonsmooth.proofs.inequalities.forms import Problem
 from nonsmooth.proofs.inequalities.products import ProductEvidence, decide_product
+from nonsmooth.proofs.inequalities.samples import counterexample
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, Stuck, Violation, subdivide, verify
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -187,6 +189,9 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     claim = question.claim
     if question.fails_at(_origin(claim)):
         return _witness(question, _origin(claim))
+    refuting = counterexample(claim) if region.guards else None
+    if refuting is not None:
+        return _witness(question, refuting)
     evidence: list[Evidence] = []
     stuck: Undecided | None = None
     for part in build_parts(claim):
@@ -199,6 +204,8 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
             stuck = stuck or Undecided(question, tuple(part.point(g, claim) for g in found.generators))
         else:
             evidence.append(found)
+    if stuck is not None and not region.guards and (refuting := counterexample(claim)) is not None:
+        return _witness(question, refuting)
     return stuck or Proof(question, tuple(evidence))
 
 

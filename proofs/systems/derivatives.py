@@ -24,6 +24,7 @@ from typing import Any
 from nonsmooth.analysis.fields.switched_cells import LyapunovCell
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.inequalities.cells import Claim, build_parts
+from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, stratum_of
@@ -174,8 +175,9 @@ def _refutations(
 ) -> Iterator[Refutation]:
     for cell, outcome in zip(cells, definite, strict=True):
         zero = cell.potential.field.zero
-        if cell.region.contains((zero, zero)) and cell.potential((zero, zero)):
-            yield Refutation((zero, zero), cell.potential((zero, zero)), "V is not zero at the equilibrium")
+        at_origin = cell.potential.terms.get((0, 0), zero)
+        if at_origin and adherence(cell.region) is Adherence.YES:
+            yield Refutation((zero, zero), at_origin, "V is not zero at the equilibrium")
         if isinstance(outcome, Witness):
             yield Refutation(outcome.point, outcome.value, "V is not positive")
         elif isinstance(outcome, ZeroBetween):

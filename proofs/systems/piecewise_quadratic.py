@@ -11,8 +11,8 @@ longer fractions.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.region import cone_region
+from nonsmooth.analysis.partitions.region import Region, cone_region
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.symbolic.numbers.number import sign
@@ -43,17 +43,63 @@ class LinearCone:
 
 def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:
     """A proved V for a system of cones with linear fields; None where the search or the proof fails."""
-    if any(not p.is_homogeneous or (p and p.degree != 1) for cell in cells for v in cell.velocities for p in v):
+    return next((result for _, result in _proved_on_cones(cells)), None)
+
+
+def find_near(near: Sequence[FieldCell], domain: Sequence[FieldCell]) -> LyapunovResult | None:
+    """A V found for the linear parts of the cones at the origin and proved for the true fields of a domain.
+
+    Args:
+        near: the cells at the origin, cones (:func:`nonsmooth.proofs.systems.local_cells.conic_germ`).
+        domain: cells that cover a neighbourhood of the origin.
+    """
+    linear = linear_parts(near)
+    for pieces, _ in _proved_on_cones(linear) if linear is not None else ():
+        result = examine(restricted(pieces, domain))
+        if result.verdict is Decrease.STRICT:
+            return result
+    return None
+
+
+def linear_parts(cones: Sequence[FieldCell]) -> tuple[FieldCell, ...] | None:
+    """The cones with the linear parts of their fields; None where a field does not vanish at the origin."""
+    if any((0, 0) in part.terms for cell in cones for velocity in cell.velocities for part in velocity):
         return None
+    return tuple(
+        replace(cell, velocities=tuple((_linear(f), _linear(g)) for f, g in cell.velocities)) for cell in cones
+    )
+
+
+def _linear(polynomial: Polynomial) -> Polynomial:
+    return replace(polynomial, terms={e: c for e, c in polynomial.terms.items() if sum(e) == 1})
+
+
+def restricted(pieces: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> tuple[LyapunovCell, ...]:
+    """The cells of a domain cut along the cones of a V, with its pieces."""
+    found: list[LyapunovCell] = []
+    for cell in cells:
+        for piece in pieces:
+            region: Region | None = cell.region
+            for side in piece.region.sides:
+                region = region.clipped(side) if region is not None else None
+            if region is not None:
+                found.append(LyapunovCell(region, cell.velocities, piece.potential))
+    return tuple(found)
+
+
+def _proved_on_cones(cells: Sequence[FieldCell]) -> Iterator[tuple[tuple[LyapunovCell, ...], LyapunovResult]]:
+    """Each V that is proved on the cones themselves, with the proof."""
+    if any(not p.is_homogeneous or (p and p.degree != 1) for cell in cells for v in cell.velocities for p in v):
+        return
     for halvings in HALVINGS:
         rays, cones = linear_cones(cells, halvings)
         proposal = solve_piecewise_quadratic(rays, cones)
         for denominator in DENOMINATORS if proposal is not None else ():
             on_rays, mixed = ([Fraction(x).limit_denominator(denominator) for x in part] for part in proposal or ())
-            result = examine(build_potential(rays, cones, on_rays, mixed))
+            pieces = build_potential(rays, cones, on_rays, mixed)
+            result = examine(pieces)
             if result.verdict is Decrease.STRICT:
-                return result
-    return None
+                yield pieces, result
 
 
 def linear_cones(cells: Sequence[FieldCell], halvings: int) -> tuple[list[Point], list[LinearCone]]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -163,3 +164,79 @@ def test_bad_output_is_refused_before_the_work(invoke: Invoke, monkeypatch: pyte
     outcome = invoke(*arguments)
     assert outcome.status == BAD_INPUT
     assert outcome.err.startswith(f"nonsmooth: {message}")
+
+
+# ---- what proves a verdict is shown ---------------------------------------------------------------
+
+
+def value_of(text: str, x: float, y: float) -> float:
+    """A polynomial of a record at a point; its text is this program's own."""
+    return float(eval(text, {"__builtins__": {}}, {"x": x, "y": y}))  # noqa: S307 - text of the record under test
+
+
+def shown_potential(record: dict[str, Any], x: float, y: float) -> float:
+    """V of a record at a point, by the cone that holds it."""
+    for piece in record["lyapunov"]["pieces"]:
+        cone = piece["cone"]
+        if cone is None:
+            return value_of(piece["V"], x, y)
+        (a, b), (c, d) = cone["from"], cone["to"]
+        if a * y - b * x >= 0 and x * d - y * c >= 0:
+            return value_of(piece["V"], x, y)
+    raise AssertionError("required pieces all around")
+
+
+def flower_field(x: float, y: float) -> tuple[float, float]:
+    """Johansson and Rantzer 1998."""
+    a, b, c, d = (-0.1, 1, -5, -0.1) if abs(x) >= abs(y) else (-0.1, 5, -1, -0.1)
+    return a * x + b * y, c * x + d * y
+
+
+def test_the_flower_shows_the_function_that_proves_it(invoke: Invoke) -> None:
+    """The V of the record is positive, continuous and falls along the field, at points off its rays."""
+    record = invoke("check", "flower", "--json").record
+    found = record["lyapunov"]
+    assert found["proves"]
+    assert found["verdict"] == "strict"
+    assert found["domain"]["kind"] == "plane"
+    assert found["tried"]["V"] == "x**2 + y**2"
+    assert found["tried"]["verdict"] == "refuted"
+    for k in range(400):
+        angle = 2 * math.pi * (k + 0.37) / 400
+        x, y = math.cos(angle), math.sin(angle)
+        f, g = flower_field(x, y)
+        here, ahead = shown_potential(record, x, y), shown_potential(record, x + 1e-7 * f, y + 1e-7 * g)
+        assert here > 0
+        assert ahead < here
+
+
+def test_nothing_is_proved_by_nothing(invoke: Invoke, tmp_path: Path) -> None:
+    scene = tmp_path / "my.toml"
+    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y + x**3", "-x + y**3"]\n')
+    shown = invoke("check", str(scene)).out
+    assert "undecided" in shown
+    assert "(nothing)" not in shown
+    record = invoke("check", str(scene), "--json").record
+    assert not record["lyapunov"]["proves"]
+    assert record["lyapunov"]["domain"]["radius"] == 0.5
+
+
+def test_a_refuted_function_is_not_the_reason(invoke: Invoke) -> None:
+    """``x**2 + y**2`` is tried and refuted on the flower; the V that decreases is another one."""
+    words = " ".join(invoke("check", "flower").out.replace("│", " ").split())
+    assert "tried: V = x**2 + y**2 the derivative of V is positive" in words
+    reason = words[words.index("because") :]
+    assert "V = x**2 + y**2" not in reason
+    assert "V = 5/6" in reason or "from ray" in reason
+    assert "the plane" in reason
+
+
+def test_the_smaller_domain_of_a_function_is_named(invoke: Invoke, tmp_path: Path) -> None:
+    """V' = -2 x^2 (1 - x) - 2 y^2 is positive at (2, 0), and negative on a smaller square."""
+    scene = tmp_path / "my.toml"
+    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["-x + x**2", "-y"]\n[check]\nradius = 2\n')
+    record = invoke("check", str(scene), "--json").record
+    assert record["lyapunov"]["V"] == "x**2 + y**2"
+    assert record["lyapunov"]["domain"]["exact"]["radius"] == "1/8"
+    assert record["lyapunov"]["tried"]["verdict"] == "refuted"
+    assert "abs(x), abs(y) <= 1/8" in " ".join(invoke("check", str(scene)).out.replace("│", " ").split())

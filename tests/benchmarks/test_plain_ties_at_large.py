@@ -1,0 +1,60 @@
+"""Adversarial ties of plain systems at large: counts of verdicts, and no contradiction with the oracle."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.proofs.systems.local_cells import decide_equilibrium
+from nonsmooth.proofs.systems.system_stability import plane_cells, system_check
+from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.symbolic.files.system_file import load_system
+from tests.proofs.plain_agreement import contradictions
+from tests.proofs.plain_ties import Oracle, random_tie
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.system import SystemScene
+    from tests.benchmarks.conftest import Stopwatch
+
+pytestmark = pytest.mark.benchmark
+
+EQUILIBRIA, VERDICTS = 5_000, 300
+FIRST = 10_000  # seeds apart from those of the tests
+
+
+def load(folder: Path, seed: int) -> SystemScene:
+    first, second = random_tie(seed).rhs
+    file = folder / "tie.toml"
+    file.write_text(f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n', encoding="utf-8")
+    return load_system(file)
+
+
+def test_equilibria_of_ties(tmp_path: Path, stopwatch: Stopwatch) -> None:
+    seen: Counter[str] = Counter()
+    wrong = []
+    for seed in range(FIRST, FIRST + EQUILIBRIA):
+        found = decide_equilibrium(plane_cells(load(tmp_path, seed)))
+        seen[str(found)] += 1
+        if (found is Equilibrium.HOLDS) != Oracle(random_tie(seed)).rests_at_origin():
+            wrong.append(seed)
+    stopwatch.report(f"{EQUILIBRIA} equilibria of tied systems: {dict(seen)}, contradictions {len(wrong)}")
+    assert wrong == []
+    assert not seen[str(Equilibrium.UNDECIDED)]
+
+
+def test_verdicts_on_ties(tmp_path: Path, stopwatch: Stopwatch) -> None:
+    seen: Counter[str] = Counter()
+    against = {}
+    for seed in range(FIRST, FIRST + VERDICTS):
+        result = system_check(load(tmp_path, seed))
+        seen[str(result.verdict)] += 1
+        found = contradictions(result, Oracle(random_tie(seed)))
+        if found or not result.check():
+            against[seed] = found
+    share = seen["undecided"] / VERDICTS
+    counts = f"{VERDICTS} tied systems: {dict(seen)} ({share:.0%} undecided), contradictions {len(against)}"
+    stopwatch.report(counts)
+    assert against == {}
