@@ -83,8 +83,7 @@ class FeedbackResult:
             return None
         if self.cascade is not None:
             return str(self.cascade)
-        (e, f), w = self.lyapunov.shape, self.lyapunov.weight
-        return LAW if self.lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
+        return gradient_text(self.lyapunov)
 
     @property
     def has_lyapunov(self) -> bool:
@@ -132,6 +131,12 @@ class FeedbackResult:
         genuine = all(data == build_input_cell(data.cell, data.state) for data in self.cells)
         local = frozenset(data.cell.index for data in self.cells if is_local(data.cell))
         return about_it and genuine and self.region.check(self.cells, local)
+
+
+def gradient_text(lyapunov: ControlLyapunov) -> str:
+    """The law ``u = -k (a, b)`` by V, under exact kinematics."""
+    (e, f), w = lyapunov.shape, lyapunov.weight
+    return LAW if lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:

@@ -1,4 +1,4 @@
-"""A trajectory as a picture: x, y and theta over time (the paper's Figures 4 and 5), and the path over the cells."""
+"""A trajectory as a picture: x, y and theta over time, and the path over the cells."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ SAMPLES = 400  # times at which the curves are drawn
 MOST_MARKS = 200  # events that are marked: accumulating switches would cover the curve
 
 
-def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
+def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
+    """The picture as the bytes of a file; ``suffix`` as for the cell map, ``law`` names that of a closed loop."""
     require_drawable(partition)
-    return figure_bytes(lambda: build_figure(partition, trajectory), suffix)
+    return figure_bytes(lambda: build_figure(partition, trajectory, law), suffix)
 
 
-def build_figure(partition: Partition, trajectory: Trajectory) -> Figure:
+def build_figure(partition: Partition, trajectory: Trajectory, law: str = "") -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
@@ -50,6 +50,7 @@ def build_figure(partition: Partition, trajectory: Trajectory) -> Figure:
     _draw_path(figure.add_subplot(grid[:, 1]), partition, trajectory)
     name = one_line(partition.scene.name)
     title = f"{name}: rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
+    title = f"{title}\n{law}" if law else title
     figure.suptitle(title, fontsize="medium", parse_math=False)
     explain(figure, trajectory)
     return figure
