@@ -39,9 +39,9 @@ from nonsmooth.proofs.clauses.level_region import DIGITS, NEXT_BELOW, ball_of, f
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import dot, turned
 
-_STEPS = 60  # proposals for x_0 and for q
-_TOP = 500  # of x_0, in thousandths
-_WEIGHTS = (-3.0, 2.0)  # decimal exponents of q
+_STEPS = 80  # proposals for x_0 and for q
+_TOPS = (-4.0, -0.3)  # decimal exponents of x_0
+_WEIGHTS = (-5.0, 2.0)  # decimal exponents of q
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -164,6 +164,8 @@ def build_turn(cascade: CascadeLaw) -> Turn | None:
     constants = [arb(0)]
     for (_, end), (start, _) in pairwise(ranges):
         constants.append(constants[-1] + _chi(end, mean) - _chi(start, mean))
+    middle = (max(float(k.mid()) for k in constants) + min(float(k.mid()) for k in constants)) / 2
+    constants = [constant - middle for constant in constants]  # chi is free up to one constant
     largest = _largest([abs(z) for pair in ranges for z in pair])
     shift = _largest([abs(constant) for constant in constants])
     borders = [abs(k + _chi(z, mean)) for k, pair in zip(constants, ranges, strict=True) for z in pair]
@@ -189,7 +191,7 @@ def build_turn_region(
 
 def _proposals(turn: Turn) -> Iterator[tuple[Fraction, Fraction]]:
     """Pairs (x_0, q) that verify, those of the largest range of c times that of theta first."""
-    tops = [Fraction(_TOP * k // _STEPS, 1000) for k in range(1, _STEPS)]
+    tops = [Fraction(f"{top:.2g}") for top in np.logspace(*_TOPS, _STEPS)]
     weights = [Fraction(f"{weight:.2g}") for weight in np.logspace(*_WEIGHTS, _STEPS)]
     good = [(top, weight) for top in tops for weight in weights if turn.decreases(top, weight)]
     yield from sorted(good, key=lambda pair: -float(turn.level(pair[0]).mid()) / float(pair[1]) ** 0.5)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.choices import Law, Method
@@ -40,7 +40,10 @@ class _Path:
 def closed_loop_section(subject: Subject) -> Section:
     """Where the certified law leads from four sides, and one of the paths."""
     loop, until = _loop(subject), _time(subject)
-    paths = [_from(subject, loop, start, until) for start in _quarters(subject)]
+    try:
+        paths = [_from(subject, loop, start, until) for start in _quarters(subject)]
+    except TrajectoryError as error:
+        return Section("With feedback", (paragraph("A path could not be followed to its end: {}.", str(error)),))
     if any(path.leaves for path in paths):  # only where no region is known
         none = "Even from starts of 1e-6 of the square the path first leaves it, so none is drawn."
         return Section("With feedback", (paragraph(none),))

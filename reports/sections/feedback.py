@@ -151,7 +151,8 @@ def region_blocks(feedback: FeedbackResult) -> list[Block]:
     level = lower_text(region.level, 4)
     if isinstance(region, LevelRegion):
         inside = Math(f"V < {decimal_latex(level)}", f"V < {level}")
-        return [paragraph("Certified region: V falls along every solution from a start with {}.", inside)]
+        words = "Certified region: V falls along every solution from a start with {}, and the body comes home."
+        return [paragraph(words, inside)]
     weight, top, length = (f"{float(value):.6g}" for value in (region.weight, region.top, region.length))
     function = display(
         rf"W = \left(\frac{{r}}{{l}} + \frac{{r^2}}{{l^2}} \chi\right)^2 + {decimal_latex(weight)}\, \Theta^2, \qquad"
@@ -162,8 +163,8 @@ def region_blocks(feedback: FeedbackResult) -> list[Block]:
         rf"W < {decimal_latex(level)},\ r < {decimal_latex(top)}\, l,\ l = {decimal_latex(length)}",
         f"W < {level}, r < {top} l, l = {length}",
     )
-    words = "Certified region: W falls along every solution from a start with {}. Here m is the mean of {} over a turn."
-    return [paragraph(words, inside, Math("z^2", "z^2")), function]
+    words = "Certified region: W falls along every solution from a start with {}, and the body comes home. Here m is "
+    return [paragraph(words + "the mean of {} over a turn.", inside, Math("z^2", "z^2")), function]
 
 
 def _law_reasons(feedback: FeedbackResult) -> list[Block]:
