@@ -30,6 +30,8 @@ MARKERS = {  # a form for every kind, so that color is not needed to tell them a
 }
 LABELS = ("x [length]", "y [length]", "theta [rad]")
 SAMPLES = 400  # times at which the curves are drawn
+SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged
+MARGIN = 1.3  # half-width of the enlarged view in units of the path's extent
 MOST_MARKS = 200  # events that are marked: accumulating switches would cover the curve
 
 
@@ -86,6 +88,16 @@ def _draw_path(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
     draw_cells(axes, partition)
     draw_path(axes, trajectory)
     axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+    _enlarge(axes, partition, trajectory)
+
+
+def _enlarge(axes: Axes, partition: Partition, trajectory: Trajectory) -> None:
+    """Show the surroundings of a path that would be a dot in the square; the axes' numbers tell."""
+    centre = np.array([float(x) for x in partition.scene.check.equilibrium])
+    extent = float(np.abs(trajectory.array[:, :2] - centre).max())
+    if 0 < extent < SMALL * float(partition.scene.check.radius):
+        half = MARGIN * extent
+        axes.set(xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half))
 
 
 def draw_cells(axes: Axes, partition: Partition) -> None:
