@@ -41,6 +41,7 @@ from nonsmooth.symbolic.rule import Rule
 GAIN = 1.0
 # A rise of V that may be the integrator's own, relative to V at the start: steps err by 1e-12, events by rounding.
 RISE_SLACK = 1e-7
+ROUNDING = 1e-16  # of V at the equilibrium, relative to the level of the region
 PAPER_LAW = "u_i = |u_j| + k |c|, u_j = {}k theta"
 _PAPER_LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law}
 
@@ -149,22 +150,26 @@ class FeedbackLoop:
     def refuse_contradiction(self, path: Trajectory, centre: tuple[float, float] = (0.0, 0.0)) -> None:
         """Compare a path with what is certified about its start; ``centre`` is the checked point in its coordinates.
 
+        Where the law takes theta first and no region is known, theta decays from every start.
+
         Raises:
-            ContradictionError: where V rises along the path, or the body leaves the checked square.
+            ContradictionError: where V (or theta) rises along the path, or the body leaves the checked square.
         """
         region = self.region
         poses = [_centred(state, centre) for state in path.states]
-        if region is None or not region.contains(poses[0]):
+        if not self.is_certified or (region is not None and not region.contains(poses[0])):
             return
-        values = np.array([region.value(pose) for pose in poses])
-        rises = values - np.minimum.accumulate(values)
-        left = path.end.reason is EndReason.OUTSIDE
-        if left or rises.max() > RISE_SLACK * values[0]:
-            seen = "leaves the checked square" if left else f"lets V rise by {rises.max():.3g} from {values[0]:.3g}"
+        values = np.array([pose[2] ** 2 if region is None else region.value(pose) for pose in poses])
+        rise = float((values - np.minimum.accumulate(values)).max())
+        left = region is not None and path.end.reason is EndReason.OUTSIDE
+        if left or rise > RISE_SLACK * values[0] + ROUNDING * (1.0 if region is None else float(region.level)):
+            falling = "theta^2" if region is None else "V"
+            seen = "leaves the checked square" if left else f"lets {falling} rise by {rise:.3g} from {values[0]:.3g}"
             start = ", ".join(f"{float(value):.6g}" for value in path.states[0])
+            where = "" if region is None else f" where {region}"
             raise ContradictionError(
                 f"{self.partition.scene.name}: the path from ({start}) {seen}, although the feedback clause certifies "
-                f"the {self.law} law where {region}: please report this"
+                f"the {self.law} law{where}: please report this"
             )
 
 

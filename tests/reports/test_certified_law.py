@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -24,6 +25,7 @@ from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
+    from tests.conftest import Arrays
     from tests.reports.conftest import Invoke
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -230,6 +232,15 @@ def test_only_the_papers_array_is_compared_with_its_figures() -> None:
         captions = [plain(block.caption) for section in whole(report) for block in section.blocks
                     if isinstance(block, Figure)]  # fmt: skip
         assert any(re.search(r"Figure \d", caption) for caption in captions) == its_own
+
+
+def test_a_side_row_away_from_the_point_does_not_stop_the_certified_law(arrays: Arrays) -> None:
+    """Another cell of the square leaves one input; the law is certified by the cells at the point."""
+    scene = arrays.cocircular(181, (1, Fraction(1, 2))).recentred()
+    report = derive_report(scene, Invocation("test"))
+    assert report.result.feedback.law is not None
+    loop = find(report.document.sections, "With feedback")
+    assert "certified by the feedback clause" in plain_text(loop)
 
 
 # ---- the checked point is the origin of the law --------------------------------------------------
