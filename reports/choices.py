@@ -22,8 +22,9 @@ class RuleOrAll(StrEnum):
 
 
 class Law(StrEnum):
-    """A feedback law of rule ``nearest``."""
+    """A feedback law of rule ``nearest``; ``certified`` stands for the one that the feedback clause certifies."""
 
+    CERTIFIED = "certified"
     CORRECTED = "corrected"
     PRINTED = "printed"
     GRADIENT = "gradient"

@@ -30,6 +30,10 @@ class RefusedError(Exception):
     """A scene that can be read but not checked; ``str(error)`` is one line."""
 
 
+class ContradictionError(RuntimeError):
+    """A verdict and a path of this program that contradict each other: a fault, on one line."""
+
+
 def prepare_streams() -> None:
     """Let a closed pipe end the program quietly, and print what the terminal's encoding cannot hold as ``?``."""
     if hasattr(signal, "SIGPIPE"):
@@ -54,6 +58,9 @@ def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
     except OSError as error:
         _drop_output()
         return _refuse(f"standard output: required a stream that can be written, received the error {error.strerror!r}")
+    except ContradictionError as error:
+        print(f"{PROGRAM}: {one_line(str(error))}", file=sys.stderr)
+        return FAULT
     except Exception:
         traceback.print_exc()
         return FAULT

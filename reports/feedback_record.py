@@ -11,6 +11,7 @@ from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.clauses.input_ranks import input_ranks
+from nonsmooth.proofs.clauses.level_region import LevelRegion
 from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, Check
 from nonsmooth.reports.exact_record import Record, floats, with_exact, witness_record
 from nonsmooth.symbolic.formulas import real_text
@@ -28,6 +29,7 @@ def feedback_record(result: Check) -> Record:
         "law": feedback.law,
         **_rate_record(feedback, result.scene),
         "lyapunov": _control_lyapunov_record(feedback, result.scene),
+        "region": _region_record(feedback),
         "none_serves": feedback.none_serves if isinstance(feedback, FeedbackResult) else None,
         "margin": _margin_record(feedback),
         "ranks": _ranks_record(result),
@@ -81,6 +83,15 @@ def _control_lyapunov_record(feedback: AnyFeedback, scene: Scene) -> Record | No
     (e, f), w = lyapunov.shape, lyapunov.weight
     field = scene.field
     return with_exact({"P": ((field(1 + e), field(f)), (field(f), field(1 - e))), "w": field(w)})
+
+
+def _region_record(feedback: AnyFeedback) -> Record | None:
+    """The starts from which the law of rule ``nearest`` is certified to bring the body home, where these are known."""
+    region = feedback.region if isinstance(feedback, FeedbackResult) else None
+    if region is None:
+        return None
+    level = {"level": float(region.level), "exact": {"level": str(region.level)}}
+    return {"text": str(region), "function": "V" if isinstance(region, LevelRegion) else "W", **level}
 
 
 def _cascade_record(feedback: AnyFeedback) -> Record | None:

@@ -34,6 +34,7 @@ _NOTATION = {
     "V = x^2 + y^2 + theta^2": r"V = x^2 + y^2 + \theta^2",
     "|c|^2": r"\lvert c \rvert^2",
     "F(c*)": "F(c^*)",
+    "c*": "c^*",
     "p_i": "p_i",
     "d_i": "d_i",
     "u_i": "u_i",

@@ -9,31 +9,20 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
-from nonsmooth.analysis.fields.feedback_laws import (
-    cascade_law,
-    corrected_law,
-    gradient_law,
-    printed_law,
-    tangential_law,
-)
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-trajectory/1"
-GAIN = 1.0
 SHOWN = 12  # events listed on a terminal
 POSE = ("x", "y", "theta")
-
-LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law}
 
 
 @dataclass(frozen=True)
@@ -45,7 +34,7 @@ class Run:
         until: last time.
         kinematics: exact pose or leading order.
         method: see :class:`Method`.
-        law: feedback law; None for the scene's own speeds.
+        law: feedback law, ``certified`` for that of the feedback clause; None for the scene's own speeds.
         width: of the hysteresis or of the smoothing.
     """
 
@@ -57,42 +46,38 @@ class Run:
     width: float
 
 
-def follow(partition: Partition, run: Run) -> Trajectory:
-    """Simulate.
+def loop_of(partition: Partition, run: Run, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
+    """The closed loop that a run asks for; None for the scene's own speeds.
+
+    Args:
+        partition: the cells.
+        run: what to simulate.
+        feedback: the verdict on the centred partition, where it is known already.
+
+    Raises:
+        ValueError: where no such law applies.
+    """
+    return None if run.law is None else build_loop(partition, run.law, run.kinematics, feedback)
+
+
+def follow(partition: Partition, run: Run, loop: FeedbackLoop | None = None) -> Trajectory:
+    """Simulate; a path by events is compared with what is certified about its start.
 
     Raises:
         ValueError: for a start outside the square, or a law without control fields.
+        ContradictionError: for a closed-loop path that contradicts the verdict about its law.
     """
-    field: Any = array_field(partition, run.kinematics)
-    if run.law is not None:
-        if partition.rule is not Rule.NEAREST:
-            raise ValueError(f"--feedback: required rule nearest, received {partition.rule}")
-        field = feedback_field(partition, _speeds(partition, run.law), run.kinematics)
+    field: Any = array_field(partition, run.kinematics) if loop is None else loop.field(partition)
     if run.method is Method.EVENTS:
-        return simulate(field, run.start, run.until)
+        path = simulate(field, run.start, run.until)
+        if loop is not None:
+            x, y = (float(value) for value in partition.scene.check.equilibrium)
+            loop.refuse_contradiction(path, (x, y))
+        return path
     from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 
     compared = simulate_hysteresis if run.method is Method.HYSTERESIS else simulate_smoothed
     return compared(field, run.start, run.until, run.width)
-
-
-def _speeds(partition: Partition, law: Law) -> SpeedLaw:
-    """The law in every cell; the gradient law is that of ``check``, with the V found there, and so is the cascade."""
-    if law in LAWS:
-        return LAWS[law](GAIN)
-    from nonsmooth.proofs.clauses.cascade_law import Descent, find_cascade
-    from nonsmooth.proofs.clauses.cones import build_fan
-    from nonsmooth.proofs.clauses.feedback import decide_feedback
-
-    if law is Law.CASCADE:
-        cascade = find_cascade(build_fan(partition))
-        if cascade is None:
-            raise ValueError("--law cascade: required an array with a law that takes theta first, received one without")
-        if cascade.descent is Descent.SLOW_TURNS:
-            return tangential_law(GAIN, float(partition.scene.check.radius))
-        return cascade_law(GAIN, {wheel.index: s for wheel, s in zip(cascade.wheels, cascade.signs, strict=True)})
-    lyapunov = decide_feedback(partition).lyapunov
-    return gradient_law(GAIN, (float(lyapunov.shape[0]), float(lyapunov.shape[1])), float(lyapunov.weight))
 
 
 @dataclass(frozen=True)
@@ -102,11 +87,17 @@ class ShownTrajectory:
     partition: Partition
     run: Run
     trajectory: Trajectory
+    loop: FeedbackLoop | None = None
 
     def record(self) -> dict[str, Any]:
         """The record of the trajectory, with the scene and the law."""
-        law = None if self.run.law is None else str(self.run.law)
-        return {"schema": SCHEMA, "scene": self.partition.scene.name, "feedback": law, **self.trajectory.record()}
+        return {
+            "schema": SCHEMA,
+            "scene": self.partition.scene.name,
+            "feedback": None if self.loop is None else str(self.loop.law),
+            "law": None if self.loop is None else law_record(self.loop, self._starts_inside),
+            **self.trajectory.record(),
+        }
 
     def lines(self) -> Iterable[Iterable[Any]]:
         """Time and pose of every sample."""
@@ -116,16 +107,52 @@ class ShownTrajectory:
         """The pose over time and the path over the cells."""
         from nonsmooth.reports.figures.trajectory import trajectory_figure
 
-        return trajectory_figure(self.partition, self.trajectory, suffix)
+        return trajectory_figure(self.partition, self.trajectory, suffix, "" if self.loop is None else self.loop.title)
 
     def summary(self) -> str:
-        """How many events, and how it ends."""
-        return path_summary(self.trajectory)
+        """How many events, how it ends, and under which law."""
+        law = "" if self.loop is None else f"; {self.loop.title}"
+        return path_summary(self.trajectory) + law
 
     def view(self) -> RenderableType:
         """Events and end as a table."""
         name, path = one_line(self.partition.scene.name), self.trajectory
-        return events_view(f"{name}: {path.kinematics} kinematics, method {path.method}", path, POSE)
+        head = f"{name}: {path.kinematics} kinematics, method {path.method}"
+        law = () if self.loop is None else law_lines(self.loop, self._starts_inside)
+        return events_view("\n".join((head, *law)), path, POSE)
+
+    @property
+    def _starts_inside(self) -> bool | None:
+        """Whether the start lies in the certified region; None where there is none."""
+        if self.loop is None or self.loop.region is None:
+            return None
+        x, y, theta = self.run.start
+        centre = self.partition.scene.check.equilibrium
+        return self.loop.region.contains((x - float(centre[0]), y - float(centre[1]), theta))
+
+
+def law_record(loop: FeedbackLoop, starts_inside: bool | None) -> dict[str, Any]:
+    """The law of a closed loop, whether it is certified, and from where."""
+    return {
+        "name": str(loop.law),
+        "formula": loop.formula,
+        "gain": GAIN,
+        "certified": loop.is_certified,
+        "status": loop.status,
+        "region": None if loop.region is None else str(loop.region),
+        "starts_inside": starts_inside,
+    }
+
+
+def law_lines(loop: FeedbackLoop, starts_inside: bool | None) -> list[str]:
+    """The same for a terminal."""
+    lines = [f"feedback: {loop.title}, k = {GAIN:g}", loop.formula]
+    if not loop.is_certified:
+        return lines
+    if loop.region is None:
+        return [*lines, "certified near c*; how near is not known"]
+    where = "inside" if starts_inside else "outside"
+    return [*lines, f"certified region: {loop.region}; the start lies {where} it"]
 
 
 def sample_lines(trajectory: Trajectory, states: Sequence[str]) -> Iterable[Iterable[Any]]:

@@ -182,6 +182,9 @@ def _feedback_evidence(result: Check) -> list[str]:
         where = "near c*" if reach is None else f"where |c| <= {decimal_text(result.scene.field(reach), 3)}"
         lines.append(f"{where}: V' <= -{lower_text(2 * feedback.rate.kappa, 4)} k V (certified)")
         lines.append(f"V = {feedback.lyapunov}")
+    if isinstance(feedback, FeedbackResult) and feedback.law is not None:
+        where = "near c*; how near is not known" if feedback.region is None else str(feedback.region)
+        lines.append(f"certified region: {where}")
     if isinstance(feedback, FeedbackResult) and feedback.margin is not None:
         lines.append(str(feedback.margin))
     if isinstance(feedback, FeedbackResult) and feedback.printed_sign_fails:

@@ -150,16 +150,19 @@ def smooth_form(field: ConstantField) -> CellwiseField:
 def feedback_field(partition: Partition, law: Law, kinematics: Kinematics) -> CellwiseField:
     """An array under rule ``nearest`` whose wheel speeds follow a feedback law; in a tied cell the first state rules.
 
+    Leading-order kinematics are those of the checked point: the twist's velocity is taken there.
+
     Raises:
         ValueError: for a contact state of more than three rows (rule ``box``), which has no control fields.
     """
     cells = partition.complex.floats()
-    members = tuple(_controlled(cell, law, kinematics) for cell in partition.cells)
+    x, y = (float(value) for value in partition.scene.check.equilibrium)
+    members = tuple(_controlled(cell, law, kinematics, (x, y)) for cell in partition.cells)
     tied = frozenset(m.name for m, cell in zip(members, partition.cells, strict=True) if len(cell.states) > 1)
     return CellwiseField(cells, members, kinematics.value, tied)
 
 
-def _controlled(cell: Cell, law: Law, kinematics: Kinematics) -> Member:
+def _controlled(cell: Cell, law: Law, kinematics: Kinematics, centre: tuple[float, float]) -> Member:
     state = cell.states[0]
     columns = {wheel: np.array([float(x) for x in field]) for wheel, field in state.control_fields.items()}
     speeds = law(state)
@@ -168,8 +171,8 @@ def _controlled(cell: Cell, law: Law, kinematics: Kinematics) -> Member:
     def velocity(t: float, x: Vector) -> Vector:
         given = speeds(x)
         twist: Vector = sum((given[wheel] * column for wheel, column in columns.items()), np.zeros(3))
-        if turning:
-            twist[:2] += twist[2] * np.array([-x[1], x[0]])
+        x_of, y_of = x[:2] if turning else centre
+        twist[:2] += twist[2] * np.array([-y_of, x_of])
         return twist
 
     return Member(f"cell {cell.index}", velocity)

@@ -112,10 +112,12 @@ def tangential_law(gain: float, length: float) -> Law:
 
 
 def _imposed(state: ContactState, twist: Callable[[Vector, float], Vector]) -> Speeds:
-    """The speeds at which the two wheels that act impose a twist which the nearest wheel's side row allows."""
-    if state.rows[2].kind is not RowKind.ROLL:
-        raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
-    rows = {row.wheel.index: _floats(row.unit_normal) for row in (state.rows[0], state.rows[2])}
+    """The speeds at which the wheels that act impose a twist which the nearest wheel's side row allows.
+
+    With a side row in third place, as it may be away from the equilibrium, the nearest wheel alone does its part.
+    """
+    acting = [row for row in (state.rows[0], state.rows[2]) if row.kind is RowKind.ROLL]
+    rows = {row.wheel.index: _floats(row.unit_normal) for row in acting}
 
     def speeds(pose: Vector) -> Mapping[int, float]:
         wanted = twist(np.asarray(pose[:2], dtype=float), float(pose[2]))

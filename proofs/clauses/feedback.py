@@ -20,13 +20,15 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, find_cascade
+from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
+from nonsmooth.proofs.clauses.level_region import LevelRegion, build_level_region
 from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.turn_region import TurnRegion, build_turn_region
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
@@ -57,6 +59,8 @@ class FeedbackResult:
             certificate): then no static feedback stabilizes.
         cascade: the law that takes theta first, where no quadratic V serves.
         margin: how far the contact state may be in doubt (stabilizable).
+        region: starts from which the law brings the body home, under exact kinematics (stabilizable); None where
+            that is only known of starts near the equilibrium.
     """
 
     verdict: Feedback
@@ -70,6 +74,7 @@ class FeedbackResult:
     margin: InputMargin | None = None
     obstruction: Triple | None = None
     cascade: CascadeLaw | None = None
+    region: LevelRegion | TurnRegion | None = None
 
     @property
     def law(self) -> str | None:
@@ -78,8 +83,7 @@ class FeedbackResult:
             return None
         if self.cascade is not None:
             return str(self.cascade)
-        (e, f), w = self.lyapunov.shape, self.lyapunov.weight
-        return LAW if self.lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
+        return gradient_text(self.lyapunov)
 
     @property
     def has_lyapunov(self) -> bool:
@@ -97,6 +101,8 @@ class FeedbackResult:
             return True
         local = [data for data in self.cells if is_local(data.cell)]
         genuine = bool(local) and all(data == build_input_cell(data.cell, data.state) for data in local)
+        if self.verdict is Feedback.STABILIZABLE and not self._region_holds():
+            return False
         if self.verdict is Feedback.STABILIZABLE and self.cascade is not None:
             about_it = genuine and {data.nearest for data in local} == set(self.cascade.wheels)
             if not about_it or any(data.lever is None for data in local):
@@ -112,6 +118,25 @@ class FeedbackResult:
             return False
         obstructed = self.obstruction is None or self.obstruction == _obstruction(local)
         return obstructed and (not self.none_serves or not shape_regions([data.demand for data in local]))
+
+    def _region_holds(self) -> bool:
+        """Whether the region, if there is one, is about this law and verifies on these cells."""
+        if self.region is None:
+            return True
+        if isinstance(self.region, LevelRegion):
+            about_it = self.cascade is None and self.region.lyapunov == self.lyapunov
+        else:
+            slow = self.cascade is not None and self.cascade.descent is Descent.SLOW_TURNS
+            about_it = slow and self.region.cascade == self.cascade
+        genuine = all(data == build_input_cell(data.cell, data.state) for data in self.cells)
+        local = frozenset(data.cell.index for data in self.cells if is_local(data.cell))
+        return about_it and genuine and self.region.check(self.cells, local)
+
+
+def gradient_text(lyapunov: ControlLyapunov) -> str:
+    """The law ``u = -k (a, b)`` by V, under exact kinematics."""
+    (e, f), w = lyapunov.shape, lyapunov.weight
+    return LAW if lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
@@ -135,7 +160,9 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
             return _shaped(partition, cells, local, data, stall)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
     margin = build_margin(build_fan(partition), SQUARES)
-    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, certified_rate(partition), margin=margin)
+    region = build_level_region(cells, local, partition.scene.check.radius, SQUARES)
+    rate = certified_rate(partition)
+    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, margin=margin, region=region)
 
 
 def _shaped(
@@ -154,7 +181,10 @@ def _shaped(
             f"while c . d_i vanishes in cell {data.cell.index}"
         )
         margin = build_margin(build_fan(partition), lyapunov)
-        return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin)
+        region = build_level_region(cells, local, partition.scene.check.radius, lyapunov)
+        return FeedbackResult(
+            Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin, region=region
+        )
     return _cascaded(partition, cells, local, data, stall)
 
 
@@ -167,8 +197,17 @@ def _cascaded(
     if cascade is not None:
         none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"
         reason = f"{none} (c . d_i vanishes in cell {data.cell.index}), but {cascade.descent.reason}"
+        slow = cascade.descent is Descent.SLOW_TURNS
+        region = build_turn_region(cascade, cells, local, partition.scene.check.radius) if slow else None
         return FeedbackResult(
-            Feedback.STABILIZABLE, cells, local, None, reason, none_serves=none_serves, cascade=cascade
+            Feedback.STABILIZABLE,
+            cells,
+            local,
+            None,
+            reason,
+            none_serves=none_serves,
+            cascade=cascade,
+            region=region,
         )
     theta = dot(stall, turned(data.nearest.position))
     witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")

@@ -58,15 +58,18 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     width: Annotated[
         float, typer.Option("--width", help="Width of --method hysteresis or smoothed, in units of the state.")
     ] = 1e-3,
-    feedback: Annotated[bool, typer.Option("--feedback", help="Close the loop with gain 1 (rule nearest).")] = False,
+    feedback: Annotated[
+        bool,
+        typer.Option("--feedback", help="Close the loop with gain 1 by the law that check certifies (rule nearest)."),
+    ] = False,
     law: Annotated[
         Law,
         typer.Option(
             "--law",
-            help="Feedback law, with --feedback; printed is the paper's, cascade takes theta first "
-            "(tangential rims: its length l is the checked radius).",
+            help="Another feedback law, with --feedback, certified or not: printed is the paper's, cascade takes theta "
+            "first (tangential rims: its length l is the checked radius).",
         ),
-    ] = Law.CORRECTED,
+    ] = Law.CERTIFIED,
     mass: Annotated[
         float | None,
         typer.Option("--mass", metavar="M", help="With --method dynamics: mass per weight, 1/g; 0.1 unless given."),
@@ -143,10 +146,11 @@ def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
     with refusals_named(loaded):
         partition = build_partition(loaded)
     try:
-        trajectory = views.follow(partition, run)
+        loop = views.loop_of(partition, run)
+        trajectory = views.follow(partition, run, loop)
     except (ValueError, TrajectoryError) as error:
         raise RefusedError(_outside(loaded, run.start) or f"{loaded.origin}: {error}") from None
-    show(views.ShownTrajectory(partition, run, trajectory), path, json=json)
+    show(views.ShownTrajectory(partition, run, trajectory, loop), path, json=json)
     return 0
 
 

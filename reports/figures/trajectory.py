@@ -1,4 +1,4 @@
-"""A trajectory as a picture: x, y and theta over time (the paper's Figures 4 and 5), and the path over the cells."""
+"""A trajectory as a picture: x, y and theta over time, and the path over the cells."""
 
 from __future__ import annotations
 
@@ -30,16 +30,18 @@ MARKERS = {  # a form for every kind, so that color is not needed to tell them a
 }
 LABELS = ("x [length]", "y [length]", "theta [rad]")
 SAMPLES = 400  # times at which the curves are drawn
+SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged
+MARGIN = 1.3  # half-width of the enlarged view in units of the path's extent
 MOST_MARKS = 200  # events that are marked: accumulating switches would cover the curve
 
 
-def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
+def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
+    """The picture as the bytes of a file; ``suffix`` as for the cell map, ``law`` names that of a closed loop."""
     require_drawable(partition)
-    return figure_bytes(lambda: build_figure(partition, trajectory), suffix)
+    return figure_bytes(lambda: build_figure(partition, trajectory, law), suffix)
 
 
-def build_figure(partition: Partition, trajectory: Trajectory) -> Figure:
+def build_figure(partition: Partition, trajectory: Trajectory, law: str = "") -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
@@ -50,6 +52,7 @@ def build_figure(partition: Partition, trajectory: Trajectory) -> Figure:
     _draw_path(figure.add_subplot(grid[:, 1]), partition, trajectory)
     name = one_line(partition.scene.name)
     title = f"{name}: rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
+    title = f"{title}\n{law}" if law else title
     figure.suptitle(title, fontsize="medium", parse_math=False)
     explain(figure, trajectory)
     return figure
@@ -85,6 +88,16 @@ def _draw_path(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
     draw_cells(axes, partition)
     draw_path(axes, trajectory)
     axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+    _enlarge(axes, partition, trajectory)
+
+
+def _enlarge(axes: Axes, partition: Partition, trajectory: Trajectory) -> None:
+    """Show the surroundings of a path that would be a dot in the square; the axes' numbers tell."""
+    centre = np.array([float(x) for x in partition.scene.check.equilibrium])
+    extent = float(np.abs(trajectory.array[:, :2] - centre).max())
+    if 0 < extent < SMALL * float(partition.scene.check.radius):
+        half = MARGIN * extent
+        axes.set(xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half))
 
 
 def draw_cells(axes: Axes, partition: Partition) -> None:

@@ -1,88 +1,161 @@
-"""The closed loop in the derivation report: where three laws lead, and the path of one (the paper's Figure 5)."""
+"""The closed loop in the derivation report: the certified law from starts in its certified region, and one path."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.choices import Law, Method
-from nonsmooth.reports.document import Entry, Figure, Math, Section, table
+from nonsmooth.reports.document import Block, Entry, Figure, Section, table
+from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.sections.starts import start_text, typed_start, usual_start
-from nonsmooth.reports.simulate import GAIN, Run, follow
+from nonsmooth.reports.sections.starts import STARTS, Start, start_text, starts, typed_start
+from nonsmooth.reports.simulate import Run, follow, loop_of
 from nonsmooth.reports.subject import Subject
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
-UNTIL = 8.0  # time: e^-8 of the start is below what a figure shows
-_FIGURE_5 = {Law.CORRECTED: " (the paper's Figure 5)", Law.CASCADE: ""}
-_LAWS = {
-    Law.CORRECTED: prose("corrected: `u_j = -sgn(Delta) k theta`, `u_i = |u_j| + k |(x, y)|`"),
-    Law.PRINTED: prose("as printed in sec. 3.3: `u_j = -k theta`, `u_i = |u_j| + k |(x, y)|`"),
-    Law.GRADIENT: prose("gradient: `u_i = -k a`, `u_j = -k b`"),
-    Law.CASCADE: prose("cascade: the law of clause 4"),
-}
+QUARTERS = 4  # starts on a circle, the headings of their signs in turn
+SHORTEST, LONGEST = 8.0, 100.0  # time followed
+DECAY = 6.0  # V is certified to fall by exp(-6) in the time followed, where that is not too long
+HALVINGS = 20  # of a start until it lies in the region, or, where that is not known, until its path stays in the square
+
+
+@dataclass(frozen=True)
+class _Path:
+    """A start with its path."""
+
+    start: Start
+    path: Trajectory
+
+    @property
+    def leaves(self) -> bool:
+        """Whether the body leaves the checked square."""
+        return self.path.end.reason is EndReason.OUTSIDE
 
 
 def closed_loop_section(subject: Subject) -> Section:
-    """Where each law leads from one start, and the path of the paper's law, or of the cascade where it takes one."""
-    proved = _proved(subject)
-    paths = {law: _path(subject, law) for law in (Law.CORRECTED, Law.PRINTED, proved)}
-    start = start_text(_start(subject))
+    """Where the certified law leads from four sides, and one of the paths."""
+    loop, until = _loop(subject), _time(subject)
+    try:
+        paths = [_from(subject, loop, start, until) for start in _quarters(subject)]
+    except TrajectoryError as error:
+        return Section("With feedback", (paragraph("A path could not be followed to its end: {}.", str(error)),))
+    if any(path.leaves for path in paths):  # only where no region is known
+        none = "Even from starts of 1e-6 of the square the path first leaves it, so none is drawn."
+        return Section("With feedback", (paragraph(none),))
     words = paragraph(
-        "From (x, y, theta) = {} with `k` = {} each law was followed to t = {}:",
-        Math(start, start),
+        "Under the {} law, {}, with `k` = {}, each start was followed to t = {}:",
+        str(loop.law),
+        loop.status,
         f"{GAIN:g}",
-        f"{UNTIL:g}",
+        f"{until:g}",
     )
-    rows = [_row(law, path) for law, path in paths.items()]
-    ends = table(("law", "last t", "x", "y", prose("`theta`"), "how it ended"), rows, (6, 1.5, 2, 2, 2, 3))
-    shown = Law.CORRECTED if proved is Law.GRADIENT else proved
-    return Section("With feedback", (words, ends, _figure(subject, shown, paths[shown])))
+    return Section("With feedback", (words, _ends(loop, paths), _figure(subject, loop, paths[0], until)))
 
 
-def _proved(subject: Subject) -> Law:
-    """The law that the feedback clause certifies."""
+def _loop(subject: Subject) -> FeedbackLoop:
     feedback = subject.cells.feedback
-    by_cascade = isinstance(feedback, FeedbackResult) and feedback.cascade is not None
-    return Law.CASCADE if by_cascade else Law.GRADIENT
+    if not isinstance(feedback, FeedbackResult):
+        raise TypeError(f"required rule nearest, received {subject.scene.contact.rule}")
+    loop = loop_of(subject.cells.partition, _run((0.0, 0.0, 0.0), SHORTEST), feedback)
+    if loop is None:
+        raise TypeError("required a closed loop")
+    return loop
 
 
-def _start(subject: Subject) -> tuple[float, float, float]:
-    x, y, _ = usual_start(subject.cells.partition)
-    return x, y, HEADING
+def _run(start: Start, until: float) -> Run:
+    return Run(start, until, Kinematics.EXACT, Method.EVENTS, Law.CERTIFIED, width=1e-3)
 
 
-def _path(subject: Subject, law: Law) -> Trajectory:
-    run = Run(_start(subject), UNTIL, Kinematics.EXACT, Method.EVENTS, law, width=1e-3)
-    return follow(subject.cells.partition, run)
+def _time(subject: Subject) -> float:
+    """How long to follow: until V has certainly fallen, within bounds."""
+    feedback = subject.cells.feedback
+    rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
+    if rate is None:
+        return LONGEST
+    return min(max(math.ceil(DECAY / (2 * GAIN * float(rate.kappa))), SHORTEST), LONGEST)
 
 
-def _row(law: Law, path: Trajectory) -> tuple[Entry, ...]:
-    x, y, theta = (f"{float(value):.3g}" for value in path.end.state)
-    return _LAWS[law], f"{float(path.end.t):.4g}", x, y, theta, str(path.end.reason)
+def _quarters(subject: Subject) -> list[Start]:
+    """Four places about the checked point, with headings of both signs."""
+    places = starts(subject.cells.partition)[:: STARTS // QUARTERS]
+    return [(x, y, HEADING * (-1) ** k) for k, (x, y, _) in enumerate(places)]
 
 
-def _figure(subject: Subject, law: Law, path: Trajectory) -> Figure:
+def _from(subject: Subject, loop: FeedbackLoop, start: Start, until: float) -> _Path:
+    """The path from the start, moved nearer until it lies in the certified region, or else stays in the square."""
     partition = subject.cells.partition
+    if loop.region is not None:
+        start = _inside(loop, start)
+        return _Path(start, follow(partition, _run(start, until), loop))
+    for _ in range(HALVINGS):
+        path = _Path(start, follow(partition, _run(start, until), loop))
+        if not path.leaves:
+            break
+        start = _smaller(start, 1 / 2)
+    return path
+
+
+def _inside(loop: FeedbackLoop, start: Start) -> Start:
+    """The start in the certified region: the heading alone, then the place, are halved until they are."""
+    region = loop.region
+    if region is None:
+        return start
+    x, y, theta = start
+    for _ in range(HALVINGS):
+        if 4 * region.value((0.0, 0.0, theta)) < region.level:
+            break
+        theta /= 2
+    for _ in range(HALVINGS):
+        if region.contains((x, y, theta)):
+            break
+        x, y = x / 2, y / 2
+    return _smaller((x, y, theta), 1)
+
+
+def _smaller(start: Start, factor: float) -> Start:
+    """A part of a start, as a command line would hold it."""
+    x, y, theta = (float(f"{value * factor:.6g}") for value in start)
+    return x, y, theta
+
+
+def _ends(loop: FeedbackLoop, paths: list[_Path]) -> Block:
+    value = "V" if loop.region is None or loop.feedback.cascade is None else "W"
+    header = ("start (x, y, theta)", f"{value} there", "last t", "x", "y", prose("`theta`"), f"{value}", "how it ended")
+    return table(header, [_row(loop, path) for path in paths], (4, 1.6, 1.4, 1.8, 1.8, 1.8, 1.6, 3))
+
+
+def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
+    end = path.path.end
+    x, y, theta = (float(value) for value in end.state)
+    first, last = ("", "") if loop.region is None else (loop.region.value(path.start), loop.region.value((x, y, theta)))
+    levels = [value if isinstance(value, str) else f"{value:.3g}" for value in (first, last)]
+    place = [f"{value:.3g}" for value in (x, y, theta)]
+    return start_text(path.start), levels[0], f"{float(end.t):.4g}", *place, levels[1], str(end.reason)
+
+
+def _figure(subject: Subject, loop: FeedbackLoop, path: _Path, until: float) -> Figure:
+    partition = subject.cells.partition
+    papers = "; the paper's Figure 5 is of its own law" if is_paper_array(subject.scene) else ""
 
     def draw() -> bytes:
         from nonsmooth.reports.figures.trajectory import trajectory_figure
 
-        return trajectory_figure(partition, path, ".svg")
+        return trajectory_figure(partition, path.path, ".svg", loop.title)
 
-    options = (
-        "--from",
-        typed_start(_start(subject), subject.scene),
-        "--until",
-        f"{UNTIL:g}",
-        "--feedback",
-        *(() if law is Law.CORRECTED else ("--law", str(law))),
-        "-o",
-        "closed-loop.pdf",
-    )
+    start = typed_start(path.start, subject.scene)
+    options = ("--from", start, "--until", f"{until:g}", "--feedback", "-o", "closed-loop.pdf")
     return Figure(
         "closed-loop",
-        prose(f"The closed loop under the {law} law{_FIGURE_5[law]}: x, y and `theta` over time, and the path."),
+        prose(
+            "The closed loop under the {} law of clause 4{}: x, y and `theta` over time, and the path.",
+            str(loop.law),
+            papers,
+        ),
         "Curves of x, y and theta over time under feedback, and the path over the cells.",
         subject.invocation.line("simulate", *options),
         draw,

@@ -15,6 +15,7 @@ from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.clauses.input_margin import InputMargin
+from nonsmooth.proofs.clauses.level_region import LevelRegion
 from nonsmooth.proofs.theorem4_result import AnyFeedback
 from nonsmooth.reports.document import (
     Block,
@@ -30,7 +31,7 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.symbolic.formulas import brief_text, lower_text
+from nonsmooth.symbolic.formulas import brief_text, decimal_latex, lower_text
 from nonsmooth.symbolic.scene import Scene, dot
 
 _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
@@ -39,10 +40,8 @@ _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 def feedback_blocks(feedback: AnyFeedback, authority: Authority, scene: Scene) -> tuple[Block, ...]:
     """Reason, law, witness, table of cells or twists, samples, and torque authority, as far as there are any."""
     blocks: list[Block] = [paragraph("Reason: {}.", feedback.reason)]
-    if isinstance(feedback, FeedbackResult) and feedback.has_lyapunov:
-        blocks += _law_blocks() if feedback.lyapunov == SQUARES else _shaped_law_blocks(feedback)
-    elif isinstance(feedback, FeedbackResult) and feedback.cascade is not None:
-        blocks += _cascade_blocks(feedback.cascade)
+    if isinstance(feedback, FeedbackResult) and feedback.law is not None:
+        blocks += [*law_formulas(feedback), *_law_reasons(feedback), *region_blocks(feedback)]
     if feedback.witness is not None:
         words = "Witness: `c` = {} and `theta` = {} ({})."
         witness = feedback.witness
@@ -137,7 +136,49 @@ def _sample_blocks(feedback: DrivenFeedback) -> list[Block]:
     return [paragraph("Sampled, not proved, with gain `k`:"), table(header, rows, (3, 1.5, 3, 4))]
 
 
-def _law_blocks() -> list[Block]:
+def law_formulas(feedback: FeedbackResult) -> list[Block]:
+    """The certified law of rule ``nearest``, in formulas."""
+    if feedback.cascade is not None:
+        return _cascade_formulas(feedback.cascade)
+    return _gradient_formulas() if feedback.lyapunov == SQUARES else _shaped_formulas(feedback)
+
+
+def region_blocks(feedback: FeedbackResult) -> list[Block]:
+    """The starts from which the law is certified to bring the body home."""
+    region = feedback.region
+    if region is None:
+        return [paragraph("The law is certified near `c*`; how near is not known.")]
+    level = lower_text(region.level, 4)
+    if isinstance(region, LevelRegion):
+        inside = Math(f"V < {decimal_latex(level)}", f"V < {level}")
+        words = "Certified region: V falls along every solution from a start with {}, and the body comes home."
+        return [paragraph(words, inside)]
+    weight, top, length = (f"{float(value):.6g}" for value in (region.weight, region.top, region.length))
+    function = display(
+        rf"W = \left(\frac{{r}}{{l}} + \frac{{r^2}}{{l^2}} \chi\right)^2 + {decimal_latex(weight)}\, \Theta^2, \qquad"
+        r" \chi' = z^2 - m, \quad z = s/r",
+        f"W = (r/l + (r/l)^2 chi)^2 + {weight} Theta^2, chi' = z^2 - m, z = s/r",
+    )
+    inside = Math(
+        rf"W < {decimal_latex(level)},\ r < {decimal_latex(top)}\, l,\ l = {decimal_latex(length)}",
+        f"W < {level}, r < {top} l, l = {length}",
+    )
+    words = "Certified region: W falls along every solution from a start with {}, and the body comes home. Here m is "
+    return [paragraph(words + "the mean of {} over a turn.", inside, Math("z^2", "z^2")), function]
+
+
+def _law_reasons(feedback: FeedbackResult) -> list[Block]:
+    """Why the law serves."""
+    if feedback.cascade is not None:
+        return _cascade_reasons(feedback.cascade)
+    if feedback.lyapunov == SQUARES:
+        words = "The two coefficients vanish together only where `c . d_i = 0`; the table shows that this product has "
+        return [paragraph(words + "one strict sign on each closed cell at the equilibrium.")]
+    words = "The two coefficients vanish together only where `c^T P d_i = 0`, and no closed cell at the equilibrium "
+    return [paragraph(words + "holds such a point; for `P = I` some cell does.")]
+
+
+def _gradient_formulas() -> list[Block]:
     law = display(
         r"u_i = -k a, \qquad u_j = -k b, \qquad b = \frac{\theta - c \cdot J p_i}{d_j \cdot J(p_j - p_i)},"
         r" \qquad a = c \cdot d_i - (d_i \cdot d_j)\, b",
@@ -147,15 +188,11 @@ def _law_blocks() -> list[Block]:
         r"V = \lvert c \rvert^2 + \theta^2, \qquad \tfrac12 \dot V = a u_i + b u_j = -k (a^2 + b^2)",
         "V = |c|^2 + theta^2, V'/2 = a u_i + b u_j = -k (a^2 + b^2)",
     )
-    why = paragraph(
-        "The two coefficients vanish together only where `c . d_i = 0`; the table shows that this product has "
-        "one strict sign on each closed cell at the equilibrium."
-    )
-    return [law, rate, why]
+    return [law, rate]
 
 
-def _cascade_blocks(cascade: CascadeLaw) -> list[Block]:
-    """The law that takes theta first, with the sign of the translation along each nearest rim."""
+def _cascade_formulas(cascade: CascadeLaw) -> list[Block]:
+    """The law that takes theta first."""
     if cascade.descent is Descent.SLOW_TURNS:
         law = display(
             r"v = (k - \omega)\, r\, J p_i/\lvert p_i \rvert, \qquad \omega = k (s/l - \Theta)",
@@ -165,15 +202,19 @@ def _cascade_blocks(cascade: CascadeLaw) -> list[Block]:
             r"\Theta = \theta - s^2/(2 r l), \qquad (r, s) = (c \cdot p_i, c \cdot J p_i)/\lvert p_i \rvert",
             "Theta = theta - s^2/(2 r l), (r, s) = (c . p_i, c . J p_i)/|p_i|",
         )
-        words = paragraph(
-            "Here i is the nearest wheel and l any length. Every rim is tangential, so to first order each input keeps "
-            "r; turning to and fro makes it fall, like 1/t, where kinematics are exact."
-        )
-        return [law, where, _imposed_speeds(), words]
+        return [law, where, _imposed_speeds()]
     law = display(
         r"\omega = -k \theta, \qquad v = \pm k \lvert c \rvert\, d_i - (n_i \cdot J p_i)\, \omega\, n_i",
         "omega = -k theta, v = +-k |c| d_i - (n_i . J p_i) omega n_i",
     )
+    return [law, _imposed_speeds()]
+
+
+def _cascade_reasons(cascade: CascadeLaw) -> list[Block]:
+    """How c comes home, with the sign of the translation along each nearest rim."""
+    if cascade.descent is Descent.SLOW_TURNS:
+        words = "Here i is the nearest wheel and l any length. Every rim is tangential, so to first order each input "
+        return [paragraph(words + "keeps r; turning to and fro makes it fall, like 1/t, where kinematics are exact.")]
     rows = [
         (str(wheel.index), _SIGNS[sign], point(cone.start), point(cone.end))
         for wheel, sign, cone in zip(cascade.wheels, cascade.signs, cascade.fan.cones, strict=True)
@@ -185,7 +226,7 @@ def _cascade_blocks(cascade: CascadeLaw) -> list[Block]:
         str(cascade.descent),
         "".join(f", which multiply |c| by {brief_text(gain)}" for gain in cascade.fan.gains.values()),
     )
-    return [law, _imposed_speeds(), why, table(header, rows, (1.5, 1, 3, 3))]
+    return [why, table(header, rows, (1.5, 1, 3, 3))]
 
 
 def _imposed_speeds() -> Block:
@@ -196,7 +237,7 @@ def _imposed_speeds() -> Block:
     )
 
 
-def _shaped_law_blocks(feedback: FeedbackResult) -> list[Block]:
+def _shaped_formulas(feedback: FeedbackResult) -> list[Block]:
     (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
     exact = feedback.cells[0].cell.twists[0].omega.field
     law = display(
@@ -210,11 +251,7 @@ def _shaped_law_blocks(feedback: FeedbackResult) -> list[Block]:
     )
     shape = matrix([[exact(1 + e), exact(f)], [exact(f), exact(1 - e)]])
     values = paragraph("With `P` = {} and `w` = {}:", shape, number(exact(w)))
-    why = paragraph(
-        "The two coefficients vanish together only where `c^T P d_i = 0`, and no closed cell at the equilibrium holds "
-        "such a point; for `P = I` some cell does."
-    )
-    return [values, law, rate, why]
+    return [values, law, rate]
 
 
 def _cell_table(feedback: FeedbackResult) -> Table:

@@ -1,4 +1,4 @@
-"""Trajectories in the derivation report: one path in full (the paper's Figure 4), and many starts to choose from."""
+"""Trajectories in the derivation report: one path in full, and many starts to choose from."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.closed_loop import closed_loop_section
@@ -117,6 +118,7 @@ def _short(value: object) -> str:
 
 def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
     partition = subject.cells.partition
+    papers = " (the paper's Figure 4)" if is_paper_array(subject.scene) else ""
 
     def draw() -> bytes:
         from nonsmooth.reports.figures.trajectory import trajectory_figure
@@ -125,7 +127,7 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
 
     return Figure(
         "open-loop",
-        prose("Without feedback (the paper's Figure 4): x, y and `theta` over time, and the path over the cells."),
+        prose("Without feedback{}: x, y and `theta` over time, and the path over the cells.", papers),
         "Curves of x, y and theta over time without feedback, and the path over the cells.",
         subject.invocation.line(
             "simulate",

@@ -1,0 +1,230 @@
+"""The closed loop of an array under rule ``nearest``: the law that the feedback clause certifies, or another by name.
+
+A path is never shown beside a verdict that it contradicts: under the certified law, and from a start in its certified
+region, V may not rise and the body may not leave the checked square.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
+from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
+from nonsmooth.analysis.fields.feedback_laws import (
+    cascade_law,
+    corrected_law,
+    gradient_law,
+    printed_law,
+    tangential_law,
+)
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.smooth_field import Vector
+from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
+from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent, find_cascade
+from nonsmooth.proofs.clauses.cones import build_fan
+from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback, gradient_text
+from nonsmooth.proofs.clauses.level_region import LevelRegion
+from nonsmooth.proofs.clauses.turn_region import TurnRegion
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.verified import verified
+from nonsmooth.reports.choices import Law
+from nonsmooth.reports.console import ContradictionError
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.rule import Rule
+
+GAIN = 1.0
+# A rise of V that may be the integrator's own, relative to V at the start: steps err by 1e-12, events by rounding.
+RISE_SLACK = 1e-7
+ROUNDING = 1e-16  # of V at the equilibrium, relative to the level of the region
+PAPER_LAW = "u_i = |u_j| + k |c|, u_j = {}k theta"
+_PAPER_LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law}
+
+
+@dataclass(frozen=True, eq=False)
+class FeedbackLoop:
+    """A feedback law of an array; all poses are measured from the checked point.
+
+    Attributes:
+        partition: the cells about the checked point.
+        feedback: what the feedback clause says of them.
+        law: which law, by its own name.
+        kinematics: exact pose or leading order.
+    """
+
+    partition: Partition
+    feedback: FeedbackResult
+    law: Law
+    kinematics: Kinematics
+
+    @property
+    def is_certified(self) -> bool:
+        """Whether the law is the one that the feedback clause certifies, under these kinematics."""
+        return self.law is certified_law(self.feedback) and not uncertified_kinematics(self.feedback, self.kinematics)
+
+    @property
+    def region(self) -> LevelRegion | TurnRegion | None:
+        """Starts from which the body is proved to come home."""
+        return self.feedback.region if self.is_certified else None
+
+    @property
+    def formula(self) -> str:
+        """The law in plain text."""
+        match self.law:
+            case Law.CORRECTED:
+                return PAPER_LAW.format("-sgn(d_j.J(p_j - p_i)) ")
+            case Law.PRINTED:
+                return PAPER_LAW.format("-")
+            case Law.CASCADE:
+                return str(self.cascade)
+            case _:
+                return gradient_text(self.feedback.lyapunov)
+
+    @property
+    def status(self) -> str:
+        """Whether the clause certifies the law, in words."""
+        own = certified_law(self.feedback)
+        if self.is_certified:
+            return "certified by the feedback clause"
+        if own is None:
+            return f"not certified (the feedback clause: {self.feedback.verdict})"
+        if own is self.law:
+            return f"not certified under {self.kinematics} kinematics"
+        return f"not certified (the feedback clause certifies the {own} law)"
+
+    @property
+    def title(self) -> str:
+        """Its name with what the clause says of it."""
+        return f"{self.law} law, {self.status}"
+
+    @property
+    def length(self) -> float:
+        """The length l of the law of slow turns: the half-width of the checked square."""
+        return float(self.partition.scene.check.radius)
+
+    @cached_property
+    def cascade(self) -> CascadeLaw:
+        """The law that takes theta first.
+
+        Raises:
+            ValueError: where there is none.
+        """
+        cascade = self.feedback.cascade or find_cascade(build_fan(self.partition))
+        if cascade is None:
+            raise ValueError("--law cascade: required an array with a law that takes theta first, received one without")
+        return cascade
+
+    @cached_property
+    def speeds(self) -> SpeedLaw:
+        """The speeds in every cell, with gain one."""
+        if self.law in _PAPER_LAWS:
+            return _PAPER_LAWS[self.law](GAIN)
+        if self.law is Law.GRADIENT:
+            (e, f), weight = self.feedback.lyapunov.shape, self.feedback.lyapunov.weight
+            return gradient_law(GAIN, (float(e), float(f)), float(weight))
+        if self.cascade.descent is Descent.SLOW_TURNS:
+            return tangential_law(GAIN, self.length)
+        signs = zip(self.cascade.wheels, self.cascade.signs, strict=True)
+        return cascade_law(GAIN, {wheel.index: side for wheel, side in signs})
+
+    def field(self, partition: Partition) -> CellwiseField:
+        """The field of the loop on the same cells in the scene's own coordinates."""
+        centre = np.array([*map(float, partition.scene.check.equilibrium), 0.0])
+        centred = {state.name: state for cell in self.partition.cells for state in cell.states}
+
+        def law(state: ContactState) -> Speeds:
+            speeds = self.speeds(centred[state.name])
+
+            def shifted(pose: Vector) -> Mapping[int, float]:
+                return speeds(np.asarray(pose, dtype=float) - centre)
+
+            return shifted
+
+        return feedback_field(partition, law, self.kinematics)
+
+    def refuse_contradiction(self, path: Trajectory, centre: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Compare a path with what is certified about its start; ``centre`` is the checked point in its coordinates.
+
+        Where the law takes theta first and no region is known, theta decays from every start.
+
+        Raises:
+            ContradictionError: where V (or theta) rises along the path, or the body leaves the checked square.
+        """
+        region = self.region
+        poses = [_centred(state, centre) for state in path.states]
+        if not self.is_certified or (region is not None and not region.contains(poses[0])):
+            return
+        values = np.array([pose[2] ** 2 if region is None else region.value(pose) for pose in poses])
+        rise = float((values - np.minimum.accumulate(values)).max())
+        left = region is not None and path.end.reason is EndReason.OUTSIDE
+        if left or rise > RISE_SLACK * values[0] + ROUNDING * (1.0 if region is None else float(region.level)):
+            falling = "theta^2" if region is None else "V"
+            seen = "leaves the checked square" if left else f"lets {falling} rise by {rise:.3g} from {values[0]:.3g}"
+            start = ", ".join(f"{float(value):.6g}" for value in path.states[0])
+            where = "" if region is None else f" where {region}"
+            raise ContradictionError(
+                f"{self.partition.scene.name}: the path from ({start}) {seen}, although the feedback clause certifies "
+                f"the {self.law} law{where}: please report this"
+            )
+
+
+def _centred(state: State, centre: tuple[float, float]) -> tuple[float, float, float]:
+    x, y, theta = (float(value) for value in state)
+    return x - centre[0], y - centre[1], theta
+
+
+def certified_law(feedback: FeedbackResult) -> Law | None:
+    """The law that the clause certifies, by its name on the command line."""
+    if feedback.verdict is not Feedback.STABILIZABLE:
+        return None
+    return Law.GRADIENT if feedback.cascade is None else Law.CASCADE
+
+
+def uncertified_kinematics(feedback: FeedbackResult, kinematics: Kinematics) -> str:
+    """Why the certified law is none under these kinematics; empty where it is.
+
+    With leading-order kinematics c does not turn with the body: a V with ``c^T P J c = 0`` and the fan of translations
+    do not see the difference, slow turns rest on it.
+    """
+    if kinematics is Kinematics.EXACT:
+        return ""
+    if feedback.cascade is not None:
+        slow = feedback.cascade.descent is Descent.SLOW_TURNS
+        return "the law of slow turns needs exact kinematics" if slow else ""
+    return "V is certified under exact kinematics" if any(feedback.lyapunov.shape) else ""
+
+
+def build_loop(
+    partition: Partition, law: Law, kinematics: Kinematics, feedback: FeedbackResult | None = None
+) -> FeedbackLoop:
+    """The loop under a law by name, or under the one that the feedback clause certifies.
+
+    Args:
+        partition: the cells, in any coordinates.
+        law: its name, or ``certified``.
+        kinematics: exact pose or leading order.
+        feedback: the verdict on the centred partition, where it is known already.
+
+    Raises:
+        ValueError: for another rule than ``nearest``, and where no law is certified.
+    """
+    if partition.rule is not Rule.NEAREST:
+        raise ValueError(f"--feedback: required rule nearest, received {partition.rule}")
+    scene = partition.scene
+    centred = partition if scene.recentred() == scene else build_partition(scene.recentred())
+    feedback = verified(decide_feedback(centred)) if feedback is None else feedback
+    own = certified_law(feedback)
+    if law is not Law.CERTIFIED:
+        return FeedbackLoop(centred, feedback, law, kinematics)
+    required = "--feedback: required an array with a certified law, or one named by --law"
+    if own is None:
+        raise ValueError(f"{required}; the feedback clause says {feedback.verdict}: {feedback.reason}")
+    lacking = uncertified_kinematics(feedback, kinematics)
+    if lacking:
+        raise ValueError(f"{required}, received --kinematics {kinematics}: {lacking}")
+    return FeedbackLoop(centred, feedback, own, kinematics)

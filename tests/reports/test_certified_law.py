@@ -1,0 +1,408 @@
+"""The law of the closed loop is the one that the feedback clause certifies, and its paths keep what is certified.
+
+The oracle takes nothing from the program but numbers of its JSON (P and w, or that slow turns are meant; twists and
+speeds): it picks the rows of rule ``nearest`` literally, minimizes D of the other rules by a linear or a conic program
+of its own, and makes small steps.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields import feedback_laws
+from nonsmooth.reports.derivation import derive_report
+from nonsmooth.reports.document import Figure, Math, Section, Text
+from nonsmooth.reports.subject import Invocation
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+    from tests.reports.conftest import Invoke
+
+Floats: TypeAlias = NDArray[np.float64]
+Rate: TypeAlias = Callable[[Floats], Floats]
+Record: TypeAlias = dict[str, Any]
+
+J = np.array([[0.0, -1.0], [1.0, 0.0]])
+GRADIENT = (
+    "four-wheel", "rectangle", "ring-3", "ring-5", "ring-6", "ring-8", "grid-4x4", "elliptic", "spiral-30", "outward",
+)  # fmt: skip
+SLOW = {"conveyor-3": (0.006, 0.1), "saddle": (0.05, 0.2)}  # size of the starts in (x, y) and in theta
+MOVED = """
+name = "moved"
+friction = {{ mu_roll = 1, mu_side = "1/2" }}
+check = {{ equilibrium = [{x}, {y}], radius = "1/2" }}
+"""
+
+
+class Array:
+    """Wheels in floats, c measured from the checked point."""
+
+    def __init__(self, name: str, rule: str) -> None:
+        scene = load_scene(name, rule=rule).recentred()
+        self.positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        self.rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
+        self.frictions = np.array([[float(w.friction.roll), float(w.friction.side)] for w in scene.wheels])
+        self.radius = float(scene.check.radius)
+
+    def row(self, wheel: int, axis: Floats) -> Floats:
+        """``axis . (v + omega J p)`` as a row on (v, omega)."""
+        return np.array([*axis, axis @ (J @ self.positions[wheel])])
+
+    def nearest_rows(self, c: Floats) -> list[tuple[int, bool, Floats]]:
+        """Wheels by distance, the row of larger friction first, greedily while independent: (wheel, is roll, row)."""
+        chosen: list[tuple[int, bool, Floats]] = []
+        for wheel in np.argsort(((self.positions - c) ** 2).sum(axis=1), kind="stable"):
+            rows = [(int(wheel), True, self.row(wheel, self.rims[wheel]))]
+            rows.append((int(wheel), False, self.row(wheel, J @ self.rims[wheel])))
+            for entry in rows if self.frictions[wheel, 0] > self.frictions[wheel, 1] else rows[::-1]:
+                held = np.array([*(row for _, _, row in chosen), entry[2]])
+                if len(chosen) < 3 and np.linalg.svd(held, compute_uv=False)[-1] > 1e-9:
+                    chosen.append(entry)
+        return chosen
+
+
+def pose_rate(twist: Floats, c: Floats) -> Floats:
+    return np.array([*(twist[:2] + twist[2] * (J @ c)), twist[2]])
+
+
+def gradient_rate(array: Array, shape: Floats, weight: float) -> Rate:
+    """``u = -(a, b)`` as the clause's text writes it, gain one."""
+
+    def rate(pose: Floats) -> Floats:
+        c, theta = pose[:2], pose[2]
+        rows = array.nearest_rows(c)
+        (i, _, _), (_, _, _), (j, is_roll, _) = rows
+        assert is_roll
+        di, dj, pi, pj = array.rims[i], array.rims[j], array.positions[i], array.positions[j]
+        slope = shape @ c
+        b = (weight * theta - slope @ (J @ (pi - c))) / (dj @ (J @ (pj - pi)))
+        a = slope @ di - (di @ dj) * b
+        wanted = {i: -a, j: -b}
+        right = [wanted[wheel] if roll else 0.0 for wheel, roll, _ in rows]
+        return pose_rate(np.linalg.solve(np.array([row for _, _, row in rows]), right), c)
+
+    return rate
+
+
+def slow_rate(array: Array, length: float) -> Rate:
+    """The law of slow turns as the clause's text writes it, gain one."""
+
+    def rate(pose: Floats) -> Floats:
+        c, theta = pose[:2], pose[2]
+        rows = array.nearest_rows(c)
+        p = array.positions[rows[0][0]] / np.linalg.norm(array.positions[rows[0][0]])
+        r, s = c @ p, c @ (J @ p)
+        omega = s / length - (theta - s * s / (2 * r * length))
+        wanted = np.array([*((1 - omega) * r * (J @ p)), omega])
+        right = [row @ wanted if roll else 0.0 for _, roll, row in rows]
+        return pose_rate(np.linalg.solve(np.array([row for _, _, row in rows]), right), c)
+
+    return rate
+
+
+def followed(rate: Rate, pose: Floats, until: float, step: float) -> list[Floats]:
+    """Explicit midpoint steps: across rays the path chatters within a step."""
+    path = [pose]
+    for _ in range(round(until / step)):
+        path.append(path[-1] + step * rate(path[-1] + step / 2 * rate(path[-1])))
+    return path
+
+
+def certified_rate(name: str, record: Record) -> tuple[Rate, float]:
+    """The rate of the certified law of rule ``nearest``, and a time in which the body comes most of the way home."""
+    array = Array(name, "nearest")
+    if record["cascade"] is not None:
+        return slow_rate(array, array.radius), 200.0
+    shape, weight = np.array(record["lyapunov"]["P"]), record["lyapunov"]["w"]
+    return gradient_rate(array, shape, weight), min(5 / record["rate"], 60.0)
+
+
+def small_starts(region: float) -> list[Floats]:
+    """Within a distance of the equilibrium, on different sides, headings of both signs."""
+    sides = [(0.9, 0.3, 0.3), (-0.4, 0.8, -0.4), (-0.7, -0.6, 0.4), (0.2, -0.95, -0.2)]
+    return [region * np.array(side) for side in sides]
+
+
+# ---- the certified law brings the body home, by an integrator of its own -------------------------
+
+
+@pytest.mark.parametrize("name", [*GRADIENT, *SLOW])
+def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: str) -> None:
+    """The clause's law by its text and the literal rule; the product's default path tells the same."""
+    record = invoke("check", name, "--rule", "nearest", "--json").record["feedback"]
+    rate, until = certified_rate(name, record)
+    place, heading = SLOW.get(name, (0.4 * record["region"]["level"] ** 0.5,) * 2)
+    for side in small_starts(1.0)[:2]:
+        start = side * (place, place, heading)
+        path = followed(rate, start, until, until / 4000)
+        sizes = np.linalg.norm(path, axis=1)
+        assert sizes[-1] < 0.45 * sizes[0], (start, sizes[-1])
+        assert np.abs(np.array(path)[:, :2]).max() < Array(name, "nearest").radius
+        shown = invoke("simulate", name, "--rule", "nearest", "--from", typed(start), "--feedback", "--until",
+                       f"{until:.6g}", "--json").record  # fmt: skip
+        assert shown["law"]["certified"] is True
+        assert shown["law"]["starts_inside"] is True
+        assert shown["end"]["reason"] != "the body leaves the checked domain"
+        assert np.linalg.norm(shown["end"]["state"]) < 0.5 * sizes[0]
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "outward", "conveyor-3", "saddle"])
+def test_the_first_steps_are_those_of_the_certified_law(invoke: Invoke, name: str) -> None:
+    """Position and heading after a short time, by small steps of the literal rule."""
+    record = invoke("check", name, "--rule", "nearest", "--json").record["feedback"]
+    rate, _ = certified_rate(name, record)
+    for start in small_starts(0.05):
+        path = followed(rate, start, 0.05, 1e-4)
+        shown = invoke("simulate", name, "--from", typed(start), "--feedback", "--until", "0.05", "--json").record
+        assert np.abs(path[-1] - np.array(shown["end"]["state"])).max() < 1e-5
+
+
+def typed(start: Floats) -> str:
+    return ",".join(repr(float(value)) for value in start)
+
+
+# ---- one law under one name ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "law"), [("outward", "gradient"), ("conveyor-3", "cascade"), ("saddle", "cascade")])
+def test_terminal_json_and_report_name_the_same_law(invoke: Invoke, tmp_path: Path, name: str, law: str) -> None:
+    clause = invoke("check", name, "--json").record["feedback"]
+    start = ("simulate", name, "--from", "0.01,0.005,0.01", "--feedback", "--until", "1")
+    record = invoke(*start, "--json").record
+    assert record["feedback"] == record["law"]["name"] == law
+    assert record["law"]["formula"] == clause["law"]
+    assert record["law"]["region"] == clause["region"]["text"]
+    text = " ".join(invoke(*start).out.split())
+    assert f"{law} law, certified by the feedback clause" in text
+    assert clause["law"] in text
+    report = derive_report(load_scene(name), Invocation(name)).document.sections
+    feedback, loop = (plain_text(find(report, title)) for title in ("Feedback law", "With feedback"))
+    assert f"certifies the {law} law" in feedback
+    assert f"Under the {law} law, certified by the feedback clause" in loop
+    assert "corrected" not in loop + feedback
+    for kept in ("svg", "json"):
+        invoke(*start, "-o", str(tmp_path / f"path.{kept}"))
+    assert json.loads((tmp_path / "path.json").read_text(encoding="utf-8"))["law"]["name"] == law
+
+
+def test_a_law_by_name_is_labelled(invoke: Invoke) -> None:
+    """The certified law under its own name is certified; others are not, whatever the array."""
+    for name, law, certified in (
+        ("four-wheel", "gradient", True),
+        ("four-wheel", "corrected", False),
+        ("four-wheel", "printed", False),
+        ("conveyor-3", "cascade", True),
+        ("conveyor-3", "gradient", False),
+    ):
+        common = ("simulate", name, "--from", "0.01,0.005,0.01", "--feedback", "--law", law)
+        record = invoke(*common, "--json").record["law"]
+        assert (record["name"], record["certified"]) == (law, certified)
+        assert ("not certified" in " ".join(invoke(*common).out.split())) == (not certified)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("off-center",), "the feedback clause says no certificate"),
+        (("differential-drive",), "no static feedback stabilizes"),
+        (("four-wheel-side",), "mu_side < mu_roll is required"),
+        (("conveyor-3", "--kinematics", "leading"), "the law of slow turns needs exact kinematics"),
+    ],
+)
+def test_without_a_certified_law_one_line_says_why(invoke: Invoke, arguments: tuple[str, ...], line: str) -> None:
+    outcome = invoke("simulate", *arguments, "--from", "0.1,0.05,0.1", "--feedback")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert line in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+def test_only_the_papers_array_is_compared_with_its_figures() -> None:
+    for name, its_own in (("four-wheel", True), ("outward", False), ("ring-5", False)):
+        report = derive_report(load_scene(name), Invocation(name)).document.sections
+        captions = [plain(block.caption) for section in whole(report) for block in section.blocks
+                    if isinstance(block, Figure)]  # fmt: skip
+        assert any(re.search(r"Figure \d", caption) for caption in captions) == its_own
+
+
+def test_a_side_row_away_from_the_point_does_not_stop_the_certified_law(arrays: Arrays) -> None:
+    """Another cell of the square leaves one input; the law is certified by the cells at the point."""
+    scene = arrays.cocircular(181, (1, Fraction(1, 2))).recentred()
+    report = derive_report(scene, Invocation("test"))
+    assert report.result.feedback.law is not None
+    loop = find(report.document.sections, "With feedback")
+    assert "certified by the feedback clause" in plain_text(loop)
+
+
+# ---- the checked point is the origin of the law --------------------------------------------------
+
+
+@pytest.mark.parametrize("law", [(), ("--law", "corrected"), ("--law", "gradient")])
+@pytest.mark.parametrize("kinematics", ["exact", "leading"])
+def test_away_from_the_worlds_origin_the_body_comes_home_too(
+    invoke: Invoke, tmp_path: Path, law: tuple[str, ...], kinematics: str
+) -> None:
+    """The same array about (5, 3) and about (0, 0): the same path, moved."""
+    ends = []
+    for x, y in ((0, 0), (5, 3)):
+        wheels = "".join(
+            f"[[wheel]]\nposition = [{x + p}, {y + q}]\nheading = [{-p}, {-q}]\nspeed = 1\n"
+            for p, q in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+        )
+        file = tmp_path / "moved.toml"
+        file.write_text(MOVED.format(x=x, y=y) + wheels, encoding="utf-8")
+        options = ("--feedback", *law, "--kinematics", kinematics, "--until", "6", "--json")
+        record = invoke("simulate", str(file), "--from", f"{x + 0.25},{y + 0.125},0.25", *options).record
+        ends.append(np.array(record["end"]["state"]) - (x, y, 0))
+    assert np.abs(ends[1] - ends[0]).max() < 1e-6
+    assert np.linalg.norm(ends[1]) < 0.05
+
+
+# ---- a verdict and a path that contradict each other are never printed together ------------------
+
+
+@pytest.fixture
+def pushing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The certified law with all signs turned: what a wrong certificate would look like."""
+    own = feedback_laws.gradient_law
+
+    def turned(gain: float, *rest: Any) -> Any:
+        return own(-gain, *rest)
+
+    monkeypatch.setattr("nonsmooth.reports.feedback_loop.gradient_law", turned)
+
+
+@pytest.mark.usefixtures("pushing")
+def test_a_path_that_contradicts_its_certificate_is_a_fault(invoke: Invoke) -> None:
+    outcome = invoke("simulate", "four-wheel", "--from", "0.1,0.05,0.1", "--feedback")
+    assert (outcome.status, outcome.out) == (70, "")
+    assert outcome.err.count("\n") == 1
+    assert "although the feedback clause certifies the gradient law" in outcome.err
+    with pytest.raises(RuntimeError, match="please report this"):
+        derive_report(load_scene("four-wheel"), Invocation("four-wheel"))
+
+
+@pytest.mark.usefixtures("pushing")
+def test_a_path_from_outside_the_region_contradicts_nothing(invoke: Invoke) -> None:
+    record = invoke("simulate", "four-wheel", "--from", "0.4,0.4,0.1", "--feedback", "--json").record
+    assert record["law"]["starts_inside"] is False
+    assert record["end"]["reason"] == "the body leaves the checked domain"
+
+
+# ---- the other rules -----------------------------------------------------------------------------
+
+
+def elastic_loads(array: Array, c: Floats) -> Floats:
+    """``min |N|^2`` with ``sum N = 1`` and ``sum N p = c``; no spring lifts off near the middle of these arrays."""
+    balance = np.vstack([np.ones(len(array.positions)), array.positions.T])
+    loads: Floats = np.linalg.pinv(balance) @ np.array([1.0, *c])
+    assert (loads > 0).all()
+    return loads
+
+
+def box_minimizer(array: Array, c: Floats, speeds: Floats) -> Floats:
+    """``sum N (mu_R |r| + mu_S |s|)`` as a linear program."""
+    from scipy.optimize import linprog
+
+    rows = np.array([array.row(k, axis) for k, d in enumerate(array.rims) for axis in (d, J @ d)])
+    targets = np.zeros(len(rows))
+    targets[0::2] = speeds
+    weights = (array.frictions * elastic_loads(array, c)[:, None]).ravel()
+    count = len(rows)
+    slack = np.eye(count)
+    found = linprog(
+        np.concatenate([np.zeros(3), weights]),
+        np.block([[rows, -slack], [-rows, -slack]]),
+        np.concatenate([targets, -targets]),
+        bounds=[(None, None)] * 3 + [(0, None)] * count,
+    )
+    assert found.success
+    return np.asarray(found.x[:3])
+
+
+def ellipse_minimizer(array: Array, c: Floats, speeds: Floats) -> Floats:
+    """``sum N sqrt(mu_R^2 r^2 + mu_S^2 s^2)`` by least squares, reweighted until the twist stands still."""
+    size = float(np.abs(speeds).max())
+    rows = np.array([array.row(k, axis) for k, d in enumerate(array.rims) for axis in (d, J @ d)])
+    targets = np.zeros(len(rows))
+    targets[0::2] = speeds
+    scale = array.frictions.ravel()
+    loads = elastic_loads(array, c)
+    twist = np.zeros(3)
+    for _ in range(400):
+        slips = (scale * (rows @ twist - targets)).reshape(-1, 2)
+        own = np.sqrt((slips**2).sum(axis=1) + (1e-7 * size) ** 2)
+        weights = np.repeat(loads / own, 2) * scale**2
+        before, twist = twist, np.linalg.solve(rows.T @ (weights[:, None] * rows), rows.T @ (weights * targets))
+        if np.abs(twist - before).max() < 1e-9 * size:
+            break
+    return twist
+
+
+def imposed_rate(array: Array, cones: list[Record], minimizer: Callable[[Array, Floats, Floats], Floats]) -> Rate:
+    """The law of the clause: of the cone's three twists the one of largest ``|g . xi_l|``, by its speeds."""
+
+    def holds(cone: Record, c: Floats) -> bool:
+        if cone["from"] is None:
+            return True
+        first, last = J @ np.array(cone["from"]), J @ np.array(cone["to"])
+        return bool(first @ c >= 0 >= last @ c)
+
+    def rate(pose: Floats) -> Floats:
+        c = pose[:2]
+        twists = next(cone for cone in cones if holds(cone, c))["twists"]
+        products = [float(pose @ np.array(entry["twist"])) for entry in twists]
+        best = int(np.argmax(np.abs(products)))
+        if abs(products[best]) < 1e-12:
+            return np.zeros(3)
+        return pose_rate(minimizer(array, c, -products[best] * np.array(twists[best]["speeds"])), c)
+
+    return rate
+
+
+@pytest.mark.parametrize(
+    ("name", "rule"),
+    [(name, rule) for name in ("four-wheel", "outward", "conveyor-3", "saddle", "ring-6", "off-center")
+     for rule in ("box", "ellipse")],
+)  # fmt: skip
+def test_small_starts_come_home_under_the_other_rules(invoke: Invoke, name: str, rule: str) -> None:
+    record = invoke("check", name, "--rule", rule, "--json").record["feedback"]
+    assert record["verdict"] == "stabilizable"
+    minimizer = box_minimizer if rule == "box" else ellipse_minimizer
+    rate = imposed_rate(Array(name, rule), record["cones"], minimizer)
+    reach = record["rate_reach"] or 0.02
+    for start in small_starts(0.2 * reach)[:2]:
+        until = min(4 / record["rate"], 30.0)
+        path = followed(rate, start, until, until / 150)
+        assert np.linalg.norm(path[-1]) < 0.3 * np.linalg.norm(start), (start, path[-1])
+
+
+# ---- helpers -------------------------------------------------------------------------------------
+
+
+def whole(sections: tuple[Section, ...]) -> list[Section]:
+    return [part for section in sections for part in (section, *whole(section.subsections))]
+
+
+def find(sections: tuple[Section, ...], title: str) -> Section:
+    return next(section for section in whole(sections) if section.title == title)
+
+
+def plain(text: Text) -> str:
+    parts = (p if isinstance(p, str) else p.plain if isinstance(p, Math) else p.text for p in text)
+    return "".join(parts)
+
+
+def plain_text(section: Section) -> str:
+    texts = [block.text for block in section.blocks if hasattr(block, "text")]
+    captions = [block.caption for block in section.blocks if isinstance(block, Figure)]
+    return " ".join(plain(text) for text in (*texts, *captions))
