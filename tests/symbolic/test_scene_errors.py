@@ -6,6 +6,7 @@ import datetime
 import pickle
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -165,7 +166,7 @@ def names(cases: list[tuple[str, str, str]]) -> list[str]:
     return [f"{number}-{ascii(key or 'file')[1:-1]}" for number, (_, key, _) in enumerate(cases)]
 
 
-def error_of(path: Path, **overrides: str) -> SceneError:
+def error_of(path: Path, **overrides: Any) -> SceneError:
     with pytest.raises(SceneError) as caught:
         load_scene(path, **overrides)
     return caught.value
