@@ -256,7 +256,7 @@ def test_binary_file(tmp_path: Path, data: bytes) -> None:
         ({"at": "[0, 0]"}, "check.equilibrium"),
     ],
 )
-def test_overrides_are_checked_like_the_file(overrides: dict[str, str], key: str) -> None:
+def test_overrides_are_checked_like_the_file(overrides: dict[str, Any], key: str) -> None:
     with pytest.raises(SceneError) as caught:
         load_scene("four-wheel", **overrides)
     check_line(caught.value, f"four-wheel: {key}: ")
