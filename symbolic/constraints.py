@@ -100,6 +100,11 @@ def scene_rows(scene: Scene) -> tuple[Row, ...]:
     return tuple(row for wheel in scene.wheels for row in wheel_rows(wheel))
 
 
+def rows_with_friction(scene: Scene) -> list[Row]:
+    """The rows that can hold at all: without friction a row limits nothing."""
+    return [row for row in scene_rows(scene) if row.friction]
+
+
 def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
     """``Omega_i``: the two unit-length rows acting on ``(xi, 1)``, eq. (2)."""
     first, second = (

@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -73,27 +73,26 @@ def _greedy_twist(scene: Scene, point: NDArray[np.float64]) -> tuple[NDArray[np.
     """The twist, and how many of the nearest wheels were asked for rows."""
     rows: list[NDArray[np.float64]] = []
     rhs: list[float] = []
+    wheels = sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
     used = 0
-    for number, (normal, speed) in enumerate(_ordered_rows(scene, point)):
-        if np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE) > len(rows):
-            rows.append(normal)
-            rhs.append(speed)
-        if len(rows) == 3:
-            used = number // 2 + 1
-            break
+    while len(rows) < 3:
+        for normal, speed in _ordered_rows(wheels[used]):
+            rank = np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE)
+            if len(rows) < rank <= 3:
+                rows.append(normal)
+                rhs.append(speed)
+        used += 1
     return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs))), used
 
 
-def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], float]]:
-    wheels = sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
-    ordered: list[tuple[NDArray[np.float64], float]] = []
-    for wheel in wheels:
-        p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
-        n, moved = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
-        roll, side = (np.append(d, d @ moved), float(wheel.speed)), (np.append(n, n @ moved), 0.0)
-        first_side = float(wheel.friction.side) > float(wheel.friction.roll)
-        ordered += [side, roll] if first_side else [roll, side]
-    return ordered
+def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
+    """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
+    p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
+    n, moved = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
+    roll = float(wheel.friction.roll), np.append(d, d @ moved), float(wheel.speed)
+    side = float(wheel.friction.side), np.append(n, n @ moved), 0.0
+    ordered = (side, roll) if side[0] > roll[0] else (roll, side)
+    return [(normal, speed) for friction, normal, speed in ordered if friction]
 
 
 def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
