@@ -174,6 +174,16 @@ def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
     return total[0], total[1], total[2]
 
 
+def complement(basis: Sequence[Triple]) -> tuple[Triple, ...]:
+    """Independent vectors orthogonal to one, two or three independent ones."""
+    if len(basis) == 1:
+        one = basis[0][0].field.one
+        zero = one - one
+        crossed = [outer(basis[0], axis) for axis in ((one, zero, zero), (zero, one, zero), (zero, zero, one))]
+        return tuple(leading_one(crossed[k]) for k in independent(crossed))
+    return (leading_one(outer(basis[0], basis[1])),) if len(basis) == 2 else ()
+
+
 def independent(vectors: Sequence[Triple]) -> tuple[int, ...]:
     """Positions of the first linearly independent vectors: a basis of their span, at most three."""
     first = next((k for k, vector in enumerate(vectors) if any(vector)), None)
