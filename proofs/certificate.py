@@ -58,9 +58,19 @@ def build_certificate(result: CellCheck | EllipseCheck) -> Record:
         )
     certificate = encode(_document(result))
     claim = check_certificate(certificate)
+    if claim and result.scene.contact.rule is Rule.NEAREST and _rows_left_out(result.scene):
+        raise CertificateError(
+            "certificate: required friction in both directions, received rows without friction, which are left out: "
+            "the stand-alone checker follows both rows of the nearest wheel and one row of the second"
+        )
     if claim:
         raise CertificateError(f"certificate: required a verdict that the checker follows; it does not show: {claim}")
     return certificate
+
+
+def _rows_left_out(scene: Scene) -> bool:
+    """Whether a row has no friction, so that rule ``nearest`` does not take it."""
+    return not all(wheel.friction.roll and wheel.friction.side for wheel in scene.wheels)
 
 
 def certificate_text(certificate: Record) -> str:

@@ -143,7 +143,9 @@ def _nearest_cells(work: _Work) -> Partition:
     partition = build_nearest_partition(work.centred, prune=work.prune)
     idle = len(work.scene.wheels) - partition.wheels_considered
     if idle:
-        work.skip("wheels", idle, "too far away to be among the two nearest anywhere in the square")
+        in_pairs = all(state.is_of_a_pair for state in partition.states)
+        where = "to be among the two nearest" if in_pairs else "for any of their rows to be taken"
+        work.skip("wheels", idle, f"too far away {where} anywhere in the square")
     return partition
 
 

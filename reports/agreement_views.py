@@ -87,11 +87,15 @@ def _differences(agreement: Agreement) -> tuple[tuple[str, TwistDifference], ...
 
 
 def _difference_text(difference: TwistDifference) -> str:
+    missing = f"not certified: {difference.not_certified}"
+    if difference.mean is None or difference.largest is None or difference.at is None:
+        return missing
     x, y = difference.at
-    return (
+    shown = (
         f"relative difference of twist {difference.mean:.3g} in the mean, at most {difference.largest:.3g} "
         f"near ({x:.4g}, {y:.4g}), over {difference.points} points"
     )
+    return f"{shown}; {missing}" if difference.not_certified else shown
 
 
 def _difference_record(difference: TwistDifference) -> dict[str, Any]:
@@ -99,5 +103,6 @@ def _difference_record(difference: TwistDifference) -> dict[str, Any]:
         "points": difference.points,
         "mean": difference.mean,
         "largest": difference.largest,
-        "at": list(difference.at),
+        "at": None if difference.at is None else list(difference.at),
+        "not_certified": difference.not_certified or None,
     }

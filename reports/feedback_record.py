@@ -158,7 +158,8 @@ def _samples_record(feedback: DrivenFeedback) -> list[Record]:
             "states": sample.states,
             "worst_rate": floats(sample.worst_rate),
             "worst_state": floats(sample.worst_state),
-            "fails": bool(sample.fails),
+            "fails": sample.fails,
+            "not_certified": sample.not_certified or None,
         }
         for sample in feedback.samples
     ]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import secrets
 from collections.abc import Collection
 from pathlib import Path
 
+ATTEMPTS = 10  # to find a free name of 128 random bits
 PICTURES = (".svg", ".png", ".pdf")  # what Matplotlib writes for us
 
 
@@ -55,17 +58,36 @@ def write_whole(path: Path, data: bytes) -> None:
         OutputError: where the system refuses; then nothing is left behind.
     """
     target = path.resolve()
-    temporary = target.with_name(f".nonsmooth-{os.getpid()}.tmp")
+    temporary: Path | None = None
     try:
         try:
-            temporary.write_bytes(data)
-            if target.exists():
-                temporary.chmod(target.stat().st_mode & 0o7777)
+            temporary, descriptor = _create_beside(target)
+            with os.fdopen(descriptor, "wb") as stream:
+                if target.exists():
+                    os.fchmod(stream.fileno(), target.stat().st_mode & 0o7777)
+                stream.write(data)
             temporary.replace(target)
         finally:
-            temporary.unlink(missing_ok=True)
+            if temporary is not None:
+                temporary.unlink(missing_ok=True)
     except OSError as error:
         raise _unusable(path, error) from None
+
+
+def _create_beside(target: Path) -> tuple[Path, int]:
+    """A new file in the target's folder, and its descriptor.
+
+    Others may write to that folder too: the name cannot be guessed, and what stands there already, a link above all, is
+    neither followed nor overwritten.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+    for _ in range(ATTEMPTS):
+        temporary = target.with_name(f".nonsmooth-{secrets.token_hex(16)}.tmp")
+        try:
+            return temporary, os.open(temporary, flags, 0o666)
+        except FileExistsError:
+            continue
+    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
 
 
 def _either(names: Collection[str]) -> str:

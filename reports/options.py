@@ -39,6 +39,10 @@ Radius = Annotated[
 At = Annotated[
     str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4; replaces the scene's.")
 ]
+AllowOutside = Annotated[
+    bool,
+    typer.Option("--allow-outside", help="Read a table of wheels from outside the scene's folder too (wheels.file)."),
+]
 NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; the verdicts are the same.")]
 CertificateFile = Annotated[
     str | None,

@@ -141,6 +141,7 @@ def _translation_record(translation: TranslationResult | EllipseTranslation) -> 
         "quadratic": _quadratic_record(translation),
         **rate,
         "samples": None if sampled is None else sampled.samples,
+        "not_certified": None if sampled is None else sampled.not_certified or None,
         "region": None if radius is None else {"shape": "disc", **with_exact({"radius": radius})},
         "witness": witness_record(translation.witness, "value"),
         "reason": translation.reason,

@@ -148,9 +148,11 @@ def _translation_evidence(translation: TranslationResult | EllipseTranslation) -
     lines = [translation.reason]
     sampled = translation.sampled
     if sampled is not None:
-        lines.append(
-            f"largest V*/|c| at {sampled.samples} sampled points of the square: {sampled.largest_relative:.6g}"
-        )
+        if sampled.largest_relative is not None:
+            rate = f"{sampled.largest_relative:.6g}"
+            lines.append(f"largest V*/|c| at {sampled.samples} sampled points of the square: {rate}")
+        if sampled.not_certified:
+            lines.append(f"largest V*/|c| over the square not certified: {sampled.not_certified}")
     elif translation.worst_rate is not None:
         lines.append(f"max V*/|c| = {brief(translation.worst_rate)} on the square")
     quadratic = translation.quadratic
@@ -206,8 +208,11 @@ def _driven_evidence(feedback: DrivenFeedback) -> list[str]:
         where = "near c*" if reach is None else f"where |x|, |y| < {lower_text(reach, 3)}"
         lines += [f"{where}: V' <= -{lower_text(2 * feedback.kappa, 4)} k V (certified)", "V = |c|^2 + theta^2"]
     for sample in feedback.samples:
-        rate = f"{sample.worst_rate:.3g}" if abs(sample.worst_rate) > ROUNDING else "0"
-        lines.append(f"{sample.law} (sampled): largest V'/V found {rate} k over {sample.states} states")
+        if sample.worst_rate is not None:
+            rate = f"{sample.worst_rate:.3g}" if abs(sample.worst_rate) > ROUNDING else "0"
+            lines.append(f"{sample.law} (sampled): largest V'/V found {rate} k over {sample.states} states")
+        if sample.not_certified:
+            lines.append(f"{sample.law} (sampled): largest V'/V not certified: {sample.not_certified}")
     return lines
 
 

@@ -100,6 +100,11 @@ def scene_rows(scene: Scene) -> tuple[Row, ...]:
     return tuple(row for wheel in scene.wheels for row in wheel_rows(wheel))
 
 
+def rows_with_friction(scene: Scene) -> list[Row]:
+    """The rows that can hold at all: without friction a row limits nothing."""
+    return [row for row in scene_rows(scene) if row.friction]
+
+
 def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
     """``Omega_i``: the two unit-length rows acting on ``(xi, 1)``, eq. (2)."""
     first, second = (
@@ -167,6 +172,16 @@ def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
             raise ValueError("required at least one column, received none")
         return zero[0] * 0, zero[0] * 0, zero[0] * 0
     return total[0], total[1], total[2]
+
+
+def complement(basis: Sequence[Triple]) -> tuple[Triple, ...]:
+    """Independent vectors orthogonal to one, two or three independent ones."""
+    if len(basis) == 1:
+        one = basis[0][0].field.one
+        zero = one - one
+        crossed = [outer(basis[0], axis) for axis in ((one, zero, zero), (zero, one, zero), (zero, zero, one))]
+        return tuple(leading_one(crossed[k]) for k in independent(crossed))
+    return (leading_one(outer(basis[0], basis[1])),) if len(basis) == 2 else ()
 
 
 def independent(vectors: Sequence[Triple]) -> tuple[int, ...]:

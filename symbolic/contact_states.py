@@ -50,6 +50,12 @@ class ContactState:
         """For example ``["R1", "S1", "R4"]``."""
         return [row.name for row in self.rows]
 
+    @property
+    def is_of_a_pair(self) -> bool:
+        """Whether it holds both rows of one wheel, roll row first, and then one row of another."""
+        wheels = [row.wheel.index for row in self.rows]
+        return len(wheels) == 3 and wheels[0] == wheels[1] != wheels[2]
+
     @cached_property
     def control_fields(self) -> dict[int, Triple]:
         """``g_w`` by wheel index: ``xi = sum_w g_w u_w``; side rows carry no input.

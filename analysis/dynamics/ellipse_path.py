@@ -17,7 +17,8 @@ from nonsmooth.analysis.dynamics.continuous_path import as_trajectory, integrate
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
-from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.analysis.minimizers.proved import resists_every_motion
+from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 
 RELATIVE_TOLERANCE = 1e-9  # per step; the minimizer itself is right to about 1e-12
 ABSOLUTE_TOLERANCE = 1e-11  # length and radians
@@ -29,7 +30,8 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
     Raises:
         ValueError: for a last time that is not positive, or numbers that are not finite.
         nonsmooth.analysis.partitions.loads.LoadError: for a start without loads.
-        nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
+        nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up, or a minimizer is not
+            proved to be the motion.
     """
     state = np.array(start, float)
     if not (np.isfinite(state).all() and 0 < until < math.inf):
@@ -37,7 +39,13 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
     loads, minimizer = MovingLoads(model, state[:2]), EllipseInterior()
 
     def rate(t: float, pose: Floats) -> Floats:
-        (twist,) = minimizer.minimize(model, loads.at(pose[:2])[0]).twists
+        minima = minimizer.minimize(model, loads.at(pose[:2])[0])
+        if not (minima.check() & resists_every_motion(model, minima.loads))[0]:
+            x, y = (float(value) for value in pose[:2])
+            raise TrajectoryError(
+                f"required a certified motion, received a minimum without proof at ({x:.6g}, {y:.6g})"
+            )
+        (twist,) = minima.twists
         return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
 
     tolerances = {"rtol": RELATIVE_TOLERANCE, "atol": ABSOLUTE_TOLERANCE}

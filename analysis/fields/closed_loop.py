@@ -13,16 +13,19 @@ A few rounds of random search around the worst states look between the samples.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, turn
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats, turn
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 
 GAIN = 1.0  # k, 1/time: the rate scales with it
 SEARCH_ROUNDS = 4
@@ -45,20 +48,22 @@ class LoopSample:
 
     Attributes:
         law: the law.
-        states: how many states (c, theta) were evaluated.
-        worst_rate: largest ``V'/V`` found (1/time at gain one).
+        states: how many states (c, theta) count: those at which the motion is proved.
+        worst_rate: largest ``V'/V`` found (1/time at gain one); None where no state counts.
         worst_state: where.
+        not_certified: what is missing, in words; empty where all states count.
     """
 
     law: Law
     states: int
-    worst_rate: float
-    worst_state: tuple[float, float, float]
+    worst_rate: float | None
+    worst_state: tuple[float, float, float] | None
+    not_certified: str = ""
 
     @property
-    def fails(self) -> bool:
-        """Whether V does not fall at the worst state, as far as floats tell."""
-        return self.worst_rate >= -ZERO_RATE
+    def fails(self) -> bool | None:
+        """Whether V does not fall at the worst state, as far as floats tell; None where there is none."""
+        return None if self.worst_rate is None else self.worst_rate >= -ZERO_RATE
 
 
 def sample_closed_loop(
@@ -69,15 +74,19 @@ def sample_closed_loop(
     states = _random_states(rng, samples, radius)
     rates = relative_rates(model, functional, law, states)
     for k in range(SEARCH_ROUNDS):
-        worst = states[np.argsort(rates)[-SEARCH_BEST:]]
+        worst = states[np.argsort(np.where(np.isnan(rates), -np.inf, rates))[-SEARCH_BEST:]]
         spread = radius * 0.5 ** (k + 1)
         near = np.repeat(worst, SEARCH_TRIES, axis=0) + spread * rng.normal(size=(SEARCH_BEST * SEARCH_TRIES, 3))
         near = np.clip(near, -radius, radius)
         states = np.concatenate([states, near])
         rates = np.concatenate([rates, relative_rates(model, functional, law, near)])
-    best = int(np.argmax(rates))
+    found = ~np.isnan(rates)
+    missing = minima_without_proof(found)
+    if not found.any():
+        return LoopSample(law, 0, None, None, missing)
+    best = int(np.nanargmax(rates))
     x, y, theta = (float(s) for s in states[best])
-    return LoopSample(law, len(states), float(rates[best]), (x, y, theta))
+    return LoopSample(law, int(found.sum()), float(rates[best]), (x, y, theta), missing)
 
 
 def _random_states(rng: np.random.Generator, samples: int, radius: float) -> Floats:
@@ -90,12 +99,19 @@ def _random_states(rng: np.random.Generator, samples: int, radius: float) -> Flo
 
 
 def relative_rates(model: ContactModel, functional: Functional, law: Law, states: Floats) -> Floats:
-    """``V'/V`` at states (m, 3), ``V' = 2 (c . c' + theta omega)``, at gain one."""
+    """``V'/V`` at states (m, 3), ``V' = 2 (c . c' + theta omega)``, at gain one; nan where no motion is proved.
+
+    Since ``c . (v + omega J c) = c . v``, that is twice the product of state and twist; the largest of all minimizers.
+    """
     speeds = _LAWS[law](model, states)
-    twists = _minimizers(model, functional, states[:, :2], speeds)
-    translation = (twists[:, :2] * states[:, :2]).sum(axis=1)  # c . (v + omega J c) = c . v
-    rates = 2 * (translation + states[:, 2] * twists[:, 2])
-    return np.asarray(rates / (states**2).sum(axis=1))
+    rates = np.empty(len(states))
+    for block, minima in _minimizers(model, functional, states[:, :2], speeds):
+        own = states[block]
+        products = (minima.twists * own).sum(axis=1)
+        for k, face in minima.faces.items():
+            products[k] = (face @ own[k]).max()
+        rates[block] = np.where(proved(minima), 2 * products / (own**2).sum(axis=1), np.nan)
+    return rates
 
 
 def paper_speeds(model: ContactModel, states: Floats) -> Floats:
@@ -123,12 +139,15 @@ def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
 _LAWS = {Law.PAPER: paper_speeds, Law.TRACKING: tracking_speeds}
 
 
-def _minimizers(model: ContactModel, functional: Functional, points: Floats, speeds: Floats) -> Floats:
-    """Twist for each point and its own speeds."""
+def _minimizers(
+    model: ContactModel, functional: Functional, points: Floats, speeds: Floats
+) -> Iterator[tuple[slice, Minima]]:
+    """Minimizers for points with their own speeds, in blocks."""
     targets = np.zeros((len(points), 2 * model.wheels))
     targets[:, 0::2] = speeds
     loads = loads_at(model, points)
     if functional is Functional.ELLIPSE:
-        return EllipseInterior().twists(model, loads, targets)
-    driven = (replace(model, targets=row) for row in targets)
-    return np.array([BoxHighs().minimize(m, n[None]).twists[0] for m, n in zip(driven, loads, strict=True)])
+        yield slice(None), EllipseInterior().minimize(ContactRows(model.rows, targets, model.friction), loads)
+        return
+    for k, (row, load) in enumerate(zip(targets, loads, strict=True)):
+        yield slice(k, k + 1), BoxHighs().minimize(replace(model, targets=row), load[None])

@@ -29,7 +29,7 @@ class ContactRows:
 
     Attributes:
         rows: ``a_k``, shape (2n, 3); the third column has the unit of length.
-        targets: ``b_k``, shape (2n,), velocity.
+        targets: ``b_k``, shape (2n,), velocity; or (m, 2n) where each of m points has its own speeds.
         friction: Coulomb coefficient of each row, shape (2n,), at least 0.
     """
 
@@ -45,7 +45,7 @@ class ContactRows:
         count = len(self.rows)
         if self.rows.shape != (count, 3) or count % 2 or not count:
             raise ValueError(f"required rows of shape (2n, 3), received {self.rows.shape}")
-        if self.targets.shape != (count,) or self.friction.shape != (count,):
+        if self.targets.shape[-1:] != (count,) or self.targets.ndim > 2 or self.friction.shape != (count,):
             shapes = f"{self.targets.shape} and {self.friction.shape}"
             raise ValueError(f"required {count} targets and friction coefficients, received shapes {shapes}")
         if not all(np.isfinite(a).all() for a in (self.rows, self.targets, self.friction)):
@@ -57,6 +57,10 @@ class ContactRows:
     def wheels(self) -> int:
         """Number n of contacts."""
         return len(self.rows) // 2
+
+    def at_point(self, k: int) -> ContactRows:
+        """The rows with the speeds of one point."""
+        return self if self.targets.ndim == 1 else ContactRows(self.rows, self.targets[k], self.friction)
 
     def slips(self, twists: ArrayLike) -> Floats:
         """``a_k . xi - b_k`` for twists of shape (..., 3); shape (..., n, 2): (along, across) the rim."""

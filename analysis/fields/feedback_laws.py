@@ -73,6 +73,7 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
     """
 
     def prepare(state: ContactState) -> Speeds:
+        _require_a_pair(state)
         wheel = state.rows[0].wheel
         d, p = _floats(wheel.unit_direction), _floats(wheel.position)
         n = turn(d)
@@ -96,6 +97,7 @@ def tangential_law(gain: float, length: float) -> Law:
     """
 
     def prepare(state: ContactState) -> Speeds:
+        _require_a_pair(state)
         p = _floats(state.rows[0].wheel.position)
         out = p / np.hypot(*p)
         across = turn(out)
@@ -126,16 +128,27 @@ def _imposed(state: ContactState, twist: Callable[[Vector, float], Vector]) -> S
     return speeds
 
 
+def _require_a_pair(state: ContactState) -> None:
+    if not state.is_of_a_pair:
+        raise ValueError(
+            f"required both rows of one wheel and one of another (no row without friction), received {state.name}"
+        )
+
+
+def _require_two_inputs(state: ContactState) -> None:
+    _require_a_pair(state)
+    if state.rows[2].kind is not RowKind.ROLL:
+        raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
+
+
 def _floats(values: Iterable[Number]) -> Vector:
     return np.array([float(x) for x in values])
 
 
 def _paper_law(gain: float, *, corrected: bool) -> Law:
     def prepare(state: ContactState) -> Speeds:
-        nearest, last = state.rows[0].wheel.index, state.rows[2]
-        if last.kind is not RowKind.ROLL:
-            raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
-        second = last.wheel.index
+        _require_two_inputs(state)
+        nearest, second = state.rows[0].wheel.index, state.rows[2].wheel.index
         torque = state.control_fields[second][2]
         turn = -gain * (torque.sign() if corrected else 1)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, solve_program
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
@@ -19,6 +20,7 @@ TOLERANCE = 1e-8  # Clarabel's own
 
 def hull_upper_derivative_at(partition: Partition, point: Point) -> float:
     """``max sum_k lambda_k 2 c . v_k`` over ``lambda >= 0, sum lambda = 1``."""
+    load_cvxpy()
     import cvxpy as cp
 
     c = np.array([float(x) for x in point])
@@ -26,7 +28,7 @@ def hull_upper_derivative_at(partition: Partition, point: Point) -> float:
     weights = cp.Variable(len(velocities), nonneg=True)
     total = np.ones(len(velocities)) @ weights
     problem = cp.Problem(cp.Maximize(2 * (velocities @ c) @ weights), [total == 1])
-    return float(problem.solve())
+    return float(problem.solve(solver=cp.CLARABEL))
 
 
 def hull_upper_derivative_on(
@@ -37,6 +39,7 @@ def hull_upper_derivative_on(
     Raises:
         RuntimeError: where the solver gives up.
     """
+    load_cvxpy()
     import cvxpy as cp
 
     c = cp.Variable(2)

@@ -8,44 +8,65 @@ lower bound of the true one; it is reported as sampled, never as proved.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.minimizers.minimum import Minima
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
 
-TwistsAt: TypeAlias = Callable[[Scene, NDArray[np.float64]], NDArray[np.float64]]
-
 
 @dataclass(frozen=True)
 class SampledDerivative:
-    """Largest sampled value of V* and of ``V*/|c|``, with the sample that attains the latter."""
+    """Largest sampled value of V* and of ``V*/|c|``, with the sample that attains the latter.
+
+    Attributes:
+        samples: the points that count: those at which the motion is proved.
+        largest: largest V*; None without such points.
+        largest_relative: largest ``V*/|c|``.
+        at: where.
+        not_certified: what is missing, in words; empty where all points count.
+    """
 
     samples: int
-    largest: float
-    largest_relative: float
-    at: tuple[float, float]
+    largest: float | None
+    largest_relative: float | None
+    at: tuple[float, float] | None
+    not_certified: str = ""
 
 
 def sample_upper_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
     """Evaluate ``2 c . v`` under rule ``nearest`` at random points of the checked square (centred scene)."""
-    return _largest_rates(scene, literal_twists, samples, seed)
+    points = _random_points(scene, samples, seed)
+    return _largest_rates(points, _rates(points, literal_twists(scene, points)))
 
 
-def _largest_rates(scene: Scene, twists_at: TwistsAt, samples: int, seed: int) -> SampledDerivative:
-    rng = np.random.default_rng(seed)
+def _random_points(scene: Scene, samples: int, seed: int) -> NDArray[np.float64]:
     radius = float(scene.check.radius)
-    points = rng.uniform(-radius, radius, size=(samples, 2))
-    rates = 2 * (twists_at(scene, points)[:, :2] * points).sum(axis=1)
+    return np.random.default_rng(seed).uniform(-radius, radius, size=(samples, 2))
+
+
+def _rates(points: NDArray[np.float64], twists: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``2 c . v``."""
+    return np.asarray(2 * (twists[:, :2] * points).sum(axis=1))
+
+
+def _largest_rates(
+    points: NDArray[np.float64], rates: NDArray[np.float64], not_certified: str = ""
+) -> SampledDerivative:
+    if not len(points):
+        return SampledDerivative(0, None, None, None, not_certified)
     relative = rates / np.hypot(*points.T)
     best = int(np.argmax(relative))
-    return SampledDerivative(samples, float(rates.max()), float(relative[best]), (points[best, 0], points[best, 1]))
+    at = (points[best, 0], points[best, 1])
+    return SampledDerivative(len(points), float(rates.max()), float(relative[best]), at, not_certified)
 
 
 def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -73,39 +94,53 @@ def _greedy_twist(scene: Scene, point: NDArray[np.float64]) -> tuple[NDArray[np.
     """The twist, and how many of the nearest wheels were asked for rows."""
     rows: list[NDArray[np.float64]] = []
     rhs: list[float] = []
+    wheels = sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
     used = 0
-    for number, (normal, speed) in enumerate(_ordered_rows(scene, point)):
-        if np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE) > len(rows):
-            rows.append(normal)
-            rhs.append(speed)
-        if len(rows) == 3:
-            used = number // 2 + 1
-            break
+    while len(rows) < 3:
+        for normal, speed in _ordered_rows(wheels[used]):
+            rank = np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE)
+            if len(rows) < rank <= 3:
+                rows.append(normal)
+                rhs.append(speed)
+        used += 1
     return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs))), used
 
 
-def _ordered_rows(scene: Scene, point: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], float]]:
-    wheels = sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
-    ordered: list[tuple[NDArray[np.float64], float]] = []
-    for wheel in wheels:
-        p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
-        n, moved = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
-        roll, side = (np.append(d, d @ moved), float(wheel.speed)), (np.append(n, n @ moved), 0.0)
-        first_side = float(wheel.friction.side) > float(wheel.friction.roll)
-        ordered += [side, roll] if first_side else [roll, side]
-    return ordered
+def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
+    """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
+    p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
+    n, moved = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
+    roll = float(wheel.friction.roll), np.append(d, d @ moved), float(wheel.speed)
+    side = float(wheel.friction.side), np.append(n, n @ moved), 0.0
+    ordered = (side, roll) if side[0] > roll[0] else (roll, side)
+    return [(normal, speed) for friction, normal, speed in ordered if friction]
 
 
 def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
-    """Evaluate ``2 c . v`` under rule ``ellipse`` at random points of the checked square (centred scene)."""
-    return _largest_rates(scene, ellipse_twists, samples, seed)
+    """Evaluate V* under rule ``ellipse`` at random points of the checked square (centred scene).
+
+    Where the minimizer is not unique V* is the largest rate over all of them.  Points at which the motion is not
+    proved do not count.
+    """
+    from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
+
+    free = free_motions(scene)
+    if free:
+        return SampledDerivative(0, None, None, None, free)
+    points = _random_points(scene, samples, seed)
+    minima = ellipse_minima(scene, points)
+    rates = _rates(points, minima.twists)
+    for k, face in minima.faces.items():
+        rates[k] = (2 * face[:, :2] @ points[k]).max()
+    found = proved(minima)
+    return _largest_rates(points[found], rates[found], minima_without_proof(found))
 
 
-def ellipse_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Twists of rule ``ellipse`` at points (m, 2)."""
+def ellipse_minima(scene: Scene, points: NDArray[np.float64]) -> Minima:
+    """Minimizers of rule ``ellipse`` at points (m, 2), with the forces that prove them."""
     from nonsmooth.analysis.fields.contact_model import contact_model
     from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
     from nonsmooth.analysis.minimizers.float_loads import loads_at
 
     model = contact_model(scene)
-    return EllipseInterior().minimize(model, loads_at(model, points)).twists
+    return EllipseInterior().minimize(model, loads_at(model, points))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, solve_program
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
@@ -53,6 +54,7 @@ class _Program:
     """``min N . t`` subject to ``|weighted slips of wheel i| <= t_i``."""
 
     def __init__(self, functional: Functional, model: ContactRows) -> None:
+        load_cvxpy()
         import cvxpy as cp
 
         self.friction = model.friction.reshape(-1, 2)

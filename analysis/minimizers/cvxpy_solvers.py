@@ -12,6 +12,8 @@ import warnings
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
+
 if TYPE_CHECKING:
     import cvxpy as cp
 
@@ -33,7 +35,7 @@ class ConeSolver(StrEnum):
 
 def import_solvers() -> None:
     """Import CVXPY now, so that no measured time includes it."""
-    import cvxpy  # noqa: F401
+    load_cvxpy()
 
 
 def solver_options(solver: ConeSolver, tolerance: float) -> dict[str, Any]:
@@ -54,6 +56,7 @@ def solve_program(problem: cp.Problem, solver: ConeSolver, tolerance: float) -> 
     Raises:
         RuntimeError: where the solver gives up.
     """
+    load_cvxpy()
     import cvxpy as cp
 
     with warnings.catch_warnings():

@@ -46,7 +46,8 @@ def dissipation(functional: Functional, model: ContactRows, loads: ArrayLike, tw
 def input_power(model: ContactRows, forces: ArrayLike) -> Floats:
     """``sum_k f_k b_k`` for forces (..., n, 2): the dual value of balanced forces; power."""
     flat = np.asarray(forces, float)
-    return np.asarray(flat.reshape(*flat.shape[:-2], len(model.rows)) @ model.targets)
+    flat = flat.reshape(*flat.shape[:-2], len(model.rows))
+    return np.asarray((flat * model.targets).sum(axis=-1))
 
 
 def usage(functional: Functional, model: ContactRows, loads: ArrayLike, forces: ArrayLike) -> Floats:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
@@ -35,19 +35,10 @@ class EllipseInterior:
         normal = model.checked_loads(loads)
         rows, to_twists = row_frame(model.rows)
         grip = model.friction / (float(model.friction.max()) or 1.0)
-        speed = float(np.abs(grip * model.targets).max()) or 1.0
-        maps = (grip[:, None] * rows).reshape(-1, 2, 3)
-        unknowns, shares = minimize_norms(normal, maps, (grip * model.targets / speed).reshape(-1, 2))
-        twists = speed * unknowns @ to_twists.T
-        return Minima.certified(self.functional, model, normal, twists, shares * model.limits(normal))
-
-    def twists(self, model: ContactRows, loads: ArrayLike, targets: Floats) -> Floats:
-        """Minimizing twists (m, 3) where every point has its own speeds: targets (m, 2n) instead of the model's."""
-        normal = model.checked_loads(loads)
-        rows, to_twists = row_frame(model.rows)
-        grip = model.friction / (float(model.friction.max()) or 1.0)
-        speeds = np.abs(grip * targets).max(axis=1)
+        speeds = np.abs(grip * model.targets).max(axis=-1, keepdims=True)
         speeds[speeds == 0] = 1.0
         maps = (grip[:, None] * rows).reshape(-1, 2, 3)
-        own = (grip * targets / speeds[:, None]).reshape(len(targets), -1, 2)
-        return np.asarray(speeds[:, None] * (minimize_norms(normal, maps, own)[0] @ to_twists.T))
+        targets = grip * model.targets / speeds
+        unknowns, shares = minimize_norms(normal, maps, targets.reshape(*targets.shape[:-1], -1, 2))
+        twists = speeds * (unknowns @ to_twists.T)
+        return Minima.certified(self.functional, model, normal, twists, shares * model.limits(normal))

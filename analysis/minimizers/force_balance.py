@@ -38,7 +38,7 @@ def leaking_power(model: ContactRows, forces: Floats, twists: Floats) -> Floats:
     """
     total = np.abs(forces.reshape(*forces.shape[:-2], len(model.rows)) @ model.rows)
     columns = np.abs(model.rows).max(axis=0)
-    speeds = np.abs(model.targets).max() / np.where(columns > 0, columns, 1.0)
+    speeds = np.abs(model.targets).max(axis=-1, keepdims=True) / np.where(columns > 0, columns, 1.0)
     return np.asarray((total * (np.abs(twists) + speeds)).sum(axis=-1))
 
 

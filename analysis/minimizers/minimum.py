@@ -50,10 +50,10 @@ class Minima:
         """Complete a solver's answer: multipliers become balanced, admissible forces, and faces are found."""
         forces = balance_forces(functional, model, loads, multipliers)
         faces = {}
-        for k in np.flatnonzero(undetermined(functional, model, loads, forces)):
-            face = optimal_face(functional, model, loads[k], twists[k], forces[k])
+        for k in np.flatnonzero(undetermined(functional, model, loads, forces)).tolist():
+            face = optimal_face(functional, model.at_point(k), loads[k], twists[k], forces[k])
             if face is not None:
-                faces[int(k)] = face
+                faces[k] = face
         return cls(functional, model, loads, twists, forces, faces)
 
     def __len__(self) -> int:
@@ -61,7 +61,8 @@ class Minima:
 
     def __getitem__(self, k: int) -> Minimum:
         k = range(len(self))[k]
-        return Minimum(self.functional, self.model, self.loads[k], self.twists[k], self.forces[k], self.faces.get(k))
+        model, face = self.model.at_point(k), self.faces.get(k)
+        return Minimum(self.functional, model, self.loads[k], self.twists[k], self.forces[k], face)
 
     def __iter__(self) -> Iterator[Minimum]:
         return (self[k] for k in range(len(self)))

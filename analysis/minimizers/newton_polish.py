@@ -84,6 +84,7 @@ class _Norms:
         """Whether residuals and multipliers prove each other optimal, shape (m,)."""
         gap = np.abs((norm(r) + r[0] * z[0] + r[1] * z[1]).sum(axis=0))
         small = gap <= ACCEPTED_GAP * norm(r).sum(axis=0) + ACCEPTED_FLOOR * self.start
+        small &= np.isfinite(gap)  # a step out of the range of floats: infinity is no larger than infinity
         admissible = norm(z).max(axis=0) <= 1 + ACCEPTED_EXCESS
         balanced = np.abs(self.imbalance(z)).max(axis=0) <= ACCEPTED_IMBALANCE * self.weights.sum(axis=0)
         return np.asarray(small & admissible & balanced)

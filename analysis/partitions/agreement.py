@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.sampling import ellipse_twists
+from nonsmooth.analysis.fields.sampling import ellipse_minima
+from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Cell, Partition
@@ -76,16 +77,18 @@ class TwistDifference:
     """Relative difference of two rules' twists over a grid.
 
     Attributes:
-        points: number of grid points.
-        mean: mean relative difference.
+        points: number of grid points that count: those at which the motion under rule ``ellipse`` is proved.
+        mean: mean relative difference; None where no point counts.
         largest: largest relative difference.
         at: where it occurs.
+        not_certified: what is missing, in words; empty where all points count.
     """
 
     points: int
-    mean: float
-    largest: float
-    at: tuple[float, float]
+    mean: float | None
+    largest: float | None
+    at: tuple[float, float] | None
+    not_certified: str = ""
 
 
 @dataclass(frozen=True)
@@ -114,9 +117,12 @@ def compare_rules(scene: Scene) -> Agreement:
     ruled = {rule: replace(scene, contact=Contact(rule, scene.contact.loads)) for rule in Rule}
     nearest, box = build_nearest_partition(ruled[Rule.NEAREST]), build_box_partition(ruled[Rule.BOX])
     points = comparison_grid(scene)
-    twists = ellipse_twists(scene, points)
+    minima = ellipse_minima(scene, points)
+    found = proved(minima)
+    points, twists, missing = points[found], minima.twists[found], minima_without_proof(found)
     differences = [
-        _difference(scene, points, twists, PointLocator(partition).twists(points)) for partition in (nearest, box)
+        _difference(scene, points, twists, PointLocator(partition).twists(points), missing)
+        for partition in (nearest, box)
     ]
     return Agreement(nearest, box, shared_area(nearest, box), *differences)
 
@@ -129,8 +135,10 @@ def comparison_grid(scene: Scene) -> NDArray[np.float64]:
 
 
 def _difference(
-    scene: Scene, points: NDArray[np.float64], first: NDArray[np.float64], second: NDArray[np.float64]
+    scene: Scene, points: NDArray[np.float64], first: NDArray[np.float64], second: NDArray[np.float64], missing: str
 ) -> TwistDifference:
+    if not len(points):
+        return TwistDifference(0, None, None, None, missing)
     centre = np.array([float(x) for x in scene.check.equilibrium])
     wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
     scale = np.array([1.0, 1.0, np.hypot(*(wheels - centre).T).max()])
@@ -138,6 +146,5 @@ def _difference(
     apart = np.linalg.norm((first - second) * scale, axis=1)
     relative = np.divide(apart, sizes, out=np.zeros_like(apart), where=sizes > 0)
     worst = int(np.argmax(relative))
-    return TwistDifference(
-        len(points), float(relative.mean()), float(relative[worst]), (points[worst, 0], points[worst, 1])
-    )
+    at = (points[worst, 0], points[worst, 1])
+    return TwistDifference(len(points), float(relative.mean()), float(relative[worst]), at, missing)

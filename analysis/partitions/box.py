@@ -11,17 +11,16 @@ domain's: that checks the walk, and it is Theorem 1 of Murphey & Burdick made ch
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from nonsmooth.analysis.partitions.arrangement import Arrangement, Slope, Vertex, float_corners, order
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, at_least_zero, load_regions
-from nonsmooth.analysis.partitions.nearest import pair_states
-from nonsmooth.analysis.partitions.partition import Cell, Partition, RefusalError
+from nonsmooth.analysis.partitions.partition import Cell, Partition, require_rank
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Row, Twist, independent, scene_rows
-from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
+from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
@@ -33,22 +32,13 @@ def build_box_partition(scene: Scene) -> Partition:
     Raises:
         nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
     """
-    _require_rank((row for row in scene_rows(scene) if row.friction), "friction: required rows")
+    require_rank(rows_with_friction(scene), "friction: required rows")
     cells: list[Cell] = []
     for region in load_regions(scene):
         for states, polygon in _Walk(scene, region).cells():
             cells.append(Cell(len(cells) + 1, polygon, states))
     domain = square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
-
-
-def _require_rank(rows: Iterable[Row], required: str) -> None:
-    """Refuse rows that leave a motion free: D is constant along it."""
-    rank = len(independent([row.normal for row in rows]))
-    if rank < 3:
-        raise RefusalError(
-            f"{required} with friction in three independent directions, received {rank}: the motion is not determined"
-        )
 
 
 def build_rest_partition(scene: Scene) -> Partition | None:
@@ -82,7 +72,7 @@ class _Walk:
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[row.wheel.index - 1]))
-        _require_rank(rows, "contact.loads: required loaded rows")
+        require_rank(rows, "contact.loads: required loaded rows")
         self.scene = scene
         self.region = region
         self.arrangement = Arrangement(scene, region)
@@ -120,9 +110,10 @@ class _Walk:
     def _first(self) -> Vertex:
         """Descend to the optimal vertex just beside the centre of the region, from the nearest wheels' state."""
         centre = self.region.polygon.centre
-        # two nearest wheels to start with: any independent rows would do
-        wheels = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
-        state = pair_states(wheels[0], wheels[1])[0]
+        # both rows of the nearest wheel and one of the second to start with: any independent rows would do
+        near, second, *_ = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
+        rows = wheel_rows(second) if second.friction.roll >= second.friction.side else wheel_rows(second)[::-1]
+        state = next(state for row in rows if (state := solve_rows((*wheel_rows(near), row))) is not None)
         one = self.scene.field.one
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
         return self._descend(self.arrangement.vertex(state.twist), centre, outward)

@@ -1,12 +1,15 @@
 """Rule ``nearest``: the contact states of the paper (Murphey & Burdick, sec. 3.1) and their exact cells.
 
 Wheels are ordered by distance to the centre of mass; within a wheel the row with the larger friction comes
-first; rows are taken greedily while independent, until three.  Both rows of the nearest wheel i are always
-independent, and of the second-nearest wheel j one row at least completes them (a rigid motion that leaves
-``p_i`` at rest and both rows of j idle is zero, since ``p_j != p_i``).  So the contact state depends on the
-ordered pair (i, j) alone and its cells are the ordered order-2 Voronoi cells, cut exactly by bisectors.
+first; rows are taken greedily while independent, until three.  A row without friction (coefficient zero) limits
+nothing and is never taken.  Where friction ties within a wheel, either row may come first.
 
-Floats only propose which wheels can be among the two nearest; the margin keeps every doubtful one.
+So the cells are those of an ordered Voronoi diagram: points with the same nearest wheel, then with the same nearest
+one among the wheels that still have an independent row, and so on.  Where every row has friction, two wheels do:
+both rows of the nearest wheel i are independent, and of the second-nearest wheel j one row at least completes
+them (a rigid motion that leaves ``p_i`` at rest and both rows of j idle is zero, since ``p_j != p_i``).
+
+Floats only propose which wheels can be the next; the margin keeps every doubtful one, and bisectors cut exactly.
 ``nearest_states`` at the end is the slow literal definition of the rule, with which the tests and the study
 ``precision`` compare the cells; no verdict uses it.
 """
@@ -14,13 +17,22 @@ Floats only propose which wheels can be among the two nearest; the margin keeps 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.partition import Cell, Partition, require_rank
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Row, roll_row, side_row
+from nonsmooth.symbolic.constraints import (
+    Row,
+    RowKind,
+    Triple,
+    independent,
+    roll_row,
+    rows_with_friction,
+    side_row,
+)
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.rule import Rule
@@ -37,38 +49,117 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
 
     Args:
         scene: the array.
-        prune: look only at wheels that can be among the two nearest; without, at every pair.
+        prune: look only at wheels that can be among the nearest ones; without, at every wheel.
+
+    Raises:
+        RefusalError: where the rows with friction leave a motion free.
     """
+    _require_friction(scene)
     domain = square(scene.check.equilibrium, scene.check.radius)
-    positions = np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
-    everyone = np.arange(len(scene.wheels))
-    active = _contenders(positions, everyone, domain, 2) if prune else everyone
+    search = _Search(scene, prune)
     cells: list[Cell] = []
-    for i, j, polygon in _ordered_pairs(scene.wheels, positions, active, domain, prune=prune):
-        cells.append(Cell(len(cells) + 1, polygon, pair_states(scene.wheels[i], scene.wheels[j])))
-    return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(active))
+    for chain, polygon in search.chains(domain):
+        cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
+    return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(search.considered))
 
 
-def _ordered_pairs(
-    wheels: Sequence[Wheel],
-    positions: NDArray[np.float64],
-    active: NDArray[np.int_],
-    domain: Polygon,
-    *,
-    prune: bool,
-) -> Iterator[tuple[int, int, Polygon]]:
-    """(nearest, second-nearest, cell) for every pair that owns area in the domain."""
-    for i in active:
-        rivals = active[np.argsort(_distances(positions[active], positions[i]), kind="stable")]
-        first = _region(wheels, i, rivals, domain, positions if prune else None)
-        if first is None:
-            continue
-        others = active[active != i]
-        contenders = _contenders(positions, others, first, 1) if prune else others
-        for j in contenders:
-            cell = _region(wheels, j, contenders, first)
-            if cell is not None:
-                yield int(i), int(j), cell
+def _require_friction(scene: Scene) -> None:
+    """Refuse rows with friction that leave a motion free; both rows of two wheels never do."""
+    whole = (wheel for wheel in scene.wheels if has_friction(wheel))
+    if len(list(islice(whole, 2))) < 2:
+        require_rank(rows_with_friction(scene), "friction: required rows")
+
+
+def has_friction(wheel: Wheel) -> bool:
+    """Whether both rows of a wheel have friction."""
+    return bool(wheel.friction.roll) and bool(wheel.friction.side)
+
+
+class _Search:
+    """The ordered chains of wheels whose rows are taken, and where.
+
+    Attributes:
+        considered: the wheels that can be in a chain somewhere, by their positions in the scene.
+    """
+
+    def __init__(self, scene: Scene, prune: bool) -> None:
+        self.wheels, self.prune = scene.wheels, prune
+        self.positions = np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
+        self.considered: set[int] = set()
+
+    def chains(self, domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
+        """Every chain with its cell, of positive area."""
+        everyone = np.arange(len(self.wheels))
+        if sum(map(_count_rows, self.wheels)) == 3:  # all are taken everywhere, whatever the order
+            self.considered.update(everyone.tolist())
+            yield tuple(sorted(everyone.tolist(), key=lambda i: -_count_rows(self.wheels[i]))), domain
+            return
+        near = _contenders(self.positions, everyone, domain, 2) if self.prune else everyone
+        self.considered.update(near.tolist())
+        if all(has_friction(self.wheels[i]) for i in near):
+            yield from self._pairs(near, domain)
+        else:
+            yield from self._longer((), domain)
+
+    def _pairs(self, near: NDArray[np.int_], domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
+        """(nearest, second-nearest) where all these wheels have friction in both directions."""
+        positions = self.positions
+        for i in near:
+            rivals = near[np.argsort(_distances(positions[near], positions[i]), kind="stable")]
+            first = _region(self.wheels, i, rivals, domain, positions if self.prune else None)
+            if first is None:
+                continue
+            others = near[near != i]
+            contenders = _contenders(positions, others, first, 1) if self.prune else others
+            for j in contenders:
+                cell = _region(self.wheels, j, contenders, first)
+                if cell is not None:
+                    yield (int(i), int(j)), cell
+
+    def _longer(self, chain: tuple[int, ...], region: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
+        """Chains that begin as given, one wheel after the other, until their rows leave no motion free."""
+        basis = _basis(self.wheels[i] for i in chain)
+        if len(basis) == 3:
+            yield chain, region
+            return
+        following = self._next(basis, region)
+        self.considered.update(following)
+        for i in following:
+            part = _region(self.wheels, i, following, region)
+            if part is not None:
+                yield from self._longer((*chain, i), part)
+
+    def _next(self, basis: Sequence[Triple], region: Polygon) -> list[int]:
+        """Wheels that can be the nearest, somewhere in the region, of those with a row independent of the basis."""
+        centre = _float_point(region.centre)
+        distances, reach = _distances(self.positions, centre), _reach(region, centre)
+        found: list[int] = []
+        bound = np.inf
+        for i in np.argsort(distances, kind="stable").tolist():
+            if self.prune and distances[i] > bound:
+                break
+            if _adds_to(basis, self.wheels[i]):
+                if not found:
+                    bound = distances[i] + 2 * reach
+                    bound += CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
+                found.append(i)
+        return found
+
+
+def _count_rows(wheel: Wheel) -> int:
+    """How many rows of a wheel have friction."""
+    return bool(wheel.friction.roll) + bool(wheel.friction.side)
+
+
+def _basis(wheels: Iterable[Wheel]) -> list[Triple]:
+    """Independent normals among the rows with friction of some wheels."""
+    normals = [row.normal for wheel in wheels for row in preferred_rows(wheel)]
+    return [normals[k] for k in independent(normals)]
+
+
+def _adds_to(basis: Sequence[Triple], wheel: Wheel) -> bool:
+    """Whether a wheel has a row with friction that is independent of the normals of a basis."""
+    return any(len(independent([*basis, row.normal])) > len(basis) for row in preferred_rows(wheel))
 
 
 def _contenders(
@@ -121,7 +212,7 @@ def _region(
 
 def _reach(region: Polygon, place: NDArray[np.float64]) -> float:
     """Distance from a wheel to the farthest vertex, never too small."""
-    vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
+    vertices = np.array([_float_point(vertex) for vertex in region.vertices])
     with np.errstate(over="ignore", invalid="ignore"):
         size = np.abs(vertices).max() + np.abs(place).max()
         return float(_distances(vertices, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
@@ -133,6 +224,10 @@ def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArr
         return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
 
 
+def _float_point(point: Point) -> NDArray[np.float64]:
+    return np.array([float(x) for x in point])
+
+
 def bisector(near: Wheel, far: Wheel) -> HalfPlane:
     """``|c - p_near|^2 <= |c - p_far|^2``, linear in c."""
     (a, b), (c, d) = near.position, far.position
@@ -141,22 +236,46 @@ def bisector(near: Wheel, far: Wheel) -> HalfPlane:
     return HalfPlane(normal, offset, f"{near.index}|{far.index}")
 
 
-def pair_states(nearest: Wheel, second: Wheel) -> tuple[ContactState, ...]:
-    """Contact states for an ordered pair: one, or two where the second wheel's friction ties."""
-    pair = (roll_row(nearest), side_row(nearest))
-    states = [solve_rows((*pair, row)) for row in preferred_rows(second)]
-    regular = tuple(state for state in states if state is not None)
-    tie = second.friction.roll == second.friction.side
-    return regular if tie else regular[:1]
+def greedy_states(ordered: Iterable[Wheel]) -> tuple[ContactState, ...]:
+    """The contact states of wheels in the order of their distance: several where friction ties within a wheel.
+
+    As many wheels are looked at as it takes to leave no motion free; both rows of a wheel are listed roll row first.
+    """
+    branches: list[tuple[Row, ...]] = [()]
+    for wheel in ordered:
+        orders = [preferred_rows(wheel)]
+        if wheel.friction.roll == wheel.friction.side:
+            orders.append(orders[0][::-1])
+        branches = _distinct(_extended(taken, order) for taken in branches for order in orders)
+        if len(branches[0]) == 3:
+            break
+    states = [solve_rows((rows[0], rows[1], rows[2])) for rows in branches if len(rows) == 3]
+    return tuple(state for state in states if state is not None)
 
 
-def preferred_rows(wheel: Wheel) -> tuple[Row, Row]:
-    """The wheel's rows, larger friction first (roll first on a tie)."""
+def _extended(taken: tuple[Row, ...], rows: Sequence[Row]) -> tuple[Row, ...]:
+    """The rows taken, with those of the next wheel that are independent of all before, at most three."""
+    own: list[Row] = []
+    for row in rows:
+        normals = [r.normal for r in (*taken, *own, row)]
+        if len(normals) <= 3 and len(independent(normals)) == len(normals):
+            own.append(row)
+    return (*taken, *sorted(own, key=lambda row: row.kind is RowKind.SIDE))
+
+
+def _distinct(branches: Iterable[tuple[Row, ...]]) -> list[tuple[Row, ...]]:
+    """Without repetitions of the same rows."""
+    return list({frozenset(row.name for row in rows): rows for rows in reversed(list(branches))}.values())[::-1]
+
+
+def preferred_rows(wheel: Wheel) -> tuple[Row, ...]:
+    """The wheel's rows with friction, larger friction first (roll first on a tie)."""
     roll, side = roll_row(wheel), side_row(wheel)
-    return (side, roll) if sign(wheel.friction.side - wheel.friction.roll) > 0 else (roll, side)
+    ordered = (side, roll) if sign(wheel.friction.side - wheel.friction.roll) > 0 else (roll, side)
+    return tuple(row for row in ordered if row.friction)
 
 
 def nearest_states(scene: Scene, point: Point) -> tuple[ContactState, ...]:
     """Literal rule at one point, for a strict order of distances: the slow definition the cells are tested against."""
     ordered = sorted(scene.wheels, key=lambda w: (point[0] - w.position[0]) ** 2 + (point[1] - w.position[1]) ** 2)
-    return pair_states(ordered[0], ordered[1])
+    return greedy_states(ordered)

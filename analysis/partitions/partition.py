@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ from flint import arb
 
 from nonsmooth.analysis.partitions.cell_complex import CellComplex, build_complex, tile
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.constraints import Row, Twist, independent
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.notebook import html_table
@@ -124,6 +125,19 @@ class Partition:
     def cells_at(self, point: Point) -> tuple[Cell, ...]:
         """The cells whose closure holds the point."""
         return tuple(cell for cell in self.cells if cell.polygon.contains(point))
+
+
+def require_rank(rows: Iterable[Row], required: str) -> None:
+    """Refuse rows that leave a motion free.
+
+    Raises:
+        RefusalError: saying what was required, and how many independent rows there are.
+    """
+    rank = len(independent([row.normal for row in rows]))
+    if rank < 3:
+        raise RefusalError(
+            f"{required} with friction in three independent directions, received {rank}: the motion is not determined"
+        )
 
 
 def _exact_area(cell: Cell) -> Number:

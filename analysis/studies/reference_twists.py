@@ -19,6 +19,7 @@ from flint import arb, arb_mat, ctx
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.analysis.partitions.loads import load_regions, value_at
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.symbolic.constraints import scene_rows
@@ -68,10 +69,11 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
     model = contact_model(scene)
     points = list(_points(scene))
     loads = loads_at(model, points)
-    twists = EllipseInterior().minimize(model, loads).twists
+    minima = EllipseInterior().minimize(model, loads)
+    twists = minima.twists
     slips = np.hypot(*np.moveaxis(model.slips(twists), -1, 0))
     smooth = ((slips > STICKS * np.abs(model.targets).max()) | (loads == 0)).all(axis=1)
-    chosen = np.flatnonzero(smooth)[:POINTS].tolist()
+    chosen = np.flatnonzero(smooth & proved(minima)).tolist()
     regions = load_regions(scene)
     found = []
     for k in chosen:
@@ -79,7 +81,11 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
         region = next(r for r in regions if r.polygon.contains((x, y)))
         with ctx.workprec(PRECISION):
             exact_loads = [value_at(form, (x, y)).ball() for form in region.forces]
-            found.append(ReferenceTwist(points[k], _stationary(scene, exact_loads, twists[k])))
+            twist = _stationary(scene, exact_loads, twists[k])
+        if twist is not None:
+            found.append(ReferenceTwist(points[k], twist))
+        if len(found) == POINTS:
+            break
     return tuple(found)
 
 
@@ -95,15 +101,21 @@ def _like(exact: Any, value: float) -> Any:
     return arb(float(value)) if isinstance(exact, arb) else Fraction(float(value))
 
 
-def _stationary(scene: Scene, loads: list[arb], guess: Floats) -> Exact:
-    """Newton's method on ``sum_i |w_i|``, ``w_i`` the two slips of wheel i weighted by its friction limits."""
+def _stationary(scene: Scene, loads: list[arb], guess: Floats) -> Exact | None:
+    """Newton's method on ``sum_i |w_i|``, ``w_i`` the two slips of wheel i weighted by its friction limits.
+
+    None where D has no curvature in some direction, as without friction across the rims: it has a kink then.
+    """
     forms = _weighted_rows(scene, loads)
     twist = arb_mat([[arb(float(value))] for value in guess])
     for _ in range(NEWTON_STEPS):
         gradient, hessian = _derivatives(forms, twist)
         if all(abs(entry) < RESIDUAL for entry in gradient.entries()):
             return tuple(twist.entries())  # type: ignore[return-value]  # three entries
-        step = hessian.solve(gradient)
+        try:
+            step = hessian.solve(gradient)
+        except ZeroDivisionError:
+            return None
         twist = arb_mat([[(a - b).mid()] for a, b in zip(twist.entries(), step.entries(), strict=True)])
     raise ArithmeticError("required a stationary point of D near the float answer, received none")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, independent, inner, leading_one, outer
+from nonsmooth.symbolic.constraints import Triple, complement, independent, inner
 from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
 
 
@@ -44,24 +44,9 @@ def roll_authority(scene: Scene) -> Authority:
     rows = [_roll_normal(wheel) for wheel in wheels]
     basis = independent(rows)
     chosen = tuple(rows[k] for k in basis)
-    missing: tuple[Triple, ...] = ()
-    if len(chosen) == 1:
-        missing = _orthogonal(chosen[0])
-    elif len(chosen) == 2:
-        missing = (leading_one(outer(*chosen)),)
-    return Authority(len(basis), tuple(wheels[k].index for k in basis), chosen, missing)
+    return Authority(len(basis), tuple(wheels[k].index for k in basis), chosen, complement(chosen))
 
 
 def _roll_normal(wheel: Wheel) -> Triple:
     """Left side of the roll row; its right side would take a square root per wheel, and is not needed."""
     return *wheel.direction, dot(wheel.direction, turned(wheel.position))
-
-
-def _orthogonal(row: Triple) -> tuple[Triple, Triple]:
-    """Two independent vectors orthogonal to a nonzero row."""
-    one = row[0].field.one
-    zero = one - one
-    axes = [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
-    crossed = [outer(row, axis) for axis in axes]
-    first, second = independent(crossed)  # a row without moment makes two of the three parallel
-    return leading_one(crossed[first]), leading_one(crossed[second])

@@ -19,6 +19,7 @@ under rule ``ellipse`` twists that are neither proved nor excluded.  Two laws of
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -140,14 +141,23 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
 
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The same with two laws of the field sampled in the checked square of the centred scene."""
-    from nonsmooth.analysis.fields.closed_loop import Law, sample_closed_loop
+    from nonsmooth.analysis.fields.closed_loop import Law, LoopSample, sample_closed_loop
     from nonsmooth.analysis.fields.contact_model import contact_model
     from nonsmooth.analysis.minimizers.dissipation import Functional
+    from nonsmooth.analysis.minimizers.proved import free_motions
 
     functional = Functional.BOX if scene.contact.rule is Rule.BOX else Functional.ELLIPSE
     model, radius, states = contact_model(scene), float(scene.check.radius), STATES[scene.contact.rule]
+    free = free_motions(scene)
+    if free:
+        return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in Law))
     samples = [sample_closed_loop(model, functional, law, radius, states) for law in Law]
-    return replace(feedback, samples=tuple(sorted(samples, key=lambda sample: sample.worst_rate)))
+    return replace(feedback, samples=tuple(sorted(samples, key=_worst_rate)))
+
+
+def _worst_rate(sample: LoopSample) -> float:
+    """The rate by which laws are ordered; one without any comes last."""
+    return math.inf if sample.worst_rate is None else sample.worst_rate
 
 
 def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:

@@ -97,7 +97,7 @@ class FeedbackResult:
 
     def check(self) -> bool:
         """Re-verify the sign condition (stabilizable) or the witness (no certificate)."""
-        if self.verdict is Feedback.NOT_APPLICABLE:
+        if self.verdict in (Feedback.NOT_APPLICABLE, Feedback.UNDECIDED):
             return True
         local = [data for data in self.cells if is_local(data.cell)]
         genuine = bool(local) and all(data == build_input_cell(data.cell, data.state) for data in local)
@@ -142,6 +142,10 @@ def gradient_text(lyapunov: ControlLyapunov) -> str:
 def decide_feedback(partition: Partition) -> FeedbackResult:
     """Decide the feedback clause for a centred partition of rule ``nearest``."""
     blocked = side_friction_rules(_acting_wheels(partition))
+    unfollowed = _unfollowed(partition)
+    if unfollowed is not None:
+        verdict = Feedback.NOT_APPLICABLE if blocked else Feedback.UNDECIDED
+        return FeedbackResult(verdict, (), frozenset(), None, blocked or unfollowed)
     single = _single_input(partition)
     witness = None if single is None else single.idle_plane()
     if blocked:
@@ -252,6 +256,18 @@ def rim_signs(feedback: FeedbackResult) -> list[int]:
         return [-data.demand.sign(feedback.lyapunov) for data in local]
     signs = {wheel.index: s for wheel, s in zip(feedback.cascade.wheels, feedback.cascade.signs, strict=True)}
     return [signs[data.nearest.index] for data in local]
+
+
+def _unfollowed(partition: Partition) -> str | None:
+    """A cell whose rows are not those of a pair of wheels, because rows without friction are left out; None without."""
+    for cell in partition.cells:
+        for state in cell.states:
+            if not state.is_of_a_pair:
+                return (
+                    f"rows without friction are left out, so cell {cell.index} holds {state.name}; "
+                    "only both rows of one wheel with one row of another are followed"
+                )
+    return None
 
 
 def _single_input(partition: Partition) -> InputCell | None:

@@ -18,6 +18,7 @@ from math import isqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.cones import CellCone
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -117,6 +118,7 @@ def propose_shape(pairs: Iterable[tuple[Point, Vector]]) -> tuple[float, float] 
 
     A second-order cone program in floats: its answer is a proposal.
     """
+    load_cvxpy()
     import cvxpy as cp
 
     shape, margin = cp.Variable(2), cp.Variable()
@@ -128,7 +130,7 @@ def propose_shape(pairs: Iterable[tuple[Point, Vector]]) -> tuple[float, float] 
         size = np.hypot(*r) * np.hypot(*v)
         slope = np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]]) / size
         constraints.append(slope @ shape + r @ v / size <= -margin)
-    cp.Problem(cp.Maximize(margin), constraints).solve()
+    cp.Problem(cp.Maximize(margin), constraints).solve(solver=cp.CLARABEL)
     if shape.value is None or margin.value is None or not float(margin.value) > 0:
         return None
     a, b = (float(x) for x in shape.value)

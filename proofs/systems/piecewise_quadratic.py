@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, cone_region
 from nonsmooth.proofs.inequalities.cells import directions
@@ -139,6 +140,7 @@ def solve_piecewise_quadratic(
     Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
     ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
     """
+    load_cvxpy()
     import cvxpy as cp
 
     on_rays, mixed, margin = cp.Variable(len(rays)), cp.Variable(len(cones)), cp.Variable()

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import RefusedError, refusals_named, write_json, write_views
-from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
 Lyapunov = Annotated[
     str | None,
@@ -25,6 +25,7 @@ def audit(
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
     """Decide whether somebody's function is a Lyapunov function on the checked square.
@@ -35,7 +36,7 @@ def audit(
     from nonsmooth.proofs.verified import verified
     from nonsmooth.symbolic.files.system_file import load_any
 
-    loaded = load_any(scene, rule=rule, radius=radius, at=at)
+    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     function = loaded.check.named_lyapunov if lyapunov is None else lyapunov
     if function is None:
         raise RefusedError(f"{loaded.source}: required V as --lyapunov or as check.lyapunov, received neither")

@@ -6,7 +6,17 @@ import sys
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
-from nonsmooth.reports.options import At, CertificateFile, Continuum, Json, NoPrune, Radius, RulesOption, SceneTexts
+from nonsmooth.reports.options import (
+    AllowOutside,
+    At,
+    CertificateFile,
+    Continuum,
+    Json,
+    NoPrune,
+    Radius,
+    RulesOption,
+    SceneTexts,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,11 +28,12 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.system import SystemScene
 
 
-def check(
+def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     scenes: SceneTexts,
     rule: RulesOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     no_prune: NoPrune = False,
     certificate: CertificateFile = None,
     continuum: Continuum = False,
@@ -37,7 +48,11 @@ def check(
 
     rules = [None] if rule is None else rule.rules
     path = None if certificate is None else _certificate_path(certificate, len(rules))
-    loaded = [load_any(scene, rule=name, radius=radius, at=at) for scene in scenes for name in rules]
+    loaded = [
+        load_any(scene, rule=name, radius=radius, at=at, allow_outside=allow_outside)
+        for scene in scenes
+        for name in rules
+    ]
     if len(scenes) > 1:
         _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
         return _check_many(loaded, prune=not no_prune, json=json)

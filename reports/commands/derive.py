@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import RefusedError, refusals_named, write
-from nonsmooth.reports.options import At, Json, Radius, Report, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, Report, RuleOption, SceneText
 
 Only = Annotated[
     str | None,
@@ -18,7 +18,7 @@ Without = Annotated[
 ]
 
 
-def derive(
+def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     scene: SceneText,
     output: Report = None,
     only: Only = None,
@@ -26,6 +26,7 @@ def derive(
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
     """Write the derivation report; without -o, as Markdown to standard output.
@@ -36,11 +37,13 @@ def derive(
     from nonsmooth.reports.files import output_path, write_whole
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.files.text_files import OUTSIDE_OPTION
 
     parts = _parts(only, without)
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     path = None if output is None else output_path(output, REPORT_FORMATS)
     options = _given({"--rule": rule, "--radius": radius, "--at": at})
+    options += (OUTSIDE_OPTION,) if allow_outside else ()
     invocation = Invocation(scene, options, _given({"--only": only, "--without": without, "-o": output}))
     with refusals_named(loaded):
         report = derive_report(loaded, invocation, parts)

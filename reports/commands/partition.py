@@ -8,7 +8,7 @@ import typer
 
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.console import refusals_named, refuse_given, write, write_json, write_views
-from nonsmooth.reports.options import At, Json, Picture, Radius, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Picture, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,6 +24,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     show: Annotated[
         Drawing,
         typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
@@ -44,7 +45,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         refuse_given(context, ("show",), "-o FILE, which it draws", "none")
     if compare:
         refuse_given(context, ("show",), "a picture of one contact rule", "--compare")
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     path = None
     if output is not None:
         from nonsmooth.reports.files import PICTURES, output_path, write_whole

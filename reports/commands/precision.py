@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.console import INTERRUPTED, RefusedError
-from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.studies.study import Study
@@ -33,6 +33,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
     """Measure methods against exact answers: error, time, and how one depends on the other.
@@ -52,7 +53,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         raise RefusedError(f"--time-limit: required a positive number of seconds, received {time_limit}")
     studies = _studies(study)
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     with progress() as report:
         found = views.measure(loaded, studies, Limits(runs, time_limit), report)
     show(found, path, json=json)

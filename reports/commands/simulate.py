@@ -11,7 +11,7 @@ import typer
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.console import RefusedError, refusals_named, refuse_given
-from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -96,6 +96,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
     """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.
@@ -123,14 +124,16 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     if grid is not None:
         refuse_given(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
         map_run = _grid_run(grid, heading, until, kinematics)
-        return _map(load_scene(scene, rule=rule, radius=radius, at=at), map_run, path, json=json)
+        return _map(
+            load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside), map_run, path, json=json
+        )
     refuse_given(context, ("heading",), "--grid", "none")
     if not feedback:
         refuse_given(context, ("law",), "--feedback", "none")
     x, y, theta = _start(start, views.POSE)
     run = views.Run((x, y, theta), until or UNTIL, kinematics, method, law if feedback else None, width)
     dynamics = _dynamics_options(run, mass, inertia, compare_masses=compare_masses)
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at)
+    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     if dynamics is not None:
         return _simulate_dynamics(loaded, run, dynamics, path, json=json)
     return _follow(loaded, run, path, json=json)

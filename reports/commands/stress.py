@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.console import INTERRUPTED
-from nonsmooth.reports.options import At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -30,6 +30,7 @@ def stress(
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
+    allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
     """Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.
@@ -41,7 +42,7 @@ def stress(
     from nonsmooth.symbolic.files.system_file import load_any
 
     path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
-    loaded = load_any(scene, rule=rule, radius=radius, at=at)
+    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     run = _run(loaded)
     show(run, path, json=json)
     if not run.complete:

@@ -90,13 +90,21 @@ def ellipse_derivative_section(translation: EllipseTranslation) -> Section:
     if translation.sampled is None:
         return Section("Upper derivative", (paragraph("`V*` is not known away from the checked point."),))
     sampled = translation.sampled
-    x, y = sampled.at
-    place, rate = f"({x:.6g}, {y:.6g})", f"{sampled.largest_relative:.6g}"
-    words = paragraph(
+    blocks: list[Block] = []
+    if sampled.largest_relative is not None and sampled.at is not None:
+        blocks.append(_sampled_paragraph(sampled.samples, sampled.largest_relative, sampled.at))
+    if sampled.not_certified:
+        blocks.append(paragraph("The largest `V*/|c|` over the square is not certified: {}.", sampled.not_certified))
+    return Section("Upper derivative", tuple(blocks))
+
+
+def _sampled_paragraph(samples: int, largest: float, at: tuple[float, float]) -> Block:
+    x, y = at
+    place, rate = f"({x:.6g}, {y:.6g})", f"{largest:.6g}"
+    return paragraph(
         "With `V = |c - c*|^2`, sampled and not proved: the largest `V*/|c|` at {} random points of the square "
         "is {}, at {}.",
-        str(sampled.samples),
+        str(samples),
         Math(rate, rate),
         Math(place, place),
     )
-    return Section("Upper derivative", (words,))

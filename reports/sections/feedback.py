@@ -129,11 +129,18 @@ def _sample_blocks(feedback: DrivenFeedback) -> list[Block]:
         return []
     rows: list[tuple[Entry, ...]] = []
     for sample in feedback.samples:
+        if sample.worst_rate is None or sample.worst_state is None:
+            continue
         state = listed([Math(x, x) for x in (f"{value:.4g}" for value in sample.worst_state)])
         rate = f"{sample.worst_rate:.4g}"
         rows.append((str(sample.law), str(sample.states), Math(f"{rate}\\, k", f"{rate} k"), state))
     header = ("law", "states", prose("largest `V'/V` found"), "at (x, y, theta)")
-    return [paragraph("Sampled, not proved, with gain `k`:"), table(header, rows, (3, 1.5, 3, 4))]
+    shown: list[Block] = []
+    if rows:
+        shown = [paragraph("Sampled, not proved, with gain `k`:"), table(header, rows, (3, 1.5, 3, 4))]
+    words = "Law {}, sampled: the largest `V'/V` is not certified: {}."
+    missing = [paragraph(words, str(s.law), s.not_certified) for s in feedback.samples if s.not_certified]
+    return [*shown, *missing]
 
 
 def law_formulas(feedback: FeedbackResult) -> list[Block]:

@@ -54,10 +54,14 @@ def rules_section(subject: Subject) -> Section:
             prose("`sqrt(|v|^2 + (R omega)^2)`")[0],
         ),
     ]
+    if agreement.ellipse_box.not_certified:
+        blocks.append(paragraph("Elsewhere not certified: {}.", agreement.ellipse_box.not_certified))
     return Section("The three contact rules side by side", tuple(blocks))
 
 
 def _row(other: str, difference: TwistDifference) -> tuple[Entry, ...]:
+    if difference.mean is None or difference.largest is None or difference.at is None:
+        return f"ellipse and {other}", "not certified", "", ""
     x, y = difference.at
     place = f"({x:.4g}, {y:.4g})"
     return f"ellipse and {other}", f"{difference.mean:.3g}", f"{difference.largest:.3g}", place

@@ -73,7 +73,7 @@ class FrictionTable(Table):
 
 
 class WheelFile(Table):
-    """``[wheels]``: a CSV table, its path relative to the scene file."""
+    """``[wheels]``: a CSV table, its path relative to the scene file and in the scene's folder or below it."""
 
     file: StrictStr
 

@@ -21,6 +21,8 @@ from nonsmooth.symbolic.files.object_table import build_footprint
 from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angles, field_of
+from nonsmooth.symbolic.files.text_files import path_beside, read_text
+from nonsmooth.symbolic.files.toml_bounds import toml_excess
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
@@ -98,7 +100,12 @@ def read_document(
 
 
 def load_scene(
-    source: str | Path, *, rule: str | None = None, radius: str | None = None, at: str | None = None
+    source: str | Path,
+    *,
+    rule: str | None = None,
+    radius: str | None = None,
+    at: str | None = None,
+    allow_outside: bool = False,
 ) -> Scene:
     """Read a scene.
 
@@ -107,12 +114,14 @@ def load_scene(
         rule: contact rule that replaces the file's: nearest, box or ellipse.
         radius: half-width of the checked square (length) that replaces the file's, as text.
         at: equilibrium ``x,y`` that replaces the file's, as text.
+        allow_outside: read a table of wheels (``wheels.file``) from outside the scene's folder too.
 
     Raises:
         SceneError: for whatever cannot be used.
     """
     with deep_nesting_refused(source):
-        return build_scene(*read_document(source, rule=rule, radius=radius, at=at))
+        document = read_document(source, rule=rule, radius=radius, at=at)
+        return build_scene(*document, allow_outside=allow_outside)
 
 
 @contextmanager
@@ -138,7 +147,10 @@ def _path(source: str | Path) -> Path:
 
 
 def _read_toml(path: Path, file: str) -> dict[str, Any]:
-    text = _read_text(path, MAX_TOML_BYTES, file, "")
+    text = read_text(path, MAX_TOML_BYTES, file, "", _wanted(file))
+    excess = toml_excess(text)
+    if excess is not None:
+        raise SceneError(file, "", excess[0], Fact(excess[1]))
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
@@ -147,37 +159,10 @@ def _read_toml(path: Path, file: str) -> dict[str, Any]:
         raise SceneError(file, "", "numbers of moderate length", Fact("one that is too long")) from None
 
 
-def _read_text(path: Path, limit: int, file: str, key: str) -> str:
-    """Text of a file of bounded size.
-
-    Raises:
-        SceneError: for a missing, unreadable, oversized or binary file.
-    """
-    try:
-        if not path.is_file():
-            raise SceneError(file, key, _wanted(file, key), Fact(_kind(path)))
-        with path.open("rb") as stream:
-            data = stream.read(limit + 1)
-        if len(data) > limit:
-            raise SceneError(file, key, f"a file of at most {limit >> 20} MB", Fact("more"))
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = Fact(f"other bytes at position {error.start}")
-        raise SceneError(file, key, "a text file in UTF-8", found) from None
-    except OSError as error:
-        raise SceneError(file, key, "a readable file", Fact(error.strerror or "an error")) from None
-
-
-def _wanted(file: str, key: str) -> str:
-    """What a missing file should have been."""
+def _wanted(file: str) -> str:
+    """What a missing scene should have been."""
     close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS), 2) or _BUILTIN[:2]
-    return "a file" if key else f"a scene file or a built-in scene such as {' or '.join(close)}"
-
-
-def _kind(path: Path) -> str:
-    if path.is_dir():
-        return "a directory"
-    return "something that is no regular file" if path.exists() else "no such file"
+    return f"a scene file or a built-in scene such as {' or '.join(close)}"
 
 
 def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: str | None) -> dict[str, Any]:
@@ -195,8 +180,10 @@ def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: 
     return data
 
 
-def build_scene(data: dict[str, Any], file: str, path: Path) -> Scene:
+def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: bool = False) -> Scene:
     """The scene of a document, by the parts that :func:`read_document` returns.
+
+    A table of wheels is read from outside the scene's folder only with ``allow_outside``.
 
     Raises:
         SceneError: for whatever cannot be used.
@@ -204,7 +191,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path) -> Scene:
     if "system" in data:
         raise SceneError(file, "system", "an array of wheels", Fact("a plain switched system"))
     document = validate(Document, data, file)
-    layout = _layout(document, file, path)
+    layout = _layout(document, file, path, allow_outside=allow_outside)
     numbers = Numbers(file, field_of(_turns(document, layout), file))
     wheels = WheelBuilder(document, numbers).build(layout.places(numbers))
     return Scene(
@@ -218,7 +205,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path) -> Scene:
     )
 
 
-def _layout(document: Document, file: str, path: Path) -> Layout:
+def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -> Layout:
     """The one layout of the document.
 
     Raises:
@@ -231,7 +218,9 @@ def _layout(document: Document, file: str, path: Path) -> Layout:
         raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", found)
     if document.wheels is not None:
         name = document.wheels.file
-        text = _read_text(path.parent / name, MAX_CSV_BYTES, file, f"wheels.file {name}")
+        key = f"wheels.file {name}"
+        table = path_beside(path, name, file, key, allow_outside=allow_outside)
+        text = read_text(table, MAX_CSV_BYTES, file, key, "a file")
         return parse_wheels(text, name, file)
     return document.ring or document.grid or WheelList(document.wheel or [])
 

@@ -81,7 +81,12 @@ class SystemDocument(Table):
 
 
 def load_any(
-    source: str | Path, *, rule: str | None = None, radius: str | None = None, at: str | None = None
+    source: str | Path,
+    *,
+    rule: str | None = None,
+    radius: str | None = None,
+    at: str | None = None,
+    allow_outside: bool = False,
 ) -> Scene | SystemScene:
     """Read a wheel array or a plain switched system, whichever the file holds; arguments as for ``load_scene``.
 
@@ -91,7 +96,7 @@ def load_any(
     with deep_nesting_refused(source):
         data, file, path = read_document(source, rule=rule, radius=radius, at=at)
         if "system" not in data:
-            return build_scene(data, file, path)
+            return build_scene(data, file, path, allow_outside=allow_outside)
         if rule is not None:
             raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", str(rule))
         return _system(data, file, path)

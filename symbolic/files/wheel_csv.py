@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -33,6 +34,9 @@ _COLUMNS: dict[str, Callable[[str], Any]] = {
     "mu_roll": read_exact,
     "mu_side": read_exact,
 }
+
+
+_COLUMN_NAME = re.compile(r"[A-Za-z][A-Za-z_]{0,19}")
 
 
 class _Row(NamedTuple):
@@ -120,11 +124,14 @@ def parse_wheels(text: str, name: str, file: str) -> WheelRows:
 
 
 def _check_columns(columns: list[str], name: str, file: str) -> None:
+    """Refuse a header that is none; of a file that is no table at all, nothing is shown but a name."""
     known = ",".join(_COLUMNS)
     for k, column in enumerate(columns):
         if column not in _COLUMNS:
-            raise SceneError(file, f"{name}:1", f"a header out of {known}", column)
+            found = column if _COLUMN_NAME.fullmatch(column) else Fact("a cell that is no name of a column")
+            raise SceneError(file, f"{name}:1", f"a header out of {known}", found)
         if column in columns[:k]:
             raise SceneError(file, f"{name}:1", "each column once", column)
-    if not {"x", "y"} <= set(columns):
-        raise SceneError(file, f"{name}:1", "a header with x and y", ",".join(columns))
+    missing = " and ".join(column for column in ("x", "y") if column not in columns)
+    if missing:
+        raise SceneError(file, f"{name}:1", "a header with x and y", Fact(f"one without {missing}"))

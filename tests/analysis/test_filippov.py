@@ -195,6 +195,10 @@ def test_samples_stay_below_the_exact_maximum(arrays: Arrays, seed: int) -> None
     largest = float(max(d.largest[0] for d in derivatives))
     slope = max(float(d.relative().value) for d in derivatives)
     few, many = (sample_upper_derivative(scene, samples, seed) for samples in (50, 800))
+    assert few.largest is not None
+    assert many.largest is not None
+    assert few.largest_relative is not None
+    assert many.largest_relative is not None
     assert few.largest <= many.largest <= largest + ROUNDING
     assert few.largest_relative <= many.largest_relative <= slope + ROUNDING
 

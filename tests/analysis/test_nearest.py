@@ -13,12 +13,13 @@ import pytest
 
 from nonsmooth.analysis.fields.sampling import literal_twist
 from nonsmooth.analysis.partitions.nearest import bisector, build_nearest_partition, nearest_states
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import Row, Twist, independent, roll_row, side_row, wheel_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, Wheel
+from tests.conftest import Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
@@ -51,6 +52,27 @@ SCENES: dict[str, Build] = {
     **{f"cocircular-{seed}": cocircular(seed) for seed in range(8)},
 }
 
+FRICTIONLESS = ((1, 0), (0, 1), (1, 0), (1, Fraction(1, 2)), (1, 1), (Fraction(1, 2), 1))
+
+
+def frictionless(seed: int) -> Build:
+    """Wheels some of whose rows have no friction; in some arrays all rims are alike."""
+
+    def build(arrays: Arrays) -> Scene:
+        scene = arrays.random(seed, 3 + seed % 4)
+        rng = np.random.default_rng([seed, 1])
+        kinds = FRICTIONLESS[: 3 if seed % 3 == 0 else 6]
+        chosen = [kinds[rng.integers(len(kinds))] for _ in scene.wheels]
+        field = scene.field
+        wheels = tuple(
+            replace(w, friction=Friction(field(roll), field(side)))
+            for w, (roll, side) in zip(scene.wheels, chosen, strict=True)
+        )
+        return replace(scene, wheels=wheels)
+
+    return build
+
+
 # A float solve of three rows of length about 1; triples of small determinant lose some digits.
 ROUNDING = 1e-8
 
@@ -74,6 +96,25 @@ def literal_rows(scene: Scene, point: Point) -> list[Row]:
             if len(chosen) < 2 or (len(chosen) == 2 and len(independent([r.normal for r in (*chosen, row)])) == 3):
                 chosen.append(row)
     return chosen
+
+
+def every_greedy_choice(scene: Scene, point: Point) -> set[frozenset[str]]:
+    """The rule in its own words, with rows without friction and ties: each order that the tied wheels allow."""
+    nearest_first = sorted(scene.wheels, key=lambda w: squared_distance(w, point))
+    orders = []
+    for wheel in nearest_first:
+        roll, side = roll_row(wheel), side_row(wheel)
+        both = {(roll, side)} if roll.friction > side.friction else {(side, roll)}
+        orders.append(both if roll.friction != side.friction else {(roll, side), (side, roll)})
+    found = set()
+    for chosen_orders in product(*orders):
+        chosen: list[Row] = []
+        for row in (row for rows in chosen_orders for row in rows if row.friction > 0):
+            normals = [r.normal for r in (*chosen, row)]
+            if len(chosen) < 3 and len(independent(normals)) == len(normals):
+                chosen.append(row)
+        found.add(frozenset(row.name for row in chosen))
+    return found
 
 
 def generic_point(scene: Scene, rng: np.random.Generator) -> Point:
@@ -141,6 +182,82 @@ def test_the_rule_of_a_pair_is_the_greedy_rule(arrays: Arrays, seed: int) -> Non
         point = generic_point(scene, rng)
         (first, *_) = nearest_states(scene, point)
         assert {row.name for row in first.rows} == {row.name for row in literal_rows(scene, point)}
+
+
+# ---- rows without friction -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_rows_without_friction_are_never_taken(arrays: Arrays, seed: int) -> None:
+    scene = frictionless(seed)(arrays)
+    partition = build_nearest_partition(scene)
+    assert partition.tiles
+    assert partition.area_error == 0
+    rng = np.random.default_rng(seed)
+    for cell in partition.cells:
+        point = arrays.interior_point(cell.polygon, rng)
+        assert {frozenset(state.row_names) for state in cell.states} == every_greedy_choice(scene, point)
+        assert set(cell.twists) == {state.twist for state in nearest_states(scene, point)}
+        for state in cell.states:
+            assert not any(row.residual(state.twist) for row in state.rows)
+        twist = literal_twist(scene, np.array([float(x) for x in point]))
+        assert any(twist == pytest.approx([float(x) for x in t], rel=1e-6, abs=1e-6) for t in cell.twists)
+
+
+def test_arrays_of_every_kind_are_among_them(arrays: Arrays) -> None:
+    """Cells of two and three wheels, and tied ones."""
+    scenes = [frictionless(seed)(arrays) for seed in range(60)]
+    cells = [cell for scene in scenes for cell in build_nearest_partition(scene).cells]
+    assert {len(cell.wheels) for cell in cells} == {2, 3}
+    assert any(len(cell.states) > 1 and len(cell.wheels) == 3 for cell in cells)
+    assert any(not cell.states[0].is_of_a_pair for cell in cells)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_pruning_changes_nothing_without_friction(arrays: Arrays, seed: int) -> None:
+    scene = frictionless(seed)(arrays)
+    pruned, whole = (build_nearest_partition(scene, prune=prune) for prune in (True, False))
+    assert picture(pruned) == picture(whole)
+
+
+@pytest.mark.parametrize(
+    ("rims", "rank"),
+    [([(-1, 0), (1, -1), (1, 1)], 2), ([(1, 0), (1, 0), (1, 0)], 2), ([(1, 0), (1, 0), (-2, 0)], 2)],
+)
+def test_too_few_rows_with_friction_are_refused(arrays: Arrays, rims: list[tuple[int, int]], rank: int) -> None:
+    """Free rollers with rims inward leave the rotation free, parallel ones the translation across them."""
+    positions: list[Pair] = [(1, 0), (-1, 1), (-1, -1)]
+    scene = arrays.scene([WheelData(p, d) for p, d in zip(positions, rims, strict=True)], friction=(1, 0))
+    assert len(independent([roll_row(wheel).normal for wheel in scene.wheels])) == rank
+    message = f"three independent directions, received {rank}: the motion is not determined"
+    with pytest.raises(RefusalError, match=message):
+        build_nearest_partition(scene)
+
+
+def test_omniwheels_translate_as_their_roll_rows_say(arrays: Arrays) -> None:
+    """Three free rollers, driven for the translation (1, 0): it is the only motion without slip along any rim."""
+    positions: list[Pair] = [(1, 0), (-1, 1), (-1, -1)]
+    rims: list[Pair] = [(0, 1), (Fraction(3, 5), Fraction(4, 5)), (1, 0)]
+    wheels = [WheelData(p, d, d[0]) for p, d in zip(positions, rims, strict=True)]
+    scene = arrays.scene(wheels, friction=(1, 0))
+    partition = build_nearest_partition(scene)
+    for twist in (twist for cell in partition.cells for twist in cell.twists):
+        assert twist.vx == 1
+        assert not twist.vy
+        assert not twist.omega
+
+
+def test_a_wheel_without_grip_along_its_rim_holds_its_side(arrays: Arrays) -> None:
+    """A caster-like support (mu_roll 0) beside two wheels: only its side row counts."""
+    wheels = [
+        WheelData((0, 0), (1, 0), 1, (0, 1)),
+        WheelData((0, 2), (1, 0), 1, (1, Fraction(1, 2))),
+        WheelData((0, -2), (1, 0), 3, (1, Fraction(1, 2))),
+    ]
+    (upper, lower) = build_nearest_partition(arrays.scene(wheels, radius=Fraction(1, 4))).cells
+    assert {frozenset(cell.states[0].row_names) for cell in (upper, lower)} == {
+        frozenset(("S1", "R2", "R3")),
+    }
 
 
 # ---- looking only at wheels that can matter ------------------------------------------------------

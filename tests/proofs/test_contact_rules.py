@@ -109,7 +109,10 @@ def test_four_wheel_under_ellipse_is_exponentially_stable(arrays: Arrays, ratio:
 def test_sampled_rates_agree_with_the_verdict(name: str) -> None:
     """Exponentially stable points of these arrays also decrease |c|^2 on the whole square."""
     scene = load_scene(name, rule="ellipse").recentred()
-    assert sample_ellipse_derivative(scene, 400).largest < 1e-9
+    sampled = sample_ellipse_derivative(scene, 400)
+    assert (sampled.samples, sampled.not_certified) == (400, "")
+    assert sampled.largest is not None
+    assert sampled.largest < 1e-9
 
 
 def test_spinning_and_carried_bodies_are_unstable_in_theta() -> None:
@@ -207,6 +210,8 @@ def rates_of_minimizers(functional: Functional, law: Law, side: float, state: Fl
 def test_worst_states_are_as_bad_by_a_convex_program(arrays: Arrays, functional: Functional, law: Law) -> None:
     """The law, the loads and D are written out here; where D has many minimizers one of them has the rate."""
     sample = sample_closed_loop(contact_model(arrays.four_wheel((1, Fraction(1, 5)))), functional, law, 0.3, 20)
+    assert sample.worst_rate is not None
+    assert not sample.not_certified
     low, high = rates_of_minimizers(functional, law, 0.2, np.array(sample.worst_state))
     assert low - RATE_ERROR <= sample.worst_rate <= high + RATE_ERROR
     assert sample.fails

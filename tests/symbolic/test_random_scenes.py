@@ -112,7 +112,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("random")
 
 
-def outcome(path: Path, **overrides: str) -> Scene | SceneError:
+def outcome(path: Path, **overrides: Any) -> Scene | SceneError:
     try:
         return load_scene(path, **overrides)
     except SceneError as error:

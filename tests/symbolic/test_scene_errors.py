@@ -6,6 +6,7 @@ import datetime
 import pickle
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -165,7 +166,7 @@ def names(cases: list[tuple[str, str, str]]) -> list[str]:
     return [f"{number}-{ascii(key or 'file')[1:-1]}" for number, (_, key, _) in enumerate(cases)]
 
 
-def error_of(path: Path, **overrides: str) -> SceneError:
+def error_of(path: Path, **overrides: Any) -> SceneError:
     with pytest.raises(SceneError) as caught:
         load_scene(path, **overrides)
     return caught.value
@@ -255,7 +256,7 @@ def test_binary_file(tmp_path: Path, data: bytes) -> None:
         ({"at": "[0, 0]"}, "check.equilibrium"),
     ],
 )
-def test_overrides_are_checked_like_the_file(overrides: dict[str, str], key: str) -> None:
+def test_overrides_are_checked_like_the_file(overrides: dict[str, Any], key: str) -> None:
     with pytest.raises(SceneError) as caught:
         load_scene("four-wheel", **overrides)
     check_line(caught.value, f"four-wheel: {key}: ")

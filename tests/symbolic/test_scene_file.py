@@ -25,7 +25,7 @@ Load = Callable[..., Scene]
 def load(tmp_path: Path) -> Load:
     """Loads a scene from text; further files by name."""
 
-    def load_text(text: str, files: dict[str, str] | None = None, **overrides: str) -> Scene:
+    def load_text(text: str, files: dict[str, str] | None = None, **overrides: Any) -> Scene:
         for name, content in {"my.toml": text, **(files or {})}.items():
             (tmp_path / name).write_text(content, encoding="utf-8")
         return load_scene(tmp_path / "my.toml", **overrides)

@@ -1,0 +1,87 @@
+"""Rule ``nearest`` with rows without friction: what the clauses say where no pair of wheels decides the motion."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.feedback_laws import cascade_law, corrected_law, printed_law, tangential_law
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.proofs.certificate import CertificateError, build_certificate
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Theorem4
+from nonsmooth.symbolic.scene import Scene
+from tests.conftest import Pair, WheelData
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+POSITIONS: list[Pair] = [(1, 0), (-1, 1), (-1, -1)]
+RIMS: list[Pair] = [(0, 1), (Fraction(3, 5), Fraction(4, 5)), (1, 0)]
+
+
+def omniwheels(arrays: Arrays, vx: int = 0, omega: int = 1) -> Scene:
+    """Three free rollers driven for the motion ``(vx, 0, omega)``: ``u = d . (v + omega J p)``."""
+    wheels = []
+    for (x, y), (a, b) in zip(POSITIONS, RIMS, strict=True):
+        speed = a * vx + omega * (b * x - a * y)
+        wheels.append(WheelData((x, y), (a, b), speed))
+    return arrays.scene(wheels, friction=(1, 0), radius=Fraction(1, 10))
+
+
+def test_an_imposed_translation_is_no_equilibrium(arrays: Arrays) -> None:
+    result = check_cells(omniwheels(arrays, vx=1, omega=0))
+    assert result.check()
+    assert result.equilibrium.verdict is Equilibrium.FAILS
+    assert result.verdict is Theorem4.HYPOTHESES_NOT_MET
+
+
+def test_an_imposed_spin_is_one_and_the_feedback_clause_stays_open(arrays: Arrays) -> None:
+    result = check_cells(omniwheels(arrays))
+    assert result.check()
+    assert result.equilibrium.verdict is Equilibrium.HOLDS
+    assert result.feedback.verdict is Feedback.UNDECIDED
+    assert "rows without friction are left out, so cell 1 holds R1 R2 R3" in result.feedback.reason
+    assert result.feedback.law is None
+    assert result.verdict is Theorem4.UNDECIDED
+
+
+def test_no_certificate_is_written(arrays: Arrays) -> None:
+    with pytest.raises(CertificateError, match="received rows without friction, which are left out") as caught:
+        build_certificate(check_cells(omniwheels(arrays)))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "law", [corrected_law(1), printed_law(1), cascade_law(1, {1: 1, 2: 1, 3: 1}), tangential_law(1, 1)]
+)
+def test_laws_of_pairs_refuse_such_cells(arrays: Arrays, law: object) -> None:
+    partition = build_nearest_partition(omniwheels(arrays))
+    with pytest.raises(ValueError, match="required both rows of one wheel and one of another"):
+        feedback_field(partition, law, Kinematics.EXACT)  # type: ignore[arg-type]
+
+
+def test_too_few_rows_are_refused_in_one_line(arrays: Arrays) -> None:
+    """Inward rims of free rollers leave the rotation free."""
+    wheels = [WheelData(p, (-p[0], -p[1])) for p in POSITIONS]
+    with pytest.raises(RefusalError, match="received 2: the motion is not determined"):
+        check_cells(arrays.scene(wheels, friction=(1, 0), radius=Fraction(1, 10)))
+
+
+def test_a_free_side_row_far_away_changes_nothing(arrays: Arrays) -> None:
+    """Whose rows are never reached, a wheel without friction has no say: verdicts and cells stay."""
+    scene = arrays.four_wheel()
+    far = WheelData((9, 9), (1, 0), 1, (1, 0))
+    extended = arrays.scene(
+        [*(WheelData((x, y), (-x, -y)) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))), far],
+        friction=(1, Fraction(1, 2)),
+    )
+    before, after = check_cells(scene), check_cells(extended)
+    assert [c.verdict for c in before.clauses] == [c.verdict for c in after.clauses]
+    assert len(before.partition.cells) == len(after.partition.cells)
+    assert build_certificate(after)["theorem4"] == "holds"

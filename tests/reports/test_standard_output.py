@@ -1,0 +1,135 @@
+"""Nothing but the product writes on standard output, whatever else is installed."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.symbolic.scene import Vector
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+ROOT = Path(__file__).resolve().parents[2]
+# Every package that a solver interface of CVXPY 1.9 imports and that CVXPY does not require.
+OPTIONAL = """
+coptpy cosmopy cplex cupy cuopt cvxopt cyipopt cylp daqp diffcp ecos google gurobipy jax juliacall knitro moreau mosek
+mpax naginterfaces ortools piqp proxsuite pyscipopt qoco qpalm sdpap unopy xpress
+""".split()  # noqa: SIM905  (a list of one name to a line says no more)
+LICENCE = "Restricted license - for non-production use only"
+LOUD = f"""
+import os, sys
+print("{LICENCE}")
+sys.stdout.flush()
+os.write(1, b"{LICENCE}\\n")
+with open(os.environ["LOOKED_AT"], "a") as file:
+    file.write(__name__ + "\\n")
+class Model: pass
+"""
+
+
+@pytest.fixture
+def loud(tmp_path: Path) -> dict[str, str]:
+    """An environment in which every optional solver prints a licence text when it is imported."""
+    packages = tmp_path / "packages"
+    packages.mkdir()
+    for name in OPTIONAL:
+        (packages / f"{name}.py").write_text(LOUD, encoding="utf-8")
+    path = os.pathsep.join([str(packages), *filter(None, [os.environ.get("PYTHONPATH")])])
+    return {**os.environ, "PYTHONPATH": path, "LOOKED_AT": str(tmp_path / "looked-at")}
+
+
+def run(environment: dict[str, str], *arguments: str) -> subprocess.CompletedProcess[str]:
+    line = [sys.executable, *arguments]
+    return subprocess.run(line, capture_output=True, text=True, timeout=300, check=False, env=environment)
+
+
+def looked_at(environment: dict[str, str]) -> str:
+    path = Path(environment["LOOKED_AT"])
+    return path.read_text(encoding="utf-8") if path.exists() else ""
+
+
+def test_the_packages_are_loud(loud: dict[str, str]) -> None:
+    """The test itself: CVXPY, imported plainly, looks at them."""
+    done = run(loud, "-c", "import cvxpy")
+    assert LICENCE in done.stdout
+    assert "gurobipy" in looked_at(loud)
+
+
+def test_json_is_all_that_check_prints(loud: dict[str, str]) -> None:
+    """Of a plain system whose V is found by a semidefinite program."""
+    done = run(loud, "-m", "nonsmooth.reports.cli", "check", "flower", "--json")
+    assert json.loads(done.stdout)["scene"] == "flower"
+    assert looked_at(loud) == ""
+
+
+def test_json_is_all_that_check_of_an_array_prints(loud: dict[str, str], arrays: Arrays, tmp_path: Path) -> None:
+    """Of an array whose quadratic V is found by a cone program."""
+    scene = arrays.cocircular(3)
+    wheels = [
+        f'[[wheel]]\nposition = {pair(w.position)}\nheading = {pair(w.direction)}\nspeed = "{w.speed}"\n'
+        f'mu_roll = "{w.friction.roll}"\nmu_side = "{w.friction.side}"\n'
+        for w in scene.wheels
+    ]
+    path = tmp_path / "array.toml"
+    path.write_text("\n".join([*wheels, f'[check]\nradius = "{scene.check.radius}"\n']), encoding="utf-8")
+    done = run(loud, "-m", "nonsmooth.reports.cli", "check", str(path), "--json")
+    assert json.loads(done.stdout)["translation"]["quadratic"] is not None
+    assert looked_at(loud) == ""
+
+
+def pair(vector: Vector) -> str:
+    return f'["{vector[0]}", "{vector[1]}"]'
+
+
+def test_json_is_all_that_precision_prints(loud: dict[str, str]) -> None:
+    study = ("--study", "minimizers-box", "--runs", "1", "--time-limit", "0.1")
+    done = run(loud, "-m", "nonsmooth.reports.cli", "precision", "ring-3", "--rule", "box", *study, "--json")
+    assert json.loads(done.stdout)["scene"] == "ring-3"
+    assert looked_at(loud) == ""
+
+
+def test_what_cvxpy_requires_is_there(loud: dict[str, str]) -> None:
+    """Our own way in finds the same solvers as the plain import of an environment without optional ones."""
+    code = (
+        "from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy; load_cvxpy(); "
+        "import builtins, json; from cvxpy.reductions.solvers import defines; "
+        "print(json.dumps([defines.INSTALLED_SOLVERS, builtins.__import__.__name__]))"
+    )
+    solvers, importer = json.loads(run(loud, "-c", code).stdout)
+    assert {"CLARABEL", "SCS", "OSQP"} <= set(solvers)
+    assert not {"GUROBI", "MOSEK", "CPLEX"} & set(solvers)
+    assert importer == "__import__"  # the interpreter's own is back
+
+
+def test_other_modules_import_what_they_like(loud: dict[str, str]) -> None:
+    code = "from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy; load_cvxpy(); import gurobipy"
+    assert run(loud, "-c", code).stdout.splitlines() == [LICENCE, LICENCE]
+
+
+def imports_of_cvxpy(path: Path) -> Iterator[tuple[str, list[str]]]:
+    """Each function that imports CVXPY, with its statements before that."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+        statements = [ast.unparse(statement) for statement in function.body]
+        firsts = [k for k, text in enumerate(statements) if text.startswith(("import cvxpy", "from cvxpy"))]
+        if firsts:
+            yield f"{path.name}: {function.name}", statements[: firsts[0]]
+
+
+def test_every_import_of_cvxpy_goes_through_ours() -> None:
+    found = 0
+    for package in ("symbolic", "analysis", "proofs", "reports"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            for place, before in imports_of_cvxpy(path):
+                assert "load_cvxpy()" in before, place
+                found += 1
+    assert found >= 5
