@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
+from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4, Translation
+from tests.oracles.agreement import contradiction
 from tests.oracles.nearest_paths import End, Wheel, observe
 from tests.oracles.tied_arrays import tied_array, untied_array
 from tests.oracles.tied_scenes import CENTRE, LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
@@ -19,18 +20,6 @@ if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 TIED, UNTIED, BLOCKS = 500, 100, 20
-
-
-def contradiction(result: TranslationResult, ends: set[End]) -> str:
-    """What the paths say against the verdict; empty where they agree."""
-    leaves = End.LEAVES in ends
-    if result.verdict is Translation.ASYMPTOTICALLY_STABLE and ends - {End.ARRIVES, End.UNCLEAR}:
-        return f"asymptotically stable, but paths end {ends}"
-    if result.verdict is Translation.STABLE and leaves:
-        return "stable, but a path leaves"
-    if result.verdict is Translation.UNSTABLE and not leaves:
-        return "unstable, but no path leaves"
-    return ""
 
 
 def compare(arrays: Arrays, wheels: list[Wheel], seed: int) -> Translation:
