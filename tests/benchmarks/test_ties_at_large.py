@@ -1,4 +1,4 @@
-"""A hundred thousand arrays with exact coincidences, and ten thousand without: verdicts against paths.
+"""A hundred thousand arrays with exact coincidences, ten thousand without, and some under ``box``: against paths.
 
 The number of arrays can be set for a shorter run: ``NONSMOOTH_TIED_ARRAYS=5000 make bench``.
 """
@@ -17,9 +17,11 @@ import pytest
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation import decide_translation
 from tests.conftest import Arrays
-from tests.oracles.agreement import contradiction
+from tests.oracles.agreement import box_contradiction, contradiction
+from tests.oracles.box_paths import observe_box
 from tests.oracles.nearest_paths import observe
 from tests.oracles.tied_arrays import tied_array, turning_pool, untied_array
+from tests.oracles.tied_box_arrays import tied_box
 from tests.oracles.tied_scenes import scene_of
 
 if TYPE_CHECKING:
@@ -61,3 +63,15 @@ def test_no_verdict_is_contradicted_by_paths(stopwatch: Stopwatch, tied: bool) -
     stopwatch.report(f"{total} arrays {kind}: {dict(seen)}, {share:.2%} undecided, {len(wrong)} contradicted")
     assert wrong == []
     assert tied or share <= LARGEST_SHARE_UNDECIDED
+
+
+def test_no_verdict_at_corners_of_box_cells_is_contradicted_by_paths(stopwatch: Stopwatch) -> None:
+    seen, wrong = Counter[str](), []
+    for seed in range(FIRST, FIRST + ARRAYS // 100):
+        wheels, at, partition = tied_box(Arrays(), seed)
+        result = decide_translation(partition)
+        seen[str(result.verdict)] += 1
+        if box_contradiction(result, observe_box(wheels, at)):
+            wrong.append(seed)
+    stopwatch.report(f"{sum(seen.values())} corners of cells under box: {dict(seen)}, {len(wrong)} contradicted")
+    assert wrong == []

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from nonsmooth.proofs.clauses.fan import Move
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.verdicts import Translation
+from tests.oracles.box_paths import Observed
 from tests.oracles.nearest_paths import End
 
 
@@ -16,4 +18,16 @@ def contradiction(result: TranslationResult, ends: set[End]) -> str:
         return "stable, but a path leaves"
     if result.verdict is Translation.UNSTABLE and not leaves:
         return "unstable, but no path leaves"
+    return ""
+
+
+def box_contradiction(result: TranslationResult, seen: Observed) -> str:
+    """What paths of rule ``box`` say against the verdict; empty where they agree, or say nothing."""
+    if result.verdict is Translation.ASYMPTOTICALLY_STABLE and (seen.left or seen.rested):
+        return f"asymptotically stable, but {seen}"
+    if result.verdict is Translation.STABLE and seen.left:
+        return f"stable, but {seen}"
+    followed = result.fan is not None and any(e.move is not Move.SLIDE for e in result.fan.evidence)
+    if result.verdict is Translation.UNSTABLE and followed and not seen.left:
+        return f"unstable, but {seen}"
     return ""

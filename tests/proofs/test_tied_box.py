@@ -1,0 +1,28 @@
+"""Translation verdicts under rule ``box`` at corners of the cells, against paths that do not use the cells."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.proofs.clauses.translation import decide_translation
+from tests.oracles.agreement import box_contradiction
+from tests.oracles.box_paths import observe_box
+from tests.oracles.tied_box_arrays import tied_box
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+TIED, BLOCKS = 80, 8
+
+
+@pytest.mark.parametrize("block", range(BLOCKS))
+def test_verdicts_at_corners_of_cells_agree_with_paths(arrays: Arrays, block: int) -> None:
+    size = TIED // BLOCKS
+    for seed in range(size * block, size * (block + 1)):
+        wheels, at, partition = tied_box(arrays, seed)
+        result = decide_translation(partition)
+        assert result.check()
+        found = box_contradiction(result, observe_box(wheels, at))
+        assert not found, f"seed {seed}: {found}; at {at}, {wheels}"
