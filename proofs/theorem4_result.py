@@ -24,6 +24,7 @@ from nonsmooth.proofs.clauses.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.rotation import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+from nonsmooth.proofs.own_paths import refuse_contradiction
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import ContactCensus
 from nonsmooth.symbolic.notebook import html_table
@@ -150,7 +151,12 @@ class CellCheck(Theorem4Result):
         return self.equilibrium, self.translation, self.rotation, self.feedback
 
     def check(self) -> bool:
-        """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion."""
+        """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion.
+
+        Raises:
+            nonsmooth.proofs.own_paths.ContradictionError: where a path contradicts the verdict about (x, y).
+        """
+        refuse_contradiction(self.partition, self.translation)
         clauses = self.clauses
         verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
         about_it = self.partition.scene == self.scene.recentred() and self._speaks_of_every_cell()

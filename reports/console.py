@@ -30,10 +30,6 @@ class RefusedError(Exception):
     """A scene that can be read but not checked; ``str(error)`` is one line."""
 
 
-class ContradictionError(RuntimeError):
-    """A verdict and a path of this program that contradict each other: a fault, on one line."""
-
-
 def prepare_streams() -> None:
     """Let a closed pipe end the program quietly, and print what the terminal's encoding cannot hold as ``?``."""
     if hasattr(signal, "SIGPIPE"):
@@ -58,13 +54,20 @@ def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
     except OSError as error:
         _drop_output()
         return _refuse(f"standard output: required a stream that can be written, received the error {error.strerror!r}")
-    except ContradictionError as error:
-        print(f"{PROGRAM}: {one_line(str(error))}", file=sys.stderr)
-        return FAULT
-    except Exception:
-        traceback.print_exc()
-        return FAULT
+    except Exception as error:
+        return _report_fault(error)
     return status if isinstance(status, int) else 0
+
+
+def _report_fault(error: Exception) -> int:
+    """A traceback; of a verdict and a path that contradict each other one line, which says all."""
+    from nonsmooth.proofs.own_paths import ContradictionError
+
+    if isinstance(error, ContradictionError):
+        print(f"{PROGRAM}: {one_line(str(error))}", file=sys.stderr)
+    else:
+        traceback.print_exception(error)
+    return FAULT
 
 
 def _refuse(message: str) -> int:

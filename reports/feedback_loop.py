@@ -31,10 +31,10 @@ from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback, gradient_text
 from nonsmooth.proofs.clauses.level_region import LevelRegion
 from nonsmooth.proofs.clauses.turn_region import TurnRegion
+from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.choices import Law
-from nonsmooth.reports.console import ContradictionError
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.rule import Rule
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation import decide_translation
-from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4, Translation
 from tests.oracles.agreement import contradiction
 from tests.oracles.nearest_paths import End, Wheel, observe
@@ -42,6 +44,14 @@ def test_a_velocity_along_a_ray_that_omega_bends_outward_lets_full_turns_diverge
     assert result.clauses[1].verdict is Translation.UNSTABLE
     assert result.verdict is Theorem4.FAILS
     assert result.check()
+
+
+@pytest.mark.parametrize("wheels", [LEAVES_LIKE_A_ROOT, LEAVES_FROM_1E_9])
+def test_a_verdict_that_the_own_paths_contradict_is_a_fault(arrays: Arrays, wheels: list[Wheel]) -> None:
+    result = check_cells(scene_of(arrays, wheels))
+    forged = replace(result.translation, verdict=Translation.ASYMPTOTICALLY_STABLE)
+    with pytest.raises(ContradictionError, match=r"said to be asymptotically stable, but the path from"):
+        replace(result, translation=forged).check()
 
 
 def test_half_planes_whose_velocity_lies_along_their_line_have_gain_one(arrays: Arrays) -> None:
