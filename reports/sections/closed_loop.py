@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -19,8 +18,8 @@ from nonsmooth.reports.subject import Subject
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
 QUARTERS = 4  # starts on a circle, the headings of their signs in turn
-SHORTEST, LONGEST = 8.0, 100.0  # time followed
-DECAY = 6.0  # V is certified to fall by exp(-6) in the time followed, where that is not too long
+TIMES = (8.0, 16.0, 32.0, 64.0, 100.0)  # followed to the first of these at which the body is as good as home
+ARRIVED = 1e-3  # of V at the start: a figure shows no less, and beyond it paths of many switches take long
 HALVINGS = 20  # of a start until it lies in the region, or, where that is not known, until its path stays in the square
 
 
@@ -30,6 +29,7 @@ class _Path:
 
     start: Start
     path: Trajectory
+    until: float
 
     @property
     def leaves(self) -> bool:
@@ -39,29 +39,30 @@ class _Path:
 
 def closed_loop_section(subject: Subject) -> Section:
     """Where the certified law leads from four sides, and one of the paths."""
-    loop, until = _loop(subject), _time(subject)
+    loop = _loop(subject)
     try:
-        paths = [_from(subject, loop, start, until) for start in _quarters(subject)]
+        paths = [_from(subject, loop, start) for start in _quarters(subject)]
     except TrajectoryError as error:
         return Section("With feedback", (paragraph("A path could not be followed to its end: {}.", str(error)),))
     if any(path.leaves for path in paths):  # only where no region is known
         none = "Even from starts of 1e-6 of the square the path first leaves it, so none is drawn."
         return Section("With feedback", (paragraph(none),))
     words = paragraph(
-        "Under the {} law, {}, with `k` = {}, each start was followed to t = {}:",
+        "Under the {} law, {}, with `k` = {}, each start was followed until the body is as good as home, at most to "
+        "t = {}:",
         str(loop.law),
         loop.status,
         f"{GAIN:g}",
-        f"{until:g}",
+        f"{TIMES[-1]:g}",
     )
-    return Section("With feedback", (words, _ends(loop, paths), _figure(subject, loop, paths[0], until)))
+    return Section("With feedback", (words, _ends(loop, paths), _figure(subject, loop, paths[0])))
 
 
 def _loop(subject: Subject) -> FeedbackLoop:
     feedback = subject.cells.feedback
     if not isinstance(feedback, FeedbackResult):
         raise TypeError(f"required rule nearest, received {subject.scene.contact.rule}")
-    loop = loop_of(subject.cells.partition, _run((0.0, 0.0, 0.0), SHORTEST), feedback)
+    loop = loop_of(subject.cells.partition, _run((0.0, 0.0, 0.0), TIMES[0]), feedback)
     if loop is None:
         raise TypeError("required a closed loop")
     return loop
@@ -71,33 +72,39 @@ def _run(start: Start, until: float) -> Run:
     return Run(start, until, Kinematics.EXACT, Method.EVENTS, Law.CERTIFIED, width=1e-3)
 
 
-def _time(subject: Subject) -> float:
-    """How long to follow: until V has certainly fallen, within bounds."""
-    feedback = subject.cells.feedback
-    rate = feedback.rate if isinstance(feedback, FeedbackResult) else None
-    if rate is None:
-        return LONGEST
-    return min(max(math.ceil(DECAY / (2 * GAIN * float(rate.kappa))), SHORTEST), LONGEST)
-
-
 def _quarters(subject: Subject) -> list[Start]:
     """Four places about the checked point, with headings of both signs."""
     places = starts(subject.cells.partition)[:: STARTS // QUARTERS]
     return [(x, y, HEADING * (-1) ** k) for k, (x, y, _) in enumerate(places)]
 
 
-def _from(subject: Subject, loop: FeedbackLoop, start: Start, until: float) -> _Path:
+def _from(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
     """The path from the start, moved nearer until it lies in the certified region, or else stays in the square."""
-    partition = subject.cells.partition
     if loop.region is not None:
-        start = _inside(loop, start)
-        return _Path(start, follow(partition, _run(start, until), loop))
+        return _followed(subject, loop, _inside(loop, start))
     for _ in range(HALVINGS):
-        path = _Path(start, follow(partition, _run(start, until), loop))
+        path = _followed(subject, loop, start)
         if not path.leaves:
             break
         start = _smaller(start, 1 / 2)
     return path
+
+
+def _followed(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
+    """The path to the first of the times at which the body is as good as home."""
+    for until in TIMES:
+        path = _Path(start, follow(subject.cells.partition, _run(start, until), loop), until)
+        if path.path.end.reason is not EndReason.TIME or _is_home(loop, path):
+            break
+    return path
+
+
+def _is_home(loop: FeedbackLoop, path: _Path) -> bool:
+    """Whether V, or the squared size of the pose where there is none, has fallen to a small part of what it was."""
+    x, y, theta = (float(value) for value in path.path.end.state)
+    if loop.region is not None:
+        return loop.region.value((x, y, theta)) < ARRIVED * loop.region.value(path.start)
+    return x * x + y * y + theta * theta < ARRIVED * sum(value**2 for value in path.start)
 
 
 def _inside(loop: FeedbackLoop, start: Start) -> Start:
@@ -138,7 +145,7 @@ def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
     return start_text(path.start), levels[0], f"{float(end.t):.4g}", *place, levels[1], str(end.reason)
 
 
-def _figure(subject: Subject, loop: FeedbackLoop, path: _Path, until: float) -> Figure:
+def _figure(subject: Subject, loop: FeedbackLoop, path: _Path) -> Figure:
     partition = subject.cells.partition
     papers = "; the paper's Figure 5 is of its own law" if is_paper_array(subject.scene) else ""
 
@@ -148,7 +155,7 @@ def _figure(subject: Subject, loop: FeedbackLoop, path: _Path, until: float) -> 
         return trajectory_figure(partition, path.path, ".svg", loop.title)
 
     start = typed_start(path.start, subject.scene)
-    options = ("--from", start, "--until", f"{until:g}", "--feedback", "-o", "closed-loop.pdf")
+    options = ("--from", start, "--until", f"{path.until:g}", "--feedback", "-o", "closed-loop.pdf")
     return Figure(
         "closed-loop",
         prose(
