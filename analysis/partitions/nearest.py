@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.partition import PARTITION_UNITS, Cell, Partition, affordable
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Row, roll_row, side_row
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
@@ -44,8 +44,9 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     everyone = np.arange(len(scene.wheels))
     active = _contenders(positions, everyone, domain, 2) if prune else everyone
     cells: list[Cell] = []
-    for i, j, polygon in _ordered_pairs(scene.wheels, positions, active, domain, prune=prune):
-        cells.append(Cell(len(cells) + 1, polygon, pair_states(scene.wheels[i], scene.wheels[j])))
+    with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
+        for i, j, polygon in _ordered_pairs(scene.wheels, positions, active, domain, prune=prune):
+            cells.append(Cell(len(cells) + 1, polygon, pair_states(scene.wheels[i], scene.wheels[j])))
     return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(active))
 
 
@@ -58,15 +59,17 @@ def _ordered_pairs(
     prune: bool,
 ) -> Iterator[tuple[int, int, Polygon]]:
     """(nearest, second-nearest, cell) for every pair that owns area in the domain."""
+    places = positions if prune else None
+    bisectors = _Bisectors(wheels)
     for i in active:
         rivals = active[np.argsort(_distances(positions[active], positions[i]), kind="stable")]
-        first = _region(wheels, i, rivals, domain, positions if prune else None)
+        first = _region(bisectors, i, rivals, domain, places, by_distance=True)
         if first is None:
             continue
         others = active[active != i]
         contenders = _contenders(positions, others, first, 1) if prune else others
         for j in contenders:
-            cell = _region(wheels, j, contenders, first)
+            cell = _region(bisectors, j, contenders, first, places)
             if cell is not None:
                 yield int(i), int(j), cell
 
@@ -93,44 +96,85 @@ def _contenders(
 
 
 def _region(
-    wheels: Sequence[Wheel],
+    bisectors: _Bisectors,
     i: int,
     rivals: Iterable[int],
     within: Polygon,
     positions: NDArray[np.float64] | None = None,
+    *,
+    by_distance: bool = False,
 ) -> Polygon | None:
     """Points of ``within`` at least as near to wheel i as to every rival.
 
-    With positions, and rivals in the order of their distance from wheel i, it stops at the first rival whose
-    bisector lies beyond the farthest vertex of the region: twice as far from the wheel as that.
+    Args:
+        bisectors: of all wheels.
+        i: the wheel.
+        rivals: the others, also i itself.
+        within: where the points are sought.
+        positions: of all wheels in floats, which decide the clear signs; without, every sign is exact.
+        by_distance: whether the rivals come in the order of their distance from wheel i.  Then it stops at the first
+            rival whose bisector lies beyond the farthest vertex: twice as far from the wheel as that.
     """
     region = within
-    reach = np.nan if positions is None else _reach(region, positions[i])
+    corners = None if positions is None else _float_vertices(region)
     for k in rivals:
-        if positions is not None and _distances(positions[k], positions[i]) > 2 * reach:
-            break
-        if k != i:
-            closer = region.clipped(bisector(wheels[i], wheels[k]))
-            if closer is None:
-                return None
-            if closer is not region and positions is not None:
-                reach = _reach(closer, positions[i])
-            region = closer
+        if k == i:
+            continue
+        known = None
+        if positions is not None and corners is not None:
+            if by_distance and _distances(positions[k], positions[i]) > 2 * _reach(corners, positions[i]):
+                break
+            known = _clear_signs(corners, positions[i], positions[k])
+            if min(known) > 0:
+                continue
+        closer = region.clipped(bisectors.between(i, k), known)
+        if closer is None:
+            return None
+        if closer is not region and positions is not None:
+            corners = _float_vertices(closer)
+        region = closer
     return region
 
 
-def _reach(region: Polygon, place: NDArray[np.float64]) -> float:
-    """Distance from a wheel to the farthest vertex, never too small."""
-    vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
+def _float_vertices(region: Polygon) -> NDArray[np.float64]:
+    return np.array([[float(x), float(y)] for x, y in region.vertices])
+
+
+def _clear_signs(corners: NDArray[np.float64], near: NDArray[np.float64], far: NDArray[np.float64]) -> list[int]:
+    """Signs of ``|c - far| - |c - near|`` at corners where floats are sure, 0 where they are not."""
+    to_near, to_far = _distances(corners, near), _distances(corners, far)
     with np.errstate(over="ignore", invalid="ignore"):
-        size = np.abs(vertices).max() + np.abs(place).max()
-        return float(_distances(vertices, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
+        size = np.abs(corners).max() + np.abs(near).max() + np.abs(far).max()
+        clear = np.abs(to_far - to_near) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
+    signs: list[int] = np.where(clear, np.sign(to_far - to_near), 0).astype(int).tolist()
+    return signs
+
+
+def _reach(corners: NDArray[np.float64], place: NDArray[np.float64]) -> float:
+    """Distance from a wheel to the farthest vertex, never too small."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.abs(corners).max() + np.abs(place).max()
+        return float(_distances(corners, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
 
 
 def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
     with np.errstate(over="ignore", invalid="ignore"):
         difference = points - place
         return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
+
+
+class _Bisectors:
+    """The bisectors of pairs of wheels, each computed once."""
+
+    def __init__(self, wheels: Sequence[Wheel]) -> None:
+        self._wheels = wheels
+        self._known: dict[tuple[int, int], HalfPlane] = {}
+
+    def between(self, near: int, far: int) -> HalfPlane:
+        """See :func:`bisector`; wheels by their places in the list."""
+        if (near, far) not in self._known:
+            self._known[near, far] = bisector(self._wheels[near], self._wheels[far])
+        return self._known[near, far]
 
 
 def bisector(near: Wheel, far: Wheel) -> HalfPlane:
