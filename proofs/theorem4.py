@@ -13,7 +13,7 @@ from typing import Any
 from nonsmooth.analysis.partitions.box import build_box_partition, build_rest_partition
 from nonsmooth.analysis.partitions.equilibria import find_equilibria
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.partition import Partition, affordable
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback, with_samples
@@ -26,11 +26,14 @@ from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibr
 from nonsmooth.proofs.theorem4_result import CellCheck, Clauses, EllipseCheck, Skipped, conclude
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 CENSUS_LIMIT = 20_000  # row triples that are counted unasked: 25 wheels; a count decides no clause
 FULL_CENSUS_LIMIT = 500_000  # row triples that are counted without pruning: 72 wheels, some ten seconds
+CHECK_UNITS = 15_000_000  # of exact arithmetic in a whole check: a minute or so
+SEARCH_UNITS = 4_000_000  # in the search for other equilibria, which no clause needs
 LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
 ELLIPSE_SAMPLES = 2_000  # points at which V* is evaluated under rule ellipse where no lemma covers the square
 
@@ -43,11 +46,13 @@ def check_theorem4(scene: Scene, *, prune: bool = True) -> CellCheck | EllipseCh
         prune: leave out what no verdict needs; without, everything is computed, with the same verdicts.
 
     Raises:
-        RefusalError: where the motion is not determined (loads that do not exist, frictionless wheels).
+        RefusalError: where the motion is not determined (loads that do not exist, frictionless wheels), and where the
+            exact arithmetic would take too long.
     """
-    if scene.contact.rule is Rule.ELLIPSE:
-        return check_ellipse(scene, prune=prune)
-    return check_cells(scene, prune=prune)
+    with affordable(scene, CHECK_UNITS, "all clauses"):
+        if scene.contact.rule is Rule.ELLIPSE:
+            return check_ellipse(scene, prune=prune)
+        return check_cells(scene, prune=prune)
 
 
 def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
@@ -159,10 +164,16 @@ def _box_cells(work: _Work, lemma: CocircularArray | None) -> Partition:
 
 
 def _equilibria(work: _Work, partition: Partition) -> tuple[JudgedEquilibrium, ...] | None:
-    if partition.complete:
-        return judge_equilibria(work.centred, find_equilibria(partition))
-    work.skip("search for other equilibria", 1, "cells away from the point were not built")
-    return None
+    if not partition.complete:
+        work.skip("search for other equilibria", 1, "cells away from the point were not built")
+        return None
+    try:
+        with work_limit(work.centred.field, SEARCH_UNITS):
+            return judge_equilibria(work.centred, find_equilibria(partition))
+    except WorkLimitError:
+        why = f"it takes more than {SEARCH_UNITS // 1_000_000} million exact operations, and no clause needs it"
+        work.skip("search for other equilibria", 1, why)
+        return None
 
 
 def _driven_feedback(work: _Work) -> DrivenFeedback:

@@ -21,7 +21,7 @@ from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, Ellipse
 from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.obstruction import obstruction_text
-from nonsmooth.proofs.clauses.rotation import RotationResult, rotation_bound
+from nonsmooth.proofs.clauses.rotation import RotationResult, bounds_rotation, rotation_bound
 from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.own_paths import refuse_contradiction
@@ -172,7 +172,7 @@ class CellCheck(Theorem4Result):
             (partition.tiles if partition.complete else translation.lemma is not None)
             and self.equilibrium.twists == here
             and (drift is None or drift.twists == here)
-            and (bound is None or bound == rotation_bound(partition, translation))
+            and (bound is None or bounds_rotation(bound, partition, translation))
             and (self.rotation.fan is None or self.rotation.fan == translation.fan)
             and [(d.cell, d.twist) for d in translation.derivatives] == every
             and (translation.fan is None or translation.fan.cones == build_fan(partition))

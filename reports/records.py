@@ -13,6 +13,7 @@ from nonsmooth.reports.exact_record import Record, with_exact, witness_record
 from nonsmooth.reports.feedback_record import feedback_record
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 
 CHECK_SCHEMA = "nonsmooth-check/1"
 CHECKS_SCHEMA = "nonsmooth-checks/1"
@@ -41,6 +42,7 @@ def check_record(result: Check, continuum: Record | None = None) -> Record:
         "feedback": feedback_record(result),
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
         "continuum": continuum,
+        "notes": list(angle_notes(scene.field)),
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
         "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
     }
@@ -71,6 +73,7 @@ def partition_record(partition: Partition) -> Record:
         ],
         **with_exact({"domain": partition.domain.vertices}),
         "area_error": real_text(partition.area_error) if partition.complete else None,
+        "notes": list(angle_notes(partition.scene.field)),
     }
 
 

@@ -14,7 +14,8 @@ from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResu
 from nonsmooth.proofs.systems.written_potential import potential_pieces
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.records import CHECK_SCHEMA
-from nonsmooth.reports.terminal import brief, two_columns, verdict_text
+from nonsmooth.reports.terminal import brief, notes_lines, two_columns, verdict_text
+from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
 
 AUDIT_SCHEMA = "nonsmooth-audit/1"
@@ -41,6 +42,7 @@ def system_record(result: SystemResult) -> Record:
             "everywhere": result.everywhere,
             "reason": result.reason,
         },
+        "notes": list(angle_notes(scene.field)),
     }
 
 
@@ -114,7 +116,7 @@ def system_view(result: SystemResult) -> RenderableType:
         rows.add_row("with", Text(f"V = {_proving_text(result)}"))
         rows.add_row("on", Text(str(result.domain)))
     head = f"{one_line(scene.name)}: plain switched system in {', '.join(scene.states)}"
-    return Group(Text(head), rows)
+    return Group(Text(head), rows, *notes_lines(scene.field))
 
 
 def audit_view(result: AuditResult) -> RenderableType:

@@ -22,6 +22,8 @@ from nonsmooth.proofs.clauses.translation import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.formulas import Real, decimal_text, lower_text, real_text
+from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene_error import one_line
 
 ROUNDING = 1e-12  # of a sampled V'/V at gain one: less is noise
@@ -82,6 +84,7 @@ def partition_view(partition: Partition) -> RenderableType:
         table,
         Text(f"area of the square minus area of the cells: {brief(partition.area_error)} ({exact})"),
         Text("R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin"),
+        *notes_lines(partition.scene.field),
     )
 
 
@@ -91,6 +94,11 @@ def scenes_view(descriptions: dict[str, str]) -> RenderableType:
     for name, description in descriptions.items():
         table.add_row(Text(name, no_wrap=True), Text(description))
     return table
+
+
+def notes_lines(field: NumberField) -> list[Text]:
+    """What a reader must know about the numbers of a scene."""
+    return [Text(f"note: {note}") for note in angle_notes(field)]
 
 
 def legend() -> RenderableType:

@@ -15,9 +15,7 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 
-from flint import fmpq
-
-from nonsmooth.symbolic.numbers.number import Coefficient, Number
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.scene_error import shown
@@ -272,18 +270,10 @@ def _bounded(value: Number, text: str, factor: int = 1) -> Number:
         roots |= mask
     if roots.bit_count() > MAX_ROOTS:
         raise ExpressionError(f"required at most {MAX_ROOTS} independent square roots, received {shown(text)}")
-    size = sum(_height(c) for c in value.terms.values())
-    if size * factor > MAX_BITS:
+    if value.size_bits * factor > MAX_BITS:
         raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {shown(text)}")
     return value
 
 
 def _name(node: ast.expr) -> str:
     return node.id if isinstance(node, ast.Name) else ""
-
-
-def _height(coefficient: Coefficient) -> int:
-    """Bits of the longest integer of a rational, or of a rational polynomial."""
-    if isinstance(coefficient, fmpq):
-        return coefficient.height_bits()
-    return max(coefficient.numer().height_bits(), int(coefficient.denom()).bit_length())

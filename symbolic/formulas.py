@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, ctx
 
+from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.printing import Summand, latex_sum, number_summands, plain_sum, signed
@@ -25,10 +26,8 @@ if TYPE_CHECKING:
 LINE_LENGTH = 76  # characters of plain text after which a formula continues on the next line
 LINE_BREAK = " \\\\\n&\\quad "  # inside an aligned block
 DIGITS = 10  # significant digits of a rounded coefficient
-EXTREME_BITS = 256  # precision for numbers that floats cannot hold
 SHORT = 44  # characters of exact text that fit a sentence or a table
 BALL_DIGITS = 20  # digits of an enclosure
-EXACT_ROOTS = 4  # square roots of a field up to which a late number is carried out; beyond it may take minutes
 
 Real: TypeAlias = Number | Lazy | arb
 
@@ -100,8 +99,10 @@ def settled(value: Real) -> Number | arb:
 
 
 def real_text(value: Real) -> str:
-    """Exact text, or an enclosure such as ``[0.123 +/- 4e-21]`` where the exact form is out of reach."""
+    """Exact text, or an enclosure such as ``[0.123 +/- 4e-21]`` where the exact form is endless or out of reach."""
     fixed = settled(value)
+    if isinstance(fixed, Number) and fixed.size_bits > MOST_BITS:
+        fixed = fixed.accurate_ball(PRECISION)
     return str(fixed.str(BALL_DIGITS)) if isinstance(fixed, arb) else str(fixed)
 
 
@@ -110,7 +111,7 @@ def decimal_text(value: Real, digits: int = DIGITS) -> str:
     approximation = float(value)
     if approximation and math.isfinite(approximation):
         return f"{approximation:.{digits}g}"
-    with ctx.workprec(EXTREME_BITS):
+    with ctx.workprec(PRECISION):
         ball = value if isinstance(value, arb) else value.ball if isinstance(value, Lazy) else value.ball()
         return str(ball.str(digits, radius=False))
 

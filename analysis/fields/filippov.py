@@ -12,12 +12,18 @@ The partition must be centred: ``c* = 0`` (:meth:`nonsmooth.symbolic.scene.Scene
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+
+from flint import arb, ctx
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.enclosures import PRECISION, enclosure, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import cross, dot
+
+_PRECISION = 128  # bits of the balls by which slopes are compared first
 
 
 def filippov_twists(partition: Partition, point: Point) -> tuple[Twist, ...]:
@@ -44,28 +50,55 @@ def upper_derivative_at(partition: Partition, point: Point) -> Number:
 
 @dataclass(frozen=True)
 class Slope:
-    """The number ``2 v . c/|c|`` for a direction c; compared without taking roots."""
+    """The number ``2 v . c/|c|`` for a direction c; compared without taking roots, and mostly by balls."""
 
     velocity: Point
     direction: Point
 
-    @property
-    def _parts(self) -> tuple[int, Number]:
-        """Sign, and square divided by four."""
-        product = dot(self.velocity, self.direction)
-        return product.sign(), product * product / dot(self.direction, self.direction)
+    @cached_property
+    def _product(self) -> Number:
+        return dot(self.velocity, self.direction)
+
+    @cached_property
+    def _length_squared(self) -> Number:
+        return dot(self.direction, self.direction)
+
+    @cached_property
+    def _ball(self) -> arb:
+        """Half the number."""
+        with ctx.workprec(_PRECISION):
+            return enclosure(self._product) / enclosure(self._length_squared).sqrt()
 
     def __lt__(self, other: Slope) -> bool:
-        (s, a), (t, b) = self._parts, other._parts
+        if self._ball < other._ball:
+            return True
+        if self._ball > other._ball:
+            return False
+        s, t = self._product.sign(), other._product.sign()
         if s != t:
             return s < t
-        return bool(a < b if s > 0 else b < a)
+        own = self._product * self._product * other._length_squared
+        others = other._product * other._product * self._length_squared
+        return bool(own < others if s > 0 else others < own)
+
+    def sign(self) -> int:
+        """Certified sign: -1, 0 or 1."""
+        return self._product.sign()
+
+    def is_at_most(self, bound: Number) -> bool:
+        """Whether the number is not above a bound, without taking its root."""
+        if self.sign() != bound.sign():
+            return self.sign() < bound.sign()
+        excess = 4 * self._product * self._product - bound * bound * self._length_squared
+        return excess.sign() * self.sign() <= 0
 
     @property
-    def value(self) -> Number:
-        """The exact value; takes one square root."""
-        s, square = self._parts
-        return 2 * s * square.sqrt()
+    def value(self) -> Number | arb:
+        """The exact value, which takes one square root; a ball where that root is out of reach."""
+        if not self.sign():
+            return self.velocity[0].field.zero
+        with ctx.workprec(PRECISION):
+            return 2 * self.sign() * square_root(self._product * self._product / self._length_squared)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, value_at
+from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, leading_one, outer, scaled, scene_rows
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -37,6 +38,8 @@ FLOAT_DOUBT = 1e-9
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.
 STEP_DOUBT = 1e-5
+
+MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 
 Lexicographic: TypeAlias = tuple[int, int]
 
@@ -68,11 +71,12 @@ class Vertex:
     tight: tuple[int, ...]
     slopes: tuple[Slope, ...]
 
-    def doubtful(self, points: NDArray[np.float64]) -> list[int]:
-        """Numbers of the slopes that are not certainly positive at all points ``(1, x, y)``, given as floats."""
-        terms = points[:, None, :] * self._floats
-        doubt = np.abs(terms).sum(axis=-1) * FLOAT_DOUBT
-        return np.flatnonzero(~(terms.sum(axis=-1) > doubt).all(axis=0)).tolist()
+    def doubtful(self, points: NDArray[np.float64], among: Sequence[int] | None = None) -> list[int]:
+        """Numbers of the slopes (of those given) that are not certainly positive at all points ``(1, x, y)``."""
+        numbers = np.arange(len(self.slopes)) if among is None else np.array(among, dtype=int)
+        forms = self._floats[numbers]
+        doubt = np.abs(points) @ np.abs(forms).T * FLOAT_DOUBT
+        return numbers[~(points @ forms.T > doubt).all(axis=0)].tolist()
 
     @cached_property
     def _floats(self) -> NDArray[np.float64]:
@@ -110,6 +114,12 @@ class Arrangement:
             self._vertices[twist] = Vertex(twist, _tight(signs), self.slopes(signs))
         return self._vertices[twist]
 
+    def float_dissipation(self, twist: Twist, point: Point) -> float:
+        """D at a centre of mass, rounded."""
+        residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
+        weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
+        return float(weights @ np.abs(residuals))
+
     def slopes(self, signs: NDArray[np.int_]) -> tuple[Slope, ...]:
         """The slopes of D that can vanish in the region, where the residuals of the rows have these signs.
 
@@ -130,7 +140,7 @@ class Arrangement:
     def falling_slope(self, signs: NDArray[np.int_]) -> Slope | None:
         """The slope that is clearly negative, and most of all, where the centre of mass is at the origin."""
         tight = _tight(signs)
-        pairs = np.array(list(combinations(tight, 2))).reshape(-1, 2)
+        pairs = _pairs(tight)
         m = np.cross(self.normals[pairs[:, 0]], self.normals[pairs[:, 1]])
         weights = self.float_weights[:, 0]
         kept = np.abs(m @ self.normals[list(tight)].T) @ weights[list(tight)]
@@ -172,7 +182,7 @@ class Arrangement:
 
     def _directions(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> list[Triple]:
         """Edge directions at the vertex, without those whose slopes are certainly positive in the region."""
-        pairs = np.array(list(combinations(tight, 2)))
+        pairs = _pairs(tight)
         m = np.cross(self.normals[pairs[:, 0]], self.normals[pairs[:, 1]])
         reach = np.abs(m @ self.normals[list(tight)].T)
         kept = reach @ self.corner_weights[list(tight)]
@@ -245,6 +255,20 @@ def order(form: Affine, point: Point, outward: Point) -> Lexicographic:
 def float_corners(polygon: Polygon) -> NDArray[np.float64]:
     """Vertices as rows ``(1, x, y)``."""
     return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
+
+
+def _pairs(tight: tuple[int, ...]) -> NDArray[np.int_]:
+    """All pairs of rows that a twist satisfies: they span the directions of edges there.
+
+    Raises:
+        RefusalError: for so many rows that the table of slopes would not fit into memory.
+    """
+    if len(tight) > MOST_TIGHT:
+        raise RefusalError(
+            f"wheels: required at most {MOST_TIGHT} rows that hold at one motion (at rest all side rows do), "
+            f"received {len(tight)}"
+        )
+    return np.array(list(combinations(tight, 2)), dtype=int).reshape(-1, 2)
 
 
 def _tight(signs: NDArray[np.int_]) -> tuple[int, ...]:

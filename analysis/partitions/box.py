@@ -17,13 +17,15 @@ import numpy as np
 
 from nonsmooth.analysis.partitions.arrangement import Arrangement, Slope, Vertex, float_corners, order
 from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, at_least_zero, load_regions
-from nonsmooth.analysis.partitions.partition import Cell, Partition, require_rank
+from nonsmooth.analysis.partitions.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
-from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
+from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
+
+STEP = "cells of rule box"
 
 
 def build_box_partition(scene: Scene) -> Partition:
@@ -34,9 +36,11 @@ def build_box_partition(scene: Scene) -> Partition:
     """
     require_rank(rows_with_friction(scene), "friction: required rows")
     cells: list[Cell] = []
-    for region in load_regions(scene):
-        for states, polygon in _Walk(scene, region).cells():
-            cells.append(Cell(len(cells) + 1, polygon, states))
+    with affordable(scene, PARTITION_UNITS, STEP):
+        for region in load_regions(scene):
+            known = dict.fromkeys(twist for cell in cells for twist in cell.twists)
+            for states, polygon in _Walk(scene, region, tuple(known)).cells():
+                cells.append(Cell(len(cells) + 1, polygon, states))
     domain = square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
 
@@ -49,12 +53,13 @@ def build_rest_partition(scene: Scene) -> Partition | None:
     """
     zero = scene.field.zero
     cells: list[Cell] = []
-    for region in load_regions(scene):
-        walk = _Walk(scene, region)
-        found = walk.cell_of(Twist(zero, zero, zero)) if region.polygon.contains((zero, zero)) else None
-        if found is not None:
-            states, polygon = found
-            cells.append(Cell(len(cells) + 1, polygon, states))
+    with affordable(scene, PARTITION_UNITS, STEP):
+        for region in load_regions(scene):
+            walk = _Walk(scene, region)
+            found = walk.cell_of(Twist(zero, zero, zero)) if region.polygon.contains((zero, zero)) else None
+            if found is not None:
+                states, polygon = found
+                cells.append(Cell(len(cells) + 1, polygon, states))
     inner = [cell for cell in cells if _surrounds(cell.polygon, (zero, zero))]
     if len(cells) != len(inner):
         return None
@@ -68,15 +73,21 @@ def _surrounds(polygon: Polygon, point: Point) -> bool:
 
 
 class _Walk:
-    """The cells of one load region."""
+    """The cells of one load region.
 
-    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+    Args:
+        scene: the array.
+        region: where the loads are affine.
+        known: twists that own cells of other regions: the descent starts from the best of them.
+    """
+
+    def __init__(self, scene: Scene, region: LoadRegion, known: tuple[Twist, ...] = ()) -> None:
         rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[row.wheel.index - 1]))
         require_rank(rows, "contact.loads: required loaded rows")
         self.scene = scene
         self.region = region
+        self.known = known
         self.arrangement = Arrangement(scene, region)
-        self.lazy = len(scene.field.radicands) > FEW_ROOTS
 
     def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
         """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
@@ -108,15 +119,17 @@ class _Walk:
                     waiting.append(self._neighbour(vertex, slope, _midpoint(polygon, k), side.normal))
 
     def _first(self) -> Vertex:
-        """Descend to the optimal vertex just beside the centre of the region, from the nearest wheels' state."""
+        """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""
         centre = self.region.polygon.centre
         # both rows of the nearest wheel and one of the second to start with: any independent rows would do
         near, second, *_ = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
         rows = wheel_rows(second) if second.friction.roll >= second.friction.side else wheel_rows(second)[::-1]
         state = next(state for row in rows if (state := solve_rows((*wheel_rows(near), row))) is not None)
+        twists = (state.twist, *self.known)
+        start = min(twists, key=lambda twist: self.arrangement.float_dissipation(twist, centre))
         one = self.scene.field.one
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
-        return self._descend(self.arrangement.vertex(state.twist), centre, outward)
+        return self._descend(self.arrangement.vertex(start), centre, outward)
 
     def _neighbour(self, vertex: Vertex, slope: Slope, point: Point, outward: Point) -> Vertex:
         """The vertex that is optimal just beyond a side of the cell."""
@@ -149,12 +162,11 @@ class _Walk:
                 return None, origins
             if clipped is not polygon:
                 polygon = clipped
-                still = set(vertex.doubtful(float_corners(polygon)))
-                waiting = [j for j in waiting if j in still]
+                waiting = vertex.doubtful(float_corners(polygon), waiting)
         return polygon, origins
 
     def _half_plane(self, form: Affine, label: str) -> HalfPlane:
-        if self.lazy:
+        if any(is_long(entry) for entry in form):
             form = (Lazy.of(form[0]), Lazy.of(form[1]), Lazy.of(form[2]))
         return at_least_zero(form, label)
 

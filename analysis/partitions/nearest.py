@@ -22,7 +22,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition, require_rank
+from nonsmooth.analysis.partitions.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import (
     Row,
@@ -58,8 +58,9 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     domain = square(scene.check.equilibrium, scene.check.radius)
     search = _Search(scene, prune)
     cells: list[Cell] = []
-    for chain, polygon in search.chains(domain):
-        cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
+    with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
+        for chain, polygon in search.chains(domain):
+            cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
     return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(search.considered))
 
 
@@ -84,6 +85,7 @@ class _Search:
 
     def __init__(self, scene: Scene, prune: bool) -> None:
         self.wheels, self.prune = scene.wheels, prune
+        self.bisectors = _Bisectors(scene.wheels)
         self.positions = np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
         self.considered: set[int] = set()
 
@@ -104,15 +106,16 @@ class _Search:
     def _pairs(self, near: NDArray[np.int_], domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
         """(nearest, second-nearest) where all these wheels have friction in both directions."""
         positions = self.positions
+        places = positions if self.prune else None
         for i in near:
             rivals = near[np.argsort(_distances(positions[near], positions[i]), kind="stable")]
-            first = _region(self.wheels, i, rivals, domain, positions if self.prune else None)
+            first = _region(self.bisectors, i, rivals, domain, places, by_distance=True)
             if first is None:
                 continue
             others = near[near != i]
             contenders = _contenders(positions, others, first, 1) if self.prune else others
             for j in contenders:
-                cell = _region(self.wheels, j, contenders, first)
+                cell = _region(self.bisectors, j, contenders, first, places)
                 if cell is not None:
                     yield (int(i), int(j)), cell
 
@@ -125,14 +128,14 @@ class _Search:
         following = self._next(basis, region)
         self.considered.update(following)
         for i in following:
-            part = _region(self.wheels, i, following, region)
+            part = _region(self.bisectors, i, following, region, self.positions if self.prune else None)
             if part is not None:
                 yield from self._longer((*chain, i), part)
 
     def _next(self, basis: Sequence[Triple], region: Polygon) -> list[int]:
         """Wheels that can be the nearest, somewhere in the region, of those with a row independent of the basis."""
         centre = _float_point(region.centre)
-        distances, reach = _distances(self.positions, centre), _reach(region, centre)
+        distances, reach = _distances(self.positions, centre), _reach(_float_vertices(region), centre)
         found: list[int] = []
         bound = np.inf
         for i in np.argsort(distances, kind="stable").tolist():
@@ -184,38 +187,65 @@ def _contenders(
 
 
 def _region(
-    wheels: Sequence[Wheel],
+    bisectors: _Bisectors,
     i: int,
     rivals: Iterable[int],
     within: Polygon,
     positions: NDArray[np.float64] | None = None,
+    *,
+    by_distance: bool = False,
 ) -> Polygon | None:
     """Points of ``within`` at least as near to wheel i as to every rival.
 
-    With positions, and rivals in the order of their distance from wheel i, it stops at the first rival whose
-    bisector lies beyond the farthest vertex of the region: twice as far from the wheel as that.
+    Args:
+        bisectors: of all wheels.
+        i: the wheel.
+        rivals: the others, also i itself.
+        within: where the points are sought.
+        positions: of all wheels in floats, which decide the clear signs; without, every sign is exact.
+        by_distance: whether the rivals come in the order of their distance from wheel i.  Then it stops at the first
+            rival whose bisector lies beyond the farthest vertex: twice as far from the wheel as that.
     """
     region = within
-    reach = np.nan if positions is None else _reach(region, positions[i])
+    corners = None if positions is None else _float_vertices(region)
     for k in rivals:
-        if positions is not None and _distances(positions[k], positions[i]) > 2 * reach:
-            break
-        if k != i:
-            closer = region.clipped(bisector(wheels[i], wheels[k]))
-            if closer is None:
-                return None
-            if closer is not region and positions is not None:
-                reach = _reach(closer, positions[i])
-            region = closer
+        if k == i:
+            continue
+        known = None
+        if positions is not None and corners is not None:
+            if by_distance and _distances(positions[k], positions[i]) > 2 * _reach(corners, positions[i]):
+                break
+            known = _clear_signs(corners, positions[i], positions[k])
+            if min(known) > 0:
+                continue
+        closer = region.clipped(bisectors.between(i, k), known)
+        if closer is None:
+            return None
+        if closer is not region and positions is not None:
+            corners = _float_vertices(closer)
+        region = closer
     return region
 
 
-def _reach(region: Polygon, place: NDArray[np.float64]) -> float:
-    """Distance from a wheel to the farthest vertex, never too small."""
-    vertices = np.array([_float_point(vertex) for vertex in region.vertices])
+def _float_vertices(region: Polygon) -> NDArray[np.float64]:
+    return np.array([_float_point(vertex) for vertex in region.vertices])
+
+
+def _clear_signs(corners: NDArray[np.float64], near: NDArray[np.float64], far: NDArray[np.float64]) -> list[int]:
+    """Signs of ``|c - far| - |c - near|`` at corners where floats are sure, 0 where they are not."""
+    to_near, to_far = _distances(corners, near), _distances(corners, far)
     with np.errstate(over="ignore", invalid="ignore"):
-        size = np.abs(vertices).max() + np.abs(place).max()
-        return float(_distances(vertices, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
+        size = np.abs(corners).max() + np.abs(near).max() + np.abs(far).max()
+        clear = np.abs(to_far - to_near) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
+    signs: list[int] = np.where(clear, np.sign(to_far - to_near), 0).astype(int).tolist()
+    return signs
+
+
+def _reach(corners: NDArray[np.float64], place: NDArray[np.float64]) -> float:
+    """Distance from a wheel to the farthest vertex, never too small."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.abs(corners).max() + np.abs(place).max()
+        return float(_distances(corners, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
 
 
 def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -226,6 +256,20 @@ def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArr
 
 def _float_point(point: Point) -> NDArray[np.float64]:
     return np.array([float(x) for x in point])
+
+
+class _Bisectors:
+    """The bisectors of pairs of wheels, each computed once."""
+
+    def __init__(self, wheels: Sequence[Wheel]) -> None:
+        self._wheels = wheels
+        self._known: dict[tuple[int, int], HalfPlane] = {}
+
+    def between(self, near: int, far: int) -> HalfPlane:
+        """See :func:`bisector`; wheels by their places in the list."""
+        if (near, far) not in self._known:
+            self._known[near, far] = bisector(self._wheels[near], self._wheels[far])
+        return self._known[near, far]
 
 
 def bisector(near: Wheel, far: Wheel) -> HalfPlane:

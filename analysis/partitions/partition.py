@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,15 +17,38 @@ from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 # An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
 AREA_ROOTS = 4
+PARTITION_UNITS = 10_000_000  # of exact arithmetic for the cells: half a minute or so
 
 
 class RefusalError(ValueError):
-    """A scene whose motion is not determined; the message names key, requirement and what was received."""
+    """A scene that is not followed further: its motion is not determined, or the work would be too much.
+
+    The message names key, requirement and what was received.
+    """
+
+
+@contextmanager
+def affordable(scene: Scene, units: int, step: str) -> Iterator[None]:
+    """Limit the exact arithmetic of a step.
+
+    Raises:
+        RefusalError: where the step goes beyond it.
+    """
+    try:
+        with work_limit(scene.field, units):
+            yield
+    except WorkLimitError:
+        roots = len(scene.field.radicands)
+        raise RefusalError(
+            f"wheels: required an array with {step} within {units // 1_000_000} million exact operations, "
+            f"received one beyond that: {len(scene.wheels)} wheels, numbers over {roots} square roots"
+        ) from None
 
 
 @dataclass(frozen=True)

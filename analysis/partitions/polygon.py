@@ -65,10 +65,15 @@ class Polygon:
         """Whether the closed polygon holds the point."""
         return all(sign(side.slack(point)) >= 0 for side in self.sides)
 
-    def clipped(self, half_plane: HalfPlane) -> Polygon | None:
-        """Intersection with a closed half-plane; None when no area is left."""
-        slacks = [half_plane.slack(vertex) for vertex in self.vertices]
-        signs = [sign(slack) for slack in slacks]
+    def clipped(self, half_plane: HalfPlane, known: Sequence[int] | None = None) -> Polygon | None:
+        """Intersection with a closed half-plane; None when no area is left.
+
+        Args:
+            half_plane: what stays.
+            known: signs of the slacks at the vertices where they are known already, 0 elsewhere.
+        """
+        hints = known or [0] * len(self.vertices)
+        signs = [hint or sign(half_plane.slack(vertex)) for hint, vertex in zip(hints, self.vertices, strict=True)]
         if min(signs) >= 0:
             return self
         if max(signs) <= 0:
@@ -114,12 +119,25 @@ def square(centre: Point, radius: Any) -> Polygon:
 
 
 def hull_holds_zero(vectors: Sequence[Point]) -> bool:
-    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing)."""
+    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing).
+
+    The cone of the vectors seen so far is kept by its first and last direction, as long as it is less than a half turn.
+    """
     nonzero = [v for v in vectors if any(v)]
     if len(nonzero) < len(vectors):
         return True
-    for v in nonzero:  # v is the last counterclockwise of an open half-plane iff all others lie clockwise of it
-        sides = [(sign(cross(v, w)), sign(dot(v, w))) for w in nonzero]
-        if all(turn < 0 or (turn == 0 and along > 0) for turn, along in sides):
-            return False
-    return bool(nonzero)
+    if not nonzero:
+        return False
+    first = last = nonzero[0]
+    for v in nonzero[1:]:
+        from_first, from_last = sign(cross(first, v)), sign(cross(last, v))
+        if from_first >= 0 >= from_last:
+            if not from_first and not from_last and sign(dot(first, v)) < 0:
+                return True  # opposite to a single direction
+        elif from_first > 0:
+            last = v
+        elif from_last < 0:
+            first = v
+        else:
+            return True  # opposite to the cone, or to one of its ends
+    return False

@@ -9,14 +9,21 @@ from collections.abc import Iterator, Sequence
 
 from nonsmooth.analysis.fields.filippov import CellDerivative
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.symbolic.numbers.enclosures import rational_below, square_root
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import cross, dot
 
 
 def region_radius(derivatives: Sequence[CellDerivative], *, strict: bool, within: Number) -> Number:
-    """Radius of the largest disc, up to the given one, on which V* < 0 (or <= 0)."""
+    """Radius of the largest disc, up to the given one, on which V* < 0 (or <= 0).
+
+    A rational just below it where its exact form is out of reach.
+    """
     nearest = squared_reach(derivatives, strict=strict, within=within)
-    return within if nearest == within * within else nearest.sqrt()
+    if nearest == within * within:
+        return within
+    root = square_root(nearest)
+    return root if isinstance(root, Number) else within.field.rational(rational_below(root))
 
 
 def squared_reach(derivatives: Sequence[CellDerivative], *, strict: bool, within: Number) -> Number:

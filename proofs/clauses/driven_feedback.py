@@ -24,6 +24,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
+from math import comb
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
@@ -55,6 +56,9 @@ if TYPE_CHECKING:
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
 ENOUGH = 60  # candidates beyond which three firm independent twists end the search: a better rate is not sought
+LOOKED_AT = 20_000  # wheels times candidates that are looked at: a minute or so under rule ellipse
+FEW_OF = 6  # part of them beyond which the search may end
+TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 # Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
 # a few hundred.
@@ -119,7 +123,7 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
         return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked)
     zero = scene.field.zero
     regions = load_regions(scene, (zero, zero))
-    candidates = _impose_candidates(scene, regions[0])
+    candidates, complete = _impose_candidates(scene, regions[0])
     firm = [imposed for imposed in candidates if imposed.is_firm]
     if rank_of(firm) == 3:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
@@ -127,6 +131,9 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
         others = regions[1:] if scene.contact.rule is Rule.BOX else ()
         elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
+    if not complete:
+        reason = f"the first {len(candidates)} candidates show twists of rank {rank_of(firm)}; more were not looked at"
+        return DrivenFeedback(Feedback.UNDECIDED, reason)
     candidates = _with_exclusions(candidates)
     possible = [candidate.twist for candidate in candidates if not candidate.is_lost]
     normal = common_normal(possible, scene.field)
@@ -165,25 +172,34 @@ def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
     return DrivenFeedback(Feedback.STABILIZABLE, reason, cones, kappa)
 
 
-def _impose_candidates(scene: Scene, region: LoadRegion) -> list[ImposedTwist]:
-    """All candidates; of many only until three are firm and independent."""
+def _impose_candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist], bool]:
+    """The candidates, and whether these are all; of many only until three are firm and independent.
+
+    The more wheels, the longer each takes, and the fewer are looked at.
+    """
     found: list[ImposedTwist] = []
     drives = Drives(scene, region) if scene.contact.rule is Rule.BOX else None
-    for twist in candidate_twists(scene):
+    most = LOOKED_AT // len(scene.wheels)
+    for twist in candidate_twists(scene, spread=comb(len(scene.wheels), 2) > most):
+        if len(found) >= most:
+            return found, False
         found.append(balance_twist(scene, region, twist) if drives is None else drives.hold(twist))
-        if len(found) > ENOUGH and found[-1].is_firm and rank_of([entry for entry in found if entry.is_firm]) == 3:
-            break
-    return found
+        enough = len(found) > min(ENOUGH, most // FEW_OF)
+        if enough and found[-1].is_firm and rank_of([entry for entry in found if entry.is_firm]) == 3:
+            return found, False
+    return found, True
 
 
 def _with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
     """The candidates with the proof, where it is sought apart, that no speeds impose them; no more than matters."""
     judged: list[ImposedTwist] = []
+    tried = 0
     for candidate in candidates:
         open_ones = [entry for entry in judged if not entry.is_lost]
-        if isinstance(candidate, HeldTwist) or candidate.is_firm or rank_of(open_ones) == 3:
+        if isinstance(candidate, HeldTwist) or candidate.is_firm or rank_of(open_ones) == 3 or tried == TRIED:
             judged.append(candidate)
         else:
+            tried += 1
             judged.append(exclude_twist(candidate))
     return judged
 

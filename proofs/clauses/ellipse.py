@@ -14,6 +14,7 @@ Five situations are told apart, each by exact evidence:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -109,13 +110,26 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
         reason = "the sticking wheels balance the others strictly inside their friction ellipses"
         return point(Situation.HELD, reason, Twist(zero, zero, zero))
     rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
+    resting = _resting_slips(scene, region)
     for rate in rates:
-        slips = slips_at(scene, region, rate)
-        if all(slip.squared_size for slip in slips) and not any(gradient(scene, slips)):
+        if _is_smooth_minimizer(scene, region, rate, resting):
             return _smooth_point(scene, region, balance, rate, kinked=len(here) > 1)
-    if _is_moved(scene, region):
+    if _is_moved(resting):
         return point(Situation.MOVED, "the translation part of the gradient of D stays away from zero for every spin")
     return point(Situation.OPEN, "wheels stick at the best motion, or its rotation rate is not a number of the scene")
+
+
+def _is_smooth_minimizer(scene: Scene, region: LoadRegion, rate: Number, resting: Sequence[_SlipBalls]) -> bool:
+    """Whether the gradient of D exists and vanishes at ``(0, 0, rate)``; balls tell most that do not.
+
+    The exact gradient takes the root of every wheel's slip into the scene's field.
+    """
+    with ctx.workprec(_PRECISION):
+        pull = _gradient_ball(resting, rate.ball())
+    if pull is not None and not all(entry.contains(0) for entry in pull):
+        return False
+    slips = slips_at(scene, region, rate)
+    return all(slip.squared_size for slip in slips) and not any(gradient(scene, slips))
 
 
 def _smooth_point(
@@ -158,9 +172,30 @@ def _text(twist: Twist) -> str:
 # ---- no equilibrium: enclosures ----------------------------------------------------------
 
 
-def _is_moved(scene: Scene, region: LoadRegion) -> bool:
-    """Whether no ``(0, 0, omega)`` minimizes D: enclose the best omega, then the gradient over the enclosure."""
+@dataclass(frozen=True)
+class _SlipBalls:
+    """A loaded wheel at rest, in balls: see :class:`nonsmooth.proofs.clauses.linearization.Slip`."""
+
+    rows: tuple[tuple[arb, ...], tuple[arb, ...]]
+    friction: tuple[arb, arb]
+    slip: tuple[arb, arb]
+    force: arb
+
+
+def _resting_slips(scene: Scene, region: LoadRegion) -> list[_SlipBalls]:
     slips = [slip for slip in slips_at(scene, region, scene.field.zero) if slip.force[0]]
+    with ctx.workprec(_PRECISION):
+        return [_slip_balls(slip) for slip in slips]
+
+
+def _slip_balls(slip: Slip) -> _SlipBalls:
+    a, b = (tuple(x.ball() for x in row) for row in slip.rows)
+    roll, side = (x.ball() for x in slip.friction)
+    return _SlipBalls((a, b), (roll, side), (slip.along.ball(), slip.across.ball()), slip.force[0].ball())
+
+
+def _is_moved(slips: Sequence[_SlipBalls]) -> bool:
+    """Whether no ``(0, 0, omega)`` minimizes D: enclose the best omega, then the gradient over the enclosure."""
     with ctx.workprec(_PRECISION):
         bracket = _best_rate(slips)
         if bracket is None:
@@ -170,7 +205,7 @@ def _is_moved(scene: Scene, region: LoadRegion) -> bool:
     return pull is not None and (not pull[0].contains(0) or not pull[1].contains(0))
 
 
-def _best_rate(slips: list[Slip]) -> tuple[fmpq, fmpq] | None:
+def _best_rate(slips: Sequence[_SlipBalls]) -> tuple[fmpq, fmpq] | None:
     """Rational bracket of the zero of dD/domega along pure rotations; None where its sign is not certain."""
     bound = fmpq(1)
     for _ in range(_DOUBLINGS):
@@ -189,23 +224,23 @@ def _best_rate(slips: list[Slip]) -> tuple[fmpq, fmpq] | None:
     return lower, upper
 
 
-def _torque_sign(slips: list[Slip], rate: fmpq) -> int | None:
+def _torque_sign(slips: Sequence[_SlipBalls], rate: fmpq) -> int | None:
     pull = _gradient_ball(slips, arb(rate))
     if pull is None or pull[2].contains(0):
         return None
     return 1 if pull[2] > 0 else -1
 
 
-def _gradient_ball(slips: list[Slip], rate: arb) -> tuple[arb, arb, arb] | None:
+def _gradient_ball(slips: Sequence[_SlipBalls], rate: arb) -> tuple[arb, arb, arb] | None:
     """Enclosure of the gradient of D at ``(0, 0, rate)``; None where a wheel may stick."""
     total = [arb(0), arb(0), arb(0)]
     for slip in slips:
-        (a, b), (roll, side) = ([x.ball() for x in row] for row in slip.rows), (x.ball() for x in slip.friction)
-        r, s = a[2] * rate + slip.along.ball(), b[2] * rate + slip.across.ball()
+        (a, b), (roll, side) = slip.rows, slip.friction
+        r, s = a[2] * rate + slip.slip[0], b[2] * rate + slip.slip[1]
         square = roll * r * r + side * s * s
         if not square > 0:
             return None
-        scale = slip.force[0].ball() / square.sqrt()
+        scale = slip.force / square.sqrt()
         for k in range(3):
             total[k] += scale * (roll * r * a[k] + side * s * b[k])
     return total[0], total[1], total[2]

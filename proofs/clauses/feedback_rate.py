@@ -45,6 +45,7 @@ _TRIES = 40
 SLACK = Fraction(1, 100)  # eta
 _LARGEST_EXPONENT = 64  # of the weight, in the square of the array's own length
 _FLOAT_RANGE = 10**300
+_FEW_BITS = 8  # correct ones of a size
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ def _in_floats(cones: Sequence[ConeRate]) -> tuple[list[ConeRate], int]:
 
     Rays have entries up to one, and rotation rates are multiples of ``2^unit``, about the largest of them.
     """
-    unit = max((_exponent(field[2]) for cone in cones for field in cone.fields if field[2]), default=0)
+    unit = max((exponent_of(field[2]) for cone in cones for field in cone.fields if field[2]), default=0)
     floats = []
     for cone in cones:
         sizes = [max(abs(x), abs(y)) for x, y in cone.rays]
@@ -171,9 +172,12 @@ def _in_floats(cones: Sequence[ConeRate]) -> tuple[list[ConeRate], int]:
     return floats, unit
 
 
-def _exponent(value: Any) -> int:
-    """About log2 of the size of a nonzero number, also beyond the range of floats."""
-    ball = value.ball if isinstance(value, Lazy) else value.ball()
+def exponent_of(value: Any) -> int:
+    """About log2 of the size of a nonzero number, also beyond the range of floats.
+
+    Balls of fixed precision do not do: over a field of high degree they may hold zero.
+    """
+    ball = value.tight_ball() if isinstance(value, Lazy) else value.accurate_ball(_FEW_BITS)
     return round(float(abs(ball).log() / arb(2).log()))
 
 

@@ -17,7 +17,7 @@ affine in c.  Where all are positive at the equilibrium, they are near it: the t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
@@ -40,6 +40,7 @@ from nonsmooth.symbolic.constraints import (
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.scene import Scene
 
+_GOLDEN = (5**0.5 - 1) / 2
 _DIGITS = 10  # binary: candidates have length one up to this
 
 
@@ -105,18 +106,29 @@ class Drives:
         return HeldTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
-def candidate_twists(scene: Scene) -> Iterator[Triple]:
-    """The edges of the arrangement of side rows, each once (up to a factor), of length about one."""
+def candidate_twists(scene: Scene, *, spread: bool = False) -> Iterator[Triple]:
+    """The edges of the arrangement of side rows, each once (up to a factor), of length about one.
+
+    Args:
+        scene: the array.
+        spread: pairs of a few wheels from all over the list first, which span soon, in place of all with the first.
+    """
     planes = [side_row(wheel).normal for wheel in scene.wheels]
     if len(independent(planes)) < 3:
         zero, one = scene.field.zero, scene.field.one
         planes += [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
     known: set[Triple] = set()
-    for a, b in combinations(planes, 2):
+    for a, b in _spread_pairs(planes) if spread else combinations(planes, 2):
         edge = outer(a, b)
         if any(edge) and (canonical := leading_one(edge)) not in known:
             known.add(canonical)
             yield _of_length_one(canonical)
+
+
+def _spread_pairs(planes: Sequence[Triple]) -> Iterator[tuple[Triple, Triple]]:
+    """All pairs, those of ever more planes; these come in an order that soon spreads over the list (golden ratio)."""
+    order = sorted(range(len(planes)), key=lambda k: k * _GOLDEN % 1)
+    return ((planes[order[k]], planes[order[j]]) for j in range(len(planes)) for k in range(j))
 
 
 def _of_length_one(twist: Triple) -> Triple:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.fields.filippov import CellDerivative, filippov_twists
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.fan import FanResult
 from nonsmooth.proofs.clauses.translation import TranslationResult
@@ -24,6 +24,7 @@ from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Triple, Twist
 from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 
 STABLE_TRANSLATIONS = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
@@ -126,21 +127,46 @@ def _has_short_paths(fan: FanResult) -> bool:
 def rotation_bound(partition: Partition, translation: TranslationResult) -> Number | None:
     """``2 max|omega|/kappa``: total rotation per unit of |c_0|; None where no decay rate is proved.
 
-    kappa is the decay rate on the cells that move: the body stops turning when it comes to rest.
+    kappa is the decay rate on the cells that move: the body stops turning when it comes to rest.  Where its exact form
+    is out of reach, a rational below it serves.
     """
-    moving = [derivative for derivative in translation.derivatives if any(derivative.twist)]
+    moving = _moving(translation)
     if not moving or not partition.complete:
         return None
     if not any(derivative.twist.omega for derivative in moving):
         # a body that leaves the square may turn beyond it
         return partition.scene.field.zero if translation.verdict in STABLE_TRANSLATIONS else None
-    rate = max(derivative.relative() for derivative in moving).value
-    if rate.sign() < 0:
-        return 2 * max(abs(d.twist.omega) for d in moving) / -rate
+    slope = max(derivative.relative() for derivative in moving)
+    if slope.sign() < 0:
+        decay = -slope.value
+        kappa = decay if isinstance(decay, Number) else rational_below(decay)
+        return 2 * _fastest(moving) / kappa if kappa > 0 else None
     if translation.quadratic is None:
         return None
     near = [abs(t.omega) for cone in translation.quadratic.cones for t in cone.twists]
     return max(near) * translation.quadratic.arrival_per_distance  # from starts in its region
+
+
+def bounds_rotation(bound: Number, partition: Partition, translation: TranslationResult) -> bool:
+    """Whether a total rotation of ``bound |c_0|`` is enough, without taking roots."""
+    moving = _moving(translation)
+    if not moving or not partition.complete or bound.sign() < 0:
+        return False
+    fastest = _fastest(moving)
+    if not fastest or not bound:
+        return not fastest
+    slope = max(derivative.relative() for derivative in moving)
+    if slope.sign() < 0:
+        return slope.is_at_most(-2 * fastest / bound)
+    return bound == rotation_bound(partition, translation)
+
+
+def _moving(translation: TranslationResult) -> list[CellDerivative]:
+    return [derivative for derivative in translation.derivatives if any(derivative.twist)]
+
+
+def _fastest(moving: list[CellDerivative]) -> Number:
+    return max(abs(derivative.twist.omega) for derivative in moving)
 
 
 def _program(twists: tuple[Twist, ...]) -> tuple[list[Triple], Triple, list[Number]]:

@@ -21,6 +21,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from flint import arb
+
 from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_derivatives
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
@@ -65,8 +67,8 @@ class TranslationResult:
     quadratic: QuadraticCertificate | None = None
 
     @property
-    def worst_rate(self) -> Number:
-        """``max V*/|c|`` over the square, exactly."""
+    def worst_rate(self) -> Number | arb:
+        """``max V*/|c|`` over the square, exactly; a ball where the exact form is out of reach."""
         return self.worst.value
 
     @property
@@ -74,10 +76,9 @@ class TranslationResult:
         """Nothing is sampled: V* is exact on the cells."""
 
     @property
-    def decay_rate(self) -> Number | None:
+    def decay_rate(self) -> Number | arb | None:
         """Kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
-        rate = self.worst_rate
-        return -rate if rate.sign() < 0 else None
+        return -self.worst_rate if self.worst.sign() < 0 else None
 
     def check(self) -> bool:
         """Re-verify the verdict from the twists and vertices; that the cells are all is for the partition to show."""

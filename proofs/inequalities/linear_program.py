@@ -22,6 +22,9 @@ from nonsmooth.symbolic.numbers.number import Number
 Column: TypeAlias = Sequence[Number]
 
 
+FEW_COLUMNS = 64  # beyond, exact pivots are many and long: floats propose the basis first
+
+
 @dataclass(frozen=True)
 class Mixture:
     """Optimal weights of a linear program with its certificate.
@@ -61,7 +64,7 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
         ValueError: if the program is unbounded.
     """
     one = _one_like(columns, target)
-    if len(one.field.radicands) > FEW_ROOTS:
+    if len(one.field.radicands) > FEW_ROOTS or len(columns) > FEW_COLUMNS:
         proposed = _verified_proposal(columns, target, prices)
         if proposed is not None:
             return proposed

@@ -27,7 +27,6 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.numbers.number_field import base_order
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
@@ -111,7 +110,7 @@ def audited_cells(scene: Scene | SystemScene, lyapunov: str) -> tuple[LyapunovCe
     file = scene.origin
     states = scene.states if isinstance(scene, SystemScene) else PLANE
     formula = parse_lyapunov(lyapunov, states, file, KEY)
-    if scene.field.order % base_order(formula.turns()):
+    if not all(scene.field.has_angle(turn) for turn in formula.turns()):
         raise SceneError(file, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
     cells = _field_cells(scene, formula)
     return None if cells is None else lyapunov_cells(cells, formula, states, file, KEY)

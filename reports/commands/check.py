@@ -110,14 +110,14 @@ def _write_records(results: list[CellCheck | EllipseCheck], found: tuple[Predict
 
 
 def _write_views(results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None) -> None:
-    from nonsmooth.reports.terminal import check_view, legend
+    from nonsmooth.reports.terminal import check_view, legend, notes_lines
 
     views = [check_view(result) for result in results]
     if found is not None:
         from nonsmooth.reports.continuum import continuum_view
 
         views.append(continuum_view(found, results))
-    write_views([*views, legend()])
+    write_views([*views, *notes_lines(results[0].scene.field), legend()])
 
 
 def _predictions(scene: Scene) -> tuple[Prediction, ...]:

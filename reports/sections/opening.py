@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Section, number, point, table
+from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
@@ -43,7 +44,9 @@ def array_section(subject: Subject) -> Section:
         "coefficients `mu_R` along and `mu_S` across it.",
         str(len(scene.wheels)),
     )
-    return Section("The array", (intro, _array_figure(subject), table(header, rows, (1.7, 4, 5, 2, 1.6, 1.6))))
+    notes = [Paragraph((f"Note: {note}.",)) for note in angle_notes(scene.field)]
+    listing = table(header, rows, (1.7, 4, 5, 2, 1.6, 1.6))
+    return Section("The array", (intro, *notes, _array_figure(subject), listing))
 
 
 def _array_figure(subject: Subject) -> Figure:

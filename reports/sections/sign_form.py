@@ -6,7 +6,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.subject import Subject
-from nonsmooth.symbolic.formulas import EXACT_ROOTS
+from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import cross
 from nonsmooth.symbolic.sign_form import Direction, SignForm, find_sign_form, line_factors

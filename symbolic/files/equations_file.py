@@ -103,6 +103,6 @@ def _equations(data: dict[str, Any], file: str, path: Path) -> SwitchedEquations
         parse_lyapunov(text, table.states, file, f"system.rhs[{k}]") for k, text in enumerate(table.rhs, 1)
     )
     turns = [turn for formula in formulas for turn in formula.turns()]
-    numbers = Numbers(file, field_of([*turns, *angles(check)], file))
+    numbers = Numbers(file, field_of([*turns, *angles(check)]))
     radius = numbers.positive(check.radius, "check.radius")
     return SwitchedEquations(document.name or path.stem, numbers.field, table.states, formulas, radius, file)

@@ -192,7 +192,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
         raise SceneError(file, "system", "an array of wheels", Fact("a plain switched system"))
     document = validate(Document, data, file)
     layout = _layout(document, file, path, allow_outside=allow_outside)
-    numbers = Numbers(file, field_of(_turns(document, layout), file))
+    numbers = Numbers(file, field_of(_turns(document, layout)))
     wheels = WheelBuilder(document, numbers).build(layout.places(numbers))
     return Scene(
         name=document.name or path.stem,

@@ -7,7 +7,6 @@ wheel table holds tens of thousands of them.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -16,15 +15,10 @@ from typing import Annotated, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, PlainValidator
 
-from nonsmooth.symbolic.expression import (
-    MAX_FIELD_ORDER,
-    Expression,
-    ExpressionError,
-    decimal_value,
-    parse,
-)
+from nonsmooth.symbolic.expression import Expression, ExpressionError, decimal_value, parse
+from nonsmooth.symbolic.numbers.measured_angles import choose_angles
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene import Vector
 from nonsmooth.symbolic.scene_error import Fact, SceneError
@@ -116,19 +110,9 @@ def angles(value: object) -> Iterator[Fraction]:
                 yield from angles(item)
 
 
-def field_of(turns: Iterable[Fraction], file: str) -> NumberField:
-    """The number field that holds the sine and cosine of every angle ``pi * turn``.
-
-    Raises:
-        SceneError: if the angles have too many different denominators for one field.
-    """
-    order = 1
-    for turn in set(turns):
-        order = math.lcm(order, base_order([turn]))
-        if order > MAX_FIELD_ORDER:
-            expected = f"angles of few different denominators (a field of order up to {MAX_FIELD_ORDER})"
-            raise SceneError(file, "", expected, Fact(f"order {order}"))
-    return NumberField(order)
+def field_of(turns: Iterable[Fraction]) -> NumberField:
+    """The number field of a scene with these angles ``pi * turn``, exact or measured."""
+    return choose_angles(turns).field
 
 
 class Numbers:

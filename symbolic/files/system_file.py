@@ -148,7 +148,7 @@ def _system(data: dict[str, Any], file: str, path: Path) -> SystemScene:
         default if check.lyapunov is None else check.lyapunov, table.states, file, "check.lyapunov"
     )
     turns = [turn for formula in (first, second, lyapunov) for turn in formula.turns()]
-    numbers = Numbers(file, field_of([*turns, *angles(check)], file))
+    numbers = Numbers(file, field_of([*turns, *angles(check)]))
     x, y = (numbers(value, "check.equilibrium") for value in check.equilibrium)
     checked = SystemCheck((x, y), numbers.positive(check.radius, "check.radius"), lyapunov, check.lyapunov is None)
     scene = SystemScene(document.name or path.stem, numbers.field, table.states, (first, second), checked, file)

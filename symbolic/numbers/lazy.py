@@ -21,6 +21,8 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 
 # With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
 FEW_ROOTS = 2
+# Longer numbers are put off as well: balls of 256 bits are then much shorter than exact products.
+FEW_BITS = 1024
 
 _PRECISION = 256
 _FLOAT_BITS = 53
@@ -50,7 +52,7 @@ class Lazy(ExactReal):
     def quotient(self) -> Quotient:
         """Exact numerator and denominator."""
         if self._quotient is None:
-            self._quotient = self._recipe()
+            self._quotient = _reduced(*self._recipe())
         return self._quotient
 
     def sign(self) -> int:
@@ -65,6 +67,11 @@ class Lazy(ExactReal):
                 self._sign = numerator.sign() * denominator.sign()
                 self.ball = self._tight_ball()
         return self._sign
+
+    def tight_ball(self) -> arb:
+        """A ball that shows the sign of the value."""
+        self.sign()
+        return self.ball
 
     def _tight_ball(self) -> arb:
         """A ball from the exact value that shows its sign."""
@@ -177,8 +184,18 @@ class Lazy(ExactReal):
 def _make(
     field: NumberField, a: arb, b: arb, operation: Callable[[arb, arb], arb], recipe: Callable[[], Quotient]
 ) -> Lazy:
+    if field.meter is not None:
+        field.meter.spend(1)
     with ctx.workprec(_PRECISION):
         return Lazy(field, operation(a, b), recipe)
+
+
+def _reduced(numerator: Number, denominator: Number) -> Quotient:
+    """The same quotient without a rational denominator: such numbers stay short, and dividing by them is cheap."""
+    rational = denominator.as_rational()
+    if rational is None or rational == 1:
+        return numerator, denominator
+    return numerator * (1 / rational), denominator.field.one
 
 
 def _add(left: Quotient, right: Quotient) -> Quotient:
@@ -193,6 +210,11 @@ def _multiply(left: Quotient, right: Quotient) -> Quotient:
     if b == c:
         return a, d
     return a * c, b * d
+
+
+def is_long(value: Any) -> bool:
+    """Whether a field element is better put off: over many square roots, or of many bits."""
+    return isinstance(value, Number) and (len(value.field.radicands) > FEW_ROOTS or value.size_bits > FEW_BITS)
 
 
 def divided(numerator: Number, denominator: Number) -> Any:

@@ -29,6 +29,7 @@ _FLOAT_BITS = 53
 _FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
 TINY, HUGE = 2.0**-900, 2.0**900  # outside this range floats may under- or overflow: use balls
 _FIRST_PRECISION = 128
+_UNIT_BITS = 512  # products of longer rationals count more
 
 
 def sign(value: Any) -> int:
@@ -49,6 +50,19 @@ def fmpq_to_float(value: fmpq) -> float:
         return int(value.p) / int(value.q)
     except OverflowError:
         return math.inf if value > 0 else -math.inf
+
+
+def _height(coefficient: Coefficient) -> int:
+    """Bits of the longest integer of a rational, or of a rational polynomial."""
+    if isinstance(coefficient, fmpq):
+        return coefficient.height_bits()
+    return max(coefficient.numer().height_bits(), int(coefficient.denom()).bit_length())
+
+
+def _product_units(a: Number, b: Number) -> int:
+    """What a product costs, in products of short rationals: by the number of its terms and the length of the first."""
+    length = _height(next(iter(a.terms.values()))) + _height(next(iter(b.terms.values())))
+    return len(a.terms) * len(b.terms) * a.field.base_degree * (1 + length // _UNIT_BITS)
 
 
 def bits(mask: int) -> list[int]:
@@ -103,6 +117,8 @@ class Number(ExactReal):
         field, modulus = self.field, self.field.modulus
         if not self.terms or not other.terms:
             return field.zero
+        if field.meter is not None:
+            field.meter.spend(_product_units(self, other))
         if modulus is None and len(self.terms) == 1 == len(other.terms):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
             if not s & t:  # a rational factor, or two different roots: nothing to collect
@@ -148,6 +164,8 @@ class Number(ExactReal):
         if len(self.terms) == 1:
             ((mask, c),) = self.terms.items()
             if not mask:
+                if field.meter is not None:
+                    field.meter.spend(field.base_degree * _product_units(self, self))
                 return Number(field, {0: self._base_inverse(c)})
             root = Number(field, {mask: field.coefficient(fmpq(1))})
             return root * (Number(field, {0: c}) * field.radicand_product(mask)).inverse()
@@ -241,13 +259,22 @@ class Number(ExactReal):
             value, magnitude = self._float_filter()
             if TINY < magnitude < HUGE and self.field.modulus is None:
                 return value  # one product of correctly rounded factors: no cancellation
-        precision = _FIRST_PRECISION
+        return float(self.accurate_ball(_FLOAT_BITS).mid())
+
+    def accurate_ball(self, bits: int) -> arb:
+        """Enclosure of a nonzero value with more correct bits than these."""
+        precision = max(_FIRST_PRECISION, 2 * bits)
         while True:
             with ctx.workprec(precision):
                 ball = self.ball()
-                if ball.rel_accuracy_bits() > _FLOAT_BITS:
-                    return float(ball.mid())
+            if ball.rel_accuracy_bits() > bits:
+                return ball
             precision *= 2
+
+    @property
+    def size_bits(self) -> int:
+        """Bits of the longest integers of all coefficients together."""
+        return sum(_height(c) for c in self.terms.values())
 
     def __bool__(self) -> bool:
         return bool(self.terms)

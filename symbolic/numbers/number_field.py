@@ -20,6 +20,8 @@ from fractions import Fraction
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
 from nonsmooth.symbolic.numbers.number import HUGE, Coefficient, Number, Rational, as_fmpq, bits
+from nonsmooth.symbolic.numbers.rational_directions import rational_direction
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 
 class NumberField:
@@ -27,10 +29,14 @@ class NumberField:
 
     Args:
         order: N of the base ``Q(2 cos(2 pi/N))``; 1 gives the rationals.
+        measured: turns t of angles ``pi t`` that stand for rational directions
+            (:mod:`nonsmooth.symbolic.numbers.measured_angles`).
     """
 
-    def __init__(self, order: int = 1) -> None:
+    def __init__(self, order: int = 1, measured: Iterable[Fraction] = ()) -> None:
         self.order = order
+        self.measured = tuple(measured)
+        self._measured = {angle % 2 for turn in self.measured for angle in (turn, Fraction(1, 2) - turn)}
         minimal = fmpz_poly.cos_minpoly(order)
         self.base_degree = minimal.degree()
         self.modulus: fmpq_poly | None = fmpq_poly(minimal) if self.base_degree > 1 else None
@@ -40,6 +46,7 @@ class NumberField:
         self.root_floats: list[float] = []
         self._square_roots: dict[Number, Number] = {}
         self.base_float = 2 * math.cos(2 * math.pi / order)
+        self.meter: WorkMeter | None = None  # counts products while a limit is set
         self.zero = Number(self, {})
         self.one = self.rational(1)
 
@@ -69,12 +76,20 @@ class NumberField:
             return self.rational(scaled(fmpq(round(self.base_float))))
         return self.collected({0: scaled % self.modulus})
 
+    def has_angle(self, turn: Fraction) -> bool:
+        """Whether cos and sin of ``pi * turn`` are numbers of this field, exactly or as a measured angle's."""
+        return turn % 2 in self._measured or self.order % base_order([turn]) == 0
+
     def cos_pi(self, turn: Fraction) -> Number:
         """``cos(pi * turn)``: square roots for multiples of pi/12, the base field otherwise.
+
+        Of a measured angle it is that of its rational direction.
 
         Raises:
             ValueError: if the base field does not hold it (see :func:`base_order`).
         """
+        if turn % 2 in self._measured:
+            return self.rational(rational_direction(turn)[0])
         if 12 % turn.denominator == 0:
             twelfths = int(turn * 12) % 24
             twelfths = min(twelfths, 24 - twelfths)

@@ -26,6 +26,7 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition, neare
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene, dot
 from tests.four_wheel import ROLL, SIDE
@@ -295,3 +296,6 @@ def test_slopes_are_ordered_like_their_values() -> None:
         assert float(first.value) == pytest.approx(2 * (a * c + b * d) / math.hypot(c, d), abs=ROUNDING)
         for second in slopes:
             assert (first < second) == (first.value < second.value)
+            bound = second.value
+            assert isinstance(bound, Number)
+            assert first.is_at_most(bound) == (first.value <= bound)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Polygon, intersection, square
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Polygon, hull_holds_zero, intersection, square
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -204,3 +204,17 @@ def test_exact_clipping_survives_a_sliver_that_floats_lose() -> None:
         strip = strip.clipped(cut)
     assert strip is not None
     assert strip.area == 2 * tiny
+
+
+def test_a_hull_holds_zero_unless_an_open_half_plane_holds_all() -> None:
+    """Against the definition: some vector has all others strictly to its right, or along it."""
+    rng = np.random.default_rng(3)
+    seen = {True: 0, False: 0}
+    for _ in range(2_000):
+        vectors = [(int(x), int(y)) for x, y in rng.integers(-2, 3, (int(rng.integers(1, 7)), 2))]
+        beside = any(
+            all((v[0] * w[1] - v[1] * w[0], -v[0] * w[0] - v[1] * w[1]) < (0, 0) for w in vectors) for v in vectors
+        )
+        assert hull_holds_zero(vectors) is not beside
+        seen[beside] += 1
+    assert min(seen.values()) > 200

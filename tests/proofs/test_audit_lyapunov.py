@@ -144,7 +144,7 @@ def test_agrees_with_the_translation_clause(name: str, rule: str) -> None:
     """For V = |c|^2 the rotation drops out: the rates at the vertices decide, whatever the audit does."""
     scene = load_scene(name, rule=rule)
     result = audited(scene, "x**2 + y**2")
-    worst = decide_translation(partition_of(scene)).worst_rate
+    worst = decide_translation(partition_of(scene)).worst
     expected = {1: AuditVerdict.INVALID}.get(worst.sign(), AuditVerdict.VALID)
     assert result.verdict is expected
     if worst.sign() < 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -11,8 +12,10 @@ import pytest
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback import decide_feedback
-from nonsmooth.proofs.clauses.feedback_rate import ConeRate, FeedbackRate, certified_rate
+from nonsmooth.proofs.clauses.feedback_rate import ConeRate, FeedbackRate, certified_rate, exponent_of
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.four_wheel import ROLL
 
 if TYPE_CHECKING:
@@ -68,3 +71,12 @@ def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays) -> Non
 
 def test_an_empty_certificate_proves_nothing() -> None:
     assert not FeedbackRate(Fraction(1, 10), ()).check()
+
+
+@pytest.mark.parametrize("turn", [Fraction(1, 180), Fraction(89, 180), Fraction(7, 180)])
+def test_the_size_of_a_number_over_a_field_of_high_degree(turn: Fraction) -> None:
+    """At the precision of a float its ball holds zero, and the size of that ended in a traceback."""
+    field = NumberField(360)
+    for number in (field.cos_pi(turn), -field.sin_pi(turn), field.cos_pi(turn) ** 5 / 1000):
+        for value in (number, Lazy.of(number)):
+            assert exponent_of(value) == pytest.approx(math.log2(abs(float(number))), abs=0.51)

@@ -12,6 +12,7 @@ import pytest
 
 from nonsmooth.analysis.fields.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Vector, Wheel
 from tests.clauses import drift, verdicts
 
@@ -125,7 +126,10 @@ def test_speeds(build: Callable[[int], Scene], seed: int) -> None:
     before, after = check_cells(scene), check_cells(faster)
     assert verdicts(after) == verdicts(before)
     assert after.census == before.census
-    assert after.translation.worst_rate == before.translation.worst_rate * factor
+    faster_rate, rate = after.translation.worst_rate, before.translation.worst_rate
+    assert isinstance(faster_rate, Number)
+    assert isinstance(rate, Number)
+    assert faster_rate == rate * factor
     assert after.translation.region_radius == before.translation.region_radius
     assert drift(after) == tuple(w * factor for w in drift(before))
 

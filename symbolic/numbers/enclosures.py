@@ -1,0 +1,50 @@
+"""Balls around exact numbers, and square roots that are exact where that is short work."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from flint import arb, ctx
+
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.square_roots import NestingError
+
+EXACT_ROOTS = 4  # square roots of a field up to which a late number is carried out; beyond it may take minutes
+MOST_BITS = 12_000  # of all coefficients of a number that is written down: some 3,600 digits
+PRECISION = 256  # bits of a ball that stands for a number
+
+
+def enclosure(value: Number | Lazy) -> arb:
+    """A ball that holds the number: at the working precision of a field element, as it is of a late quotient."""
+    return value.ball if isinstance(value, Lazy) else value.ball()
+
+
+def square_root(value: Number | Lazy) -> Number | arb:
+    """Non-negative square root as a field element where that is short work, a ball otherwise.
+
+    Raises:
+        ValueError: if the value is negative.
+    """
+    if isinstance(value, Lazy):
+        if len(value.field.radicands) > EXACT_ROOTS:
+            value.sign()  # tightens the ball
+            return _rooted(value.ball)
+        value = value.exact()
+    if value.size_bits <= MOST_BITS:
+        try:
+            return value.sqrt()
+        except NestingError:
+            pass
+    return _rooted(value.accurate_ball(PRECISION))
+
+
+def _rooted(ball: arb) -> arb:
+    with ctx.workprec(PRECISION):
+        return ball.sqrt()
+
+
+def rational_below(ball: arb) -> Fraction:
+    """The lower end of a ball."""
+    mantissa, exponent = (int(part) for part in ball.lower().man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent

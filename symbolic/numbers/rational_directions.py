@@ -1,0 +1,63 @@
+"""Rational directions of length one beside given angles: what a measured angle stands for.
+
+The direction is ``(1 - h^2, 2 h)/(1 + h^2)`` with a rational h close to the tangent of half the angle.  It has length
+one exactly, and angles that are mirrored at an axis or a diagonal, or turned by a right angle, have directions that
+are so exactly: a symmetric array stays symmetric.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from functools import cache
+
+from flint import arb, ctx, fmpq
+
+CLOSENESS = Fraction(1, 10**15)  # radians between an angle and its direction
+_PRECISION = 128  # bits of the half tangent's ball: its radius is far below the closeness
+
+Direction = tuple[Fraction, Fraction]
+
+
+@cache
+def rational_direction(turn: Fraction) -> Direction:
+    """A rational direction of length one within :data:`CLOSENESS` of the angle ``pi * turn``."""
+    quarters, rest = divmod(turn % 2, Fraction(1, 2))
+    cosine, sine = _in_quadrant(rest)
+    for _ in range(int(quarters)):
+        cosine, sine = -sine, cosine
+    return cosine, sine
+
+
+def _in_quadrant(turn: Fraction) -> Direction:
+    """The direction of an angle between zero and a right angle; beyond the diagonal that of its mirror image."""
+    if turn > Fraction(1, 4):
+        cosine, sine = _in_quadrant(Fraction(1, 2) - turn)
+        return sine, cosine
+    half = _half_tangent(turn)
+    size = 1 + half * half
+    return (1 - half * half) / size, 2 * half / size
+
+
+def _half_tangent(turn: Fraction) -> Fraction:
+    """The simplest rational h with ``|2 atan(h) - pi turn|`` below the closeness, for 0 <= turn <= 1/4.
+
+    ``2 atan`` has a slope of at most two, so a distance of half the closeness from the tangent is enough; a quarter
+    leaves room for the radius of the tangent's ball.
+    """
+    if not turn:
+        return Fraction(0)
+    with ctx.workprec(_PRECISION):
+        sine, cosine = arb.sin_cos_pi_fmpq(fmpq(turn.numerator, 2 * turn.denominator))
+        mantissa, exponent = (int(part) for part in (sine / cosine).mid().man_exp())
+    middle = Fraction(mantissa) * Fraction(2) ** exponent
+    return simplest_between(middle - CLOSENESS / 4, middle + CLOSENESS / 4)
+
+
+def simplest_between(low: Fraction, high: Fraction) -> Fraction:
+    """The fraction of the smallest denominator in a closed interval of positive numbers (continued fractions)."""
+    whole = math.ceil(low)
+    if whole <= high:
+        return Fraction(whole)
+    below = math.floor(low)
+    return below + 1 / simplest_between(1 / (high - below), 1 / (low - below))
