@@ -14,6 +14,7 @@ from typing import TypeAlias
 from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.support import limiting_support
 from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
@@ -170,6 +171,7 @@ class CellCheck(Theorem4Result):
         every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
         return (
             (partition.tiles if partition.complete else translation.lemma is not None)
+            and translation.support == limiting_support(partition)
             and self.equilibrium.twists == here
             and (drift is None or drift.twists == here)
             and (bound is None or bounds_rotation(bound, partition, translation))

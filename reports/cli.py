@@ -7,6 +7,7 @@ itself: ``nonsmooth --help`` loads no mathematics, ``check`` no SymPy or Matplot
 
 from __future__ import annotations
 
+import gc
 import sys
 from typing import Annotated
 
@@ -22,6 +23,10 @@ from nonsmooth.reports.commands.simulate import simulate
 from nonsmooth.reports.commands.stress import stress
 from nonsmooth.reports.commands.verify import verify
 from nonsmooth.reports.console import PROGRAM, own_version, prepare_streams, run, write
+
+# Objects between two searches for cycles: there are few cycles, and a hundred thousand wheels are millions of objects,
+# which Python's own threshold of 700 searches again and again for as long as it takes to read them.
+GARBAGE_THRESHOLD = 200_000
 
 app = typer.Typer(
     epilog="Example: nonsmooth check four-wheel",
@@ -60,6 +65,7 @@ def options(
 def main() -> None:
     """Entry point of the ``nonsmooth`` command."""
     prepare_streams()
+    gc.set_threshold(GARBAGE_THRESHOLD)
     sys.exit(run(app, sys.argv[1:]))
 
 

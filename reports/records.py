@@ -146,9 +146,17 @@ def _translation_record(translation: TranslationResult | EllipseTranslation) -> 
         "samples": None if sampled is None else sampled.samples,
         "not_certified": None if sampled is None else sampled.not_certified or None,
         "region": None if radius is None else {"shape": "disc", **with_exact({"radius": radius})},
+        "support": _support_record(translation),
         "witness": witness_record(translation.witness, "value"),
         "reason": translation.reason,
     }
+
+
+def _support_record(translation: TranslationResult | EllipseTranslation) -> Record | None:
+    """Distance of the point from the border of the support polygon, where the square leaves it (rule ``nearest``)."""
+    if not isinstance(translation, TranslationResult) or translation.support is None:
+        return None
+    return {**with_exact({"distance": translation.support.distance}), "note": translation.support_note}
 
 
 def _quadratic_record(translation: TranslationResult | EllipseTranslation) -> Record | None:

@@ -169,6 +169,8 @@ def _translation_evidence(translation: TranslationResult | EllipseTranslation) -
         lines.append(f"region: V < {brief(quadratic.level)}")
     if translation.region_radius is not None:
         lines.append(f"region: disc of radius {brief(translation.region_radius)}")
+    if isinstance(translation, TranslationResult) and translation.support_note:
+        lines.append(translation.support_note)
     return lines
 
 

@@ -184,14 +184,24 @@ def complement(basis: Sequence[Triple]) -> tuple[Triple, ...]:
     return (leading_one(outer(basis[0], basis[1])),) if len(basis) == 2 else ()
 
 
-def independent(vectors: Sequence[Triple]) -> tuple[int, ...]:
-    """Positions of the first linearly independent vectors: a basis of their span, at most three."""
-    first = next((k for k, vector in enumerate(vectors) if any(vector)), None)
-    if first is None:
-        return ()
-    crossed = ((k, outer(vectors[first], vectors[k])) for k in range(first + 1, len(vectors)))
-    second, normal = next(((k, n) for k, n in crossed if any(n)), (None, None))
-    if second is None or normal is None:
-        return (first,)
-    third = next((k for k in range(second + 1, len(vectors)) if inner(normal, vectors[k])), None)
-    return (first, second) if third is None else (first, second, third)
+def independent(vectors: Iterable[Triple]) -> tuple[int, ...]:
+    """Positions of the first linearly independent vectors: a basis of their span, at most three.
+
+    No more vectors are looked at than it takes.
+    """
+    found: list[int] = []
+    first: Triple | None = None
+    normal: Triple | None = None
+    for k, vector in enumerate(vectors):
+        if first is None:
+            if any(vector):
+                first = vector
+                found.append(k)
+        elif normal is None:
+            crossed = outer(first, vector)
+            if any(crossed):
+                normal = crossed
+                found.append(k)
+        elif inner(normal, vector):
+            return (*found, k)
+    return tuple(found)

@@ -56,12 +56,25 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     """
     _require_friction(scene)
     domain = square(scene.check.equilibrium, scene.check.radius)
-    search = _Search(scene, prune)
+    search = _Search(scene, prune, float_positions(scene))
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
         for chain, polygon in search.chains(domain):
             cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
     return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(search.considered))
+
+
+def float_positions(scene: Scene) -> NDArray[np.float64]:
+    """``p_i`` in floats, shape (n, 2)."""
+    return np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
+
+
+def relevant_wheels(scene: Scene, positions: NDArray[np.float64]) -> tuple[Wheel, ...]:
+    """The wheels that can have a say in the checked square, by their :func:`float_positions`."""
+    search = _Search(scene, prune=True, positions=positions)
+    for _ in search.chains(square(scene.check.equilibrium, scene.check.radius)):
+        pass
+    return tuple(scene.wheels[i] for i in sorted(search.considered))
 
 
 def _require_friction(scene: Scene) -> None:
@@ -83,16 +96,16 @@ class _Search:
         considered: the wheels that can be in a chain somewhere, by their positions in the scene.
     """
 
-    def __init__(self, scene: Scene, prune: bool) -> None:
-        self.wheels, self.prune = scene.wheels, prune
+    def __init__(self, scene: Scene, prune: bool, positions: NDArray[np.float64]) -> None:
+        self.wheels, self.prune, self.positions = scene.wheels, prune, positions
         self.bisectors = _Bisectors(scene.wheels)
-        self.positions = np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
         self.considered: set[int] = set()
 
     def chains(self, domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
         """Every chain with its cell, of positive area."""
         everyone = np.arange(len(self.wheels))
-        if sum(map(_count_rows, self.wheels)) == 3:  # all are taken everywhere, whatever the order
+        # three rows in all are taken everywhere, whatever the order
+        if len(everyone) <= 3 and sum(map(_count_rows, self.wheels)) == 3:
             self.considered.update(everyone.tolist())
             yield tuple(sorted(everyone.tolist(), key=lambda i: -_count_rows(self.wheels[i]))), domain
             return

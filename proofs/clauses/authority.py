@@ -8,6 +8,7 @@ rank 2, and the missing twist is the rotation about it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from nonsmooth.symbolic.constraints import Triple, complement, independent, inner
@@ -32,21 +33,24 @@ class Authority:
 
     def check(self, scene: Scene) -> bool:
         """Re-verify that the rows are the wheels', that no roll row sees a missing twist, and the rank."""
-        every = [_roll_normal(wheel) for wheel in scene.recentred().wheels]
-        unseen = all(not inner(row, twist) for row in every for twist in self.missing)
+        unseen = not self.missing or not any(
+            inner(row, twist) for row in _roll_normals(scene) for twist in self.missing
+        )
         full = self.rank + len(self.missing) == 3 and len(independent(self.missing)) == len(self.missing)
         return unseen and full and self == roll_authority(scene)
 
 
 def roll_authority(scene: Scene) -> Authority:
     """Exact rank of the roll rows about the checked equilibrium."""
-    wheels = scene.recentred().wheels
-    rows = [_roll_normal(wheel) for wheel in wheels]
-    basis = independent(rows)
-    chosen = tuple(rows[k] for k in basis)
-    return Authority(len(basis), tuple(wheels[k].index for k in basis), chosen, complement(chosen))
+    basis = independent(_roll_normals(scene))
+    wheels = tuple(scene.wheels[k] for k in basis)
+    chosen = tuple(_roll_normals(scene, wheels))
+    return Authority(len(basis), tuple(wheel.index for wheel in wheels), chosen, complement(chosen))
 
 
-def _roll_normal(wheel: Wheel) -> Triple:
-    """Left side of the roll row; its right side would take a square root per wheel, and is not needed."""
-    return *wheel.direction, dot(wheel.direction, turned(wheel.position))
+def _roll_normals(scene: Scene, wheels: Iterable[Wheel] | None = None) -> Iterator[Triple]:
+    """Left sides of the roll rows about the checked point; right sides would take a square root per wheel."""
+    x, y = scene.check.equilibrium
+    for wheel in scene.wheels if wheels is None else wheels:
+        arm = (wheel.position[0] - x, wheel.position[1] - y)
+        yield *wheel.direction, dot(wheel.direction, turned(arm))

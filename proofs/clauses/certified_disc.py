@@ -17,6 +17,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.partitions.support import limiting_support
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import dot
@@ -40,6 +41,8 @@ class Disc:
 def certified_disc(partition: Partition) -> Disc:
     """The largest disc in the square on which V* is as on the closed cells at the checked point, or a little less.
 
+    It lies in the support polygon too: beyond, the body tips.
+
     Raises:
         OverflowError: for lengths or speeds beyond the range of floats.
     """
@@ -54,7 +57,11 @@ def certified_disc(partition: Partition) -> Disc:
         if cell.index not in here and _largest_sign(cell, twist) > highest
     }
     nearest = min((growth.distance for growth in growing.values()), default=math.inf)
-    squared, size = radius * radius, float(radius)
+    squared = radius * radius
+    support = limiting_support(partition)
+    if support is not None:
+        squared = min(squared, support.squared_distance)
+    size = math.sqrt(float(squared))
     if nearest * (1 - ROOM) < size:
         size = nearest * (1 - ROOM)
         squared = partition.scene.field.rational(_rounded(size * size * (1 - ROOM)))

@@ -14,12 +14,15 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import cross, dot
 
 
-def region_radius(derivatives: Sequence[CellDerivative], *, strict: bool, within: Number) -> Number:
-    """Radius of the largest disc, up to the given one, on which V* < 0 (or <= 0).
+def region_radius(
+    derivatives: Sequence[CellDerivative], *, strict: bool, within: Number, limit: Number | None = None
+) -> Number:
+    """Radius of the largest disc, up to the given one, on which V* < 0 (or <= 0); ``limit`` bounds its square too.
 
     A rational just below it where its exact form is out of reach.
     """
     nearest = squared_reach(derivatives, strict=strict, within=within)
+    nearest = nearest if limit is None else min(nearest, limit)
     if nearest == within * within:
         return within
     root = square_root(nearest)

@@ -30,6 +30,7 @@ from flint import arb
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.support import limiting_support
 from nonsmooth.proofs.clauses.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Shape
 from nonsmooth.proofs.clauses.quadratic import root_above
@@ -75,14 +76,26 @@ class ConeRate:
 
 @dataclass(frozen=True)
 class FeedbackRate:
-    """Certified ``V' <= -2 k kappa V`` near the equilibrium."""
+    """Certified ``V' <= -2 k kappa V`` near the equilibrium.
+
+    Attributes:
+        kappa: the rate.
+        cones: the forms of all cones.
+        limit: distance of the border of the support polygon, or a little less, where the checked square leaves it.
+    """
 
     kappa: Fraction
     cones: tuple[ConeRate, ...]
+    limit: Fraction | None = None
 
     @property
     def reach(self) -> Fraction | None:
         """The rate holds within this distance of c*, in the cells there; None where they alone bound it."""
+        bounds = [bound for bound in (self._shape_reach(), self.limit) if bound is not None]
+        return min(bounds, default=None)
+
+    def _shape_reach(self) -> Fraction | None:
+        """Where exact kinematics turn V no more than the rate allows; None for ``P = I``, which they do not turn."""
         (e, f), weight = self.cones[0].lyapunov.shape, self.cones[0].lyapunov.weight
         if not e and not f:
             return None
@@ -108,7 +121,9 @@ def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) ->
     kappa = rounded_down(proposal / float(1 + SLACK) if any(lyapunov.shape) else proposal)
     for _ in range(_TRIES):
         if all(cone.holds(kappa) for cone in cones):
-            return FeedbackRate(kappa, cones)
+            support = limiting_support(partition)
+            limit = support.distance_below if support is not None and support.stands else None
+            return FeedbackRate(kappa, cones, limit)
         kappa *= _SMALLER
     return None
 

@@ -10,7 +10,7 @@ much, so ``V* <= -m |c|`` on the region; since P has trace 2, the body arrives w
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isqrt
@@ -90,8 +90,15 @@ class QuadraticCertificate:
         return self.value(start) - slope * slope / curvature
 
 
-def find_quadratic(cones: tuple[CellCone, ...]) -> QuadraticCertificate | None:
-    """Search P for the fan; None where the search or the exact verification fails."""
+def find_quadratic(
+    cones: tuple[CellCone, ...], border: Sequence[tuple[Point, Point]] = ()
+) -> QuadraticCertificate | None:
+    """Search P for the fan; None where the search or the exact verification fails.
+
+    Args:
+        cones: the fan.
+        border: segments that the region must not reach.
+    """
     proposal = propose_shape(_pairs(cones))
     if proposal is None:
         return None
@@ -101,7 +108,8 @@ def find_quadratic(cones: tuple[CellCone, ...]) -> QuadraticCertificate | None:
     for _ in range(_DECAY_STEPS):
         if all(_falls(trial, ray, v, decay) for ray, v in _pairs(cones)):
             trial = replace(trial, decay=decay)
-            found = replace(trial, level=trial.largest_level())
+            level = min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)])
+            found = replace(trial, level=level)
             return found if found.check() else None
         decay /= 2
     return None

@@ -154,7 +154,7 @@ def bounds_rotation(bound: Number, partition: Partition, translation: Translatio
         return False
     fastest = _fastest(moving)
     if not fastest or not bound:
-        return not fastest
+        return not fastest and translation.verdict in STABLE_TRANSLATIONS
     slope = max(derivative.relative() for derivative in moving)
     if slope.sign() < 0:
         return slope.is_at_most(-2 * fastest / bound)

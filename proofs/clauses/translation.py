@@ -26,6 +26,7 @@ from flint import arb
 from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_derivatives
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.support import Support, limiting_support
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.decrease_region import region_radius, squared_reach
@@ -53,6 +54,7 @@ class TranslationResult:
         reason: one sentence for people.
         fan: the decision by cones, where V leaves the question open.
         lemma: the certificate of V* <= 0 that spares the other cells, where there is one.
+        support: the support polygon, where the checked square leaves it: beyond its border the body tips.
         quadratic: another Lyapunov function, with rate and region, where the fan attracts and |c|^2 is no certificate.
     """
 
@@ -65,6 +67,19 @@ class TranslationResult:
     fan: FanResult | None = None
     lemma: CocircularArray | None = None
     quadratic: QuadraticCertificate | None = None
+    support: Support | None = None
+
+    @property
+    def support_note(self) -> str:
+        """What the support polygon leaves of the square, in one sentence; empty where the square lies inside."""
+        if self.support is None:
+            return ""
+        if not self.support.stands:
+            return (
+                "the body tips at c*, which is not inside the support polygon: this is said of the contact rule alone"
+            )
+        distance = brief_text(self.support.distance)
+        return f"the square leaves the support polygon, {distance} from c*: beyond its border the body tips"
 
     @property
     def worst_rate(self) -> Number | arb:
@@ -96,9 +111,11 @@ class TranslationResult:
             return False
         if self.quadratic is not None and not (self.fan and self.quadratic.cones == self.fan.cones):
             return False
-        if self.quadratic is not None and not self.quadratic.check():
+        if self.quadratic is not None and not (self.quadratic.check() and self._stays_supported(self.quadratic)):
             return False
         highest = max(rate.sign() for _, rate in rates)
+        if self.verdict is Translation.UNDECIDED and self.fan is None:
+            return self.region_radius is None and self.quadratic is None  # nothing is claimed
         if highest > 0:  # V is refuted and the fan decides alone
             attained = self.witness is not None and self._is_attained(self.witness)
             return attained and self._fan_says(self.verdict)
@@ -119,9 +136,20 @@ class TranslationResult:
     def _region_holds(self, *, strict: bool) -> bool:
         """Whether no violation comes nearer to the equilibrium than the region's radius."""
         radius = self.region_radius
+        if self.support is not None and not self.support.stands:
+            return radius is None
         if radius is None or radius.sign() <= 0:
             return False
+        if self.support is not None and radius * radius > self.support.squared_distance:
+            return False
         return squared_reach(self.derivatives, strict=strict, within=radius) >= radius * radius
+
+    def _stays_supported(self, quadratic: QuadraticCertificate) -> bool:
+        """Whether the region of another V keeps to the support polygon."""
+        if self.support is not None and not self.support.stands:
+            return False
+        sides = () if self.support is None else self.support.sides
+        return all(quadratic.level <= quadratic.least_on(p, q) for p, q in sides)
 
     def _is_attained(self, witness: Witness) -> bool:
         """Whether the positive value is V* of some cell near the equilibrium whose closure holds the point."""
@@ -140,26 +168,45 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
         lemma: certificate of ``V* <= 0`` for the whole square.
     """
     derivatives = cell_derivatives(partition)
+    support = limiting_support(partition)
     worst = max(derivative.relative() for derivative in derivatives)
     point, highest = max(_local_rates(derivatives), key=lambda pair: pair[1])
     if highest.sign() > 0:
         fan = decide_fan(partition)
         witness = Witness(point, highest, "V* > 0")
         reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {brief_text(highest)} > 0 at {_place(point)}"
-        quadratic = find_quadratic(build_fan(partition)) if fan.verdict is Translation.ASYMPTOTICALLY_STABLE else None
-        return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic)
+        quadratic = _quadratic(partition, fan, support)
+        return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic, support)
     strict = highest.sign() < 0
-    radius = region_radius(derivatives, strict=strict, within=partition.scene.check.radius)
+    radius = _supported_radius(partition, derivatives, support, strict=strict)
     if strict:
         reason = "V* < 0 at every nonzero vertex of the closed cells that meet at the equilibrium"
-        return TranslationResult(Translation.ASYMPTOTICALLY_STABLE, derivatives, worst, radius, None, reason)
+        verdict = Translation.ASYMPTOTICALLY_STABLE
+        return TranslationResult(verdict, derivatives, worst, radius, None, reason, support=support)
     rest = _equilibrium_ray(derivatives)
     fan = decide_fan(partition)
     attracts = fan.verdict is Translation.ASYMPTOTICALLY_STABLE
-    quadratic = find_quadratic(build_fan(partition)) if attracts else None
+    quadratic = _quadratic(partition, fan, support)
     verdict = Translation.ASYMPTOTICALLY_STABLE if attracts else Translation.STABLE
     reason = _weak_reason(partition, rest, fan, lemma)
-    return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma, quadratic)
+    return TranslationResult(verdict, derivatives, worst, radius, rest, reason, fan, lemma, quadratic, support)
+
+
+def _supported_radius(
+    partition: Partition, derivatives: tuple[CellDerivative, ...], support: Support | None, *, strict: bool
+) -> Number | None:
+    """Radius of the disc on which V* keeps its sign and the body does not tip; None where it tips at the point."""
+    if support is not None and not support.stands:
+        return None
+    limit = None if support is None else support.squared_distance
+    return region_radius(derivatives, strict=strict, within=partition.scene.check.radius, limit=limit)
+
+
+def _quadratic(partition: Partition, fan: FanResult, support: Support | None) -> QuadraticCertificate | None:
+    """Another V with a region, where the fan attracts and the body stands at the point."""
+    if fan.verdict is not Translation.ASYMPTOTICALLY_STABLE or (support is not None and not support.stands):
+        return None
+    return find_quadratic(build_fan(partition), () if support is None else support.sides)
 
 
 def _weak_reason(partition: Partition, rest: Witness | None, fan: FanResult, lemma: CocircularArray | None) -> str:

@@ -165,6 +165,8 @@ def _translation_blocks(translation: TranslationResult | EllipseTranslation) -> 
         relation = "`V* < 0`" if translation.verdict is Translation.ASYMPTOTICALLY_STABLE else "`V* <= 0`"
         region = relation + " on the disc of radius {} about the checked point, but at the point itself."
         blocks.append(paragraph(region, number(translation.region_radius)))
+    if translation.support_note:
+        blocks.append(paragraph("Here {}.", translation.support_note))
     decay = translation.decay_rate
     if decay is not None:
         bound = display(

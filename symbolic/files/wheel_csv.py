@@ -22,7 +22,7 @@ from nonsmooth.symbolic.scene_error import Fact, SceneError
 def _heading_cell(text: str) -> Heading:
     """A heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
     if text.startswith("[") and text.endswith("]"):
-        return read_heading(text[1:-1].split(","))
+        return read_heading([part.strip() for part in text[1:-1].split(",")])
     return read_heading(text)
 
 

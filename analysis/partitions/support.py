@@ -1,0 +1,135 @@
+"""The support polygon about the checked point: where the body stands, and where it tips.
+
+Wheels only push, so forces balance the weight iff the centre of mass lies in the convex hull of the wheels.  Rule
+``nearest`` asks for no loads and has cells beyond; what it says there is said of a body that tips.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from flint import arb
+
+from nonsmooth.analysis.partitions.loads import support_polygon
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import Point, square
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.square_roots import NestingError
+from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.scene import Scene, Vector, cross, dot
+
+FEW = 64  # wheels of which the hull is found exactly at once
+DIRECTIONS = 32  # the farthest wheels in so many directions span a polygon; wheels well inside it are no corners
+MARGIN = 1e-9  # relative to the coordinates: floats err by far less, so a wheel this deep inside is inside
+
+
+BITS = 40  # of a rational just below the distance
+
+
+@dataclass(frozen=True)
+class Support:
+    """The support polygon of a centred scene.
+
+    Attributes:
+        corners: counterclockwise; fewer than three where all wheels stand on one line.
+        covers: whether the checked square lies in it.
+    """
+
+    corners: tuple[Vector, ...]
+    covers: bool
+
+    @property
+    def sides(self) -> tuple[tuple[Vector, Vector], ...]:
+        """From corner to corner, counterclockwise; none where it has no area."""
+        return tuple(pairwise([*self.corners, self.corners[0]])) if len(self.corners) > 2 else ()
+
+    @cached_property
+    def stands(self) -> bool:
+        """Whether the checked point lies strictly inside; elsewhere the body tips."""
+        return bool(self.sides) and all(cross(p, q).sign() > 0 for p, q in self.sides)
+
+    def stands_at(self, point: Point) -> bool:
+        """Whether another point, measured from the checked one, lies strictly inside."""
+        x, y = point
+        return bool(self.sides) and all(
+            sign(cross((q[0] - p[0], q[1] - p[1]), (x - p[0], y - p[1]))) > 0 for p, q in self.sides
+        )
+
+    @cached_property
+    def squared_distance(self) -> Number:
+        """Squared distance of the checked point, strictly inside, from the border."""
+        return min(_squared_distance(p, q) for p, q in self.sides)
+
+    @cached_property
+    def distance(self) -> Number | arb:
+        """Distance from the border; a ball where the square root nests too deep."""
+        try:
+            return self.squared_distance.sqrt()
+        except NestingError:
+            return self.squared_distance.ball().sqrt()
+
+    @cached_property
+    def distance_below(self) -> Fraction:
+        """A short rational just below the distance."""
+        return rational_below_root(self.squared_distance)
+
+
+def rational_below_root(square: Number) -> Fraction:
+    """A short rational whose square is at most a positive number, and close to it."""
+    mantissa, exponent = math.frexp(math.sqrt(float(square)))
+    below = Fraction(math.floor(mantissa * 2**BITS)) * Fraction(2) ** (exponent - BITS)
+    while (square - below * below).sign() < 0:
+        below *= 1 - Fraction(1, 2**BITS)
+    return below
+
+
+def _squared_distance(start: Vector, end: Vector) -> Number:
+    """Squared distance of the origin from the line through two points."""
+    along = (end[0] - start[0], end[1] - start[1])
+    area = cross(start, along)
+    return area * area / dot(along, along)
+
+
+def build_support(scene: Scene) -> Support:
+    """The support polygon of all wheels of a centred scene."""
+    corners = tuple(support_polygon(_outer_positions(scene)))
+    bare = Support(corners, covers=False)
+    zero = scene.field.zero
+    vertices = square((zero, zero), scene.check.radius).vertices
+    inside = bool(bare.sides) and all(
+        cross((q[0] - p[0], q[1] - p[1]), (x - p[0], y - p[1])).sign() >= 0 for p, q in bare.sides for x, y in vertices
+    )
+    return Support(corners, covers=inside)
+
+
+def limiting_support(partition: Partition) -> Support | None:
+    """The support polygon, where the square leaves it and regions must be cut at it.
+
+    The other rules refuse squares that leave it.  Where the point itself is not strictly inside, no region is left.
+    """
+    if partition.rule is not Rule.NEAREST:
+        return None
+    support = build_support(partition.scene)
+    return None if support.covers else support
+
+
+def _outer_positions(scene: Scene) -> list[Vector]:
+    """The positions that may be corners: floats leave out those well inside a polygon of other wheels."""
+    positions = [wheel.position for wheel in scene.wheels]
+    if len(positions) <= FEW:
+        return positions
+    places = np.array([[float(x), float(y)] for x, y in positions])
+    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    with np.errstate(over="ignore", invalid="ignore"):
+        farthest = np.argmax(places @ np.array([np.cos(angles), np.sin(angles)]), axis=0)
+        ring = places[list(dict.fromkeys(farthest.tolist()))]
+        along = np.roll(ring, -1, axis=0) - ring
+        offsets = places[:, None, :] - ring
+        areas = along[:, 0] * offsets[..., 1] - along[:, 1] * offsets[..., 0]
+        deep = (areas > MARGIN * np.square(np.abs(places).max())).all(axis=1)
+    return [position for position, is_deep in zip(positions, deep.tolist(), strict=True) if not is_deep]
