@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
+from functools import cmp_to_key
 from itertools import combinations, pairwise, product
 from typing import Any, TypeAlias
 
@@ -349,6 +350,43 @@ def turns_once(steps: Iterable[tuple[Vector, Vector]]) -> bool:
 def around(values: Sequence[Any]) -> list[tuple[Any, Any]]:
     """Neighbours in a closed chain."""
     return list(pairwise([*values, values[0]]))
+
+
+def convex_hull(places: Sequence[Vector]) -> list[Vector]:
+    """The corners of the convex hull of plane points, counterclockwise (Andrew's monotone chain)."""
+    ordered = sorted(places, key=cmp_to_key(_compare_places))
+    if len(ordered) < 3:
+        return ordered
+    return [*_half_hull(ordered), *_half_hull(ordered[::-1])]
+
+
+def _compare_places(a: Vector, b: Vector) -> int:
+    return (a[0] - b[0]).sign() or (a[1] - b[1]).sign()
+
+
+def _half_hull(ordered: Sequence[Vector]) -> list[Vector]:
+    """The corners below the line from the first point to the last, without the last one."""
+    chain: list[Vector] = []
+    for place in ordered:
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], place) <= 0:
+            chain.pop()
+        chain.append(place)
+    return chain[:-1]
+
+
+def _turn(a: Vector, b: Vector, c: Vector) -> int:
+    """Sign of the turn from a over b to c, positive to the left."""
+    return cross((b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])).sign()
+
+
+def _holds_disc(hull: Sequence[Vector], squared_radius: Number) -> bool:
+    """Whether a disc about the origin lies in a convex polygon: left of each side, no nearer than its radius."""
+    for a, b in around(hull):
+        step = (b[0] - a[0], b[1] - a[1])
+        reach = cross(a, b)  # the distance of the side times its length
+        if reach.sign() <= 0 or (reach * reach - squared_radius * dot(step, step)).sign() < 0:
+            return False
+    return len(hull) > 2
 
 
 # ---- the array ---------------------------------------------------------------------------------
@@ -945,16 +983,26 @@ class Checker:
         differential inclusions), and asymptotically where the fan of cones shows that all paths come home.  Positive
         somewhere: V shows nothing and the fan decides alone.
         """
+        self._check_disc()
         if self.highest > 0:
-            require(self.squared_radius is None, "translation: a disc in the square where V* shows one")
-            self._check_barriers(None)
             return self.fan
-        disc = self.field.parse(self.squared_radius)
-        inside = disc.sign() > 0 and (self.radius * self.radius - disc).sign() >= 0
-        require(inside, "translation: a disc in the square where V* shows one")
-        self._check_barriers(disc)
         require(self.fan != UNSTABLE, "translation: V* and the fan of cones that agree")
         return self.fan if self.fan == ASYMPTOTICALLY_STABLE else STABLE
+
+    def _check_disc(self) -> None:
+        """The claim, where there is one: V* keeps its sign on a disc about the point, on which the body does not tip.
+
+        The disc lies in the square and in the support polygon, the convex hull of all wheels.
+        """
+        if self.squared_radius is None:
+            self._check_barriers(None)
+            return
+        disc = self.field.parse(self.squared_radius)
+        inside = disc.sign() > 0 and (self.radius * self.radius - disc).sign() >= 0
+        require(inside and self.highest <= 0, "translation: a disc in the square where V* shows one")
+        hull = convex_hull([place[:2] for place in self.array.places.values()])
+        require(_holds_disc(hull, disc), "translation: a disc in the support polygon")
+        self._check_barriers(disc)
 
     def _check_barriers(self, disc: Number | None) -> None:
         """The claim: cells away from the point where V* grows have their growing part outside the disc.

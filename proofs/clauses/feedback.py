@@ -16,17 +16,19 @@ equilibrium lie in one plane no static feedback does (:mod:`nonsmooth.proofs.cla
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.partitions.support import limiting_support
 from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.cones import build_fan
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
-from nonsmooth.proofs.clauses.level_region import LevelRegion, build_level_region
+from nonsmooth.proofs.clauses.level_region import LevelRegion, build_level_region, is_above
 from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.turn_region import TurnRegion, build_turn_region
 from nonsmooth.proofs.clauses.witness import Witness
@@ -40,6 +42,9 @@ SHAPED_LAW = (
     "u_i = -k a, u_j = -k b with b = (w theta - P c.J(p_i - c))/(d_j.J(p_j - p_i)), a = P c.d_i - (d_i.d_j) b, "
     "P = [[{}, {}], [{}, {}]], w = {}"
 )
+
+
+_TRIES, _SMALLER = 200, Fraction(9, 10)  # of levels, until one keeps to the support polygon
 
 
 @dataclass(frozen=True)
@@ -164,9 +169,24 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
             return _shaped(partition, cells, local, data, stall)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
     margin = build_margin(build_fan(partition), SQUARES)
-    region = build_level_region(cells, local, partition.scene.check.radius, SQUARES)
+    region = _supported_region(partition, cells, local, SQUARES)
     rate = certified_rate(partition)
     return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, margin=margin, region=region)
+
+
+def _supported_region(
+    partition: Partition, cells: tuple[InputCell, ...], local: frozenset[int], lyapunov: ControlLyapunov
+) -> LevelRegion | None:
+    """The largest level of V on all cells of the square, lowered until the body does not tip in it."""
+    region = build_level_region(cells, local, partition.scene.check.radius, lyapunov)
+    support = limiting_support(partition)
+    if region is None or support is None:
+        return region
+    for _ in range(_TRIES if support.stands else 0):
+        if all(is_above(side, lyapunov, region.level) for side in support.sides):
+            return region
+        region = replace(region, level=region.level * _SMALLER)
+    return None
 
 
 def _shaped(
@@ -185,7 +205,7 @@ def _shaped(
             f"while c . d_i vanishes in cell {data.cell.index}"
         )
         margin = build_margin(build_fan(partition), lyapunov)
-        region = build_level_region(cells, local, partition.scene.check.radius, lyapunov)
+        region = _supported_region(partition, cells, local, lyapunov)
         return FeedbackResult(
             Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin, region=region
         )
@@ -201,7 +221,7 @@ def _cascaded(
     if cascade is not None:
         none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"
         reason = f"{none} (c . d_i vanishes in cell {data.cell.index}), but {cascade.descent.reason}"
-        slow = cascade.descent is Descent.SLOW_TURNS
+        slow = cascade.descent is Descent.SLOW_TURNS and limiting_support(partition) is None
         region = build_turn_region(cascade, cells, local, partition.scene.check.radius) if slow else None
         return FeedbackResult(
             Feedback.STABILIZABLE,

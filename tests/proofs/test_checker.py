@@ -626,7 +626,6 @@ def test_a_certificate_without_any_claim_says_so(four_wheel: Record, tmp_path: P
 
 CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
     "a larger disc": (DISC, lambda c: c["translation"].update(squared_radius="1/2")),
-    "no disc": ("a list of any items", lambda c: c["translation"].update(squared_radius=None)),
     "a disc of size zero": (DISC, lambda c: c["translation"].update(squared_radius="0")),
     "a needless barrier": (
         "cells[0]: a barrier where V* grows",
@@ -710,9 +709,27 @@ def test_short_paths_bound_the_rotation(four_wheel: Record, fan: str, word: str)
     assert read.show_rotation("undecided") == word
 
 
-def test_a_smaller_disc_is_still_true(four_wheel: Record) -> None:
-    four_wheel["translation"]["squared_radius"] = "1/9"
+@pytest.mark.parametrize("disc", ["1/9", None])
+def test_a_smaller_disc_is_still_true_and_none_claims_nothing(four_wheel: Record, disc: str | None) -> None:
+    four_wheel["translation"]["squared_radius"] = disc
     assert check_certificate(four_wheel) == ""
+
+
+def test_no_disc_reaches_beyond_the_support_polygon(arrays: Arrays) -> None:
+    """Wheels at (+-1/5, +-1/10): V* decreases on the whole square of half side 1/2, but beyond 1/10 the body tips."""
+    corners = [(Fraction(x, 5), Fraction(y, 10)) for x in (1, -1) for y in (1, -1)]
+    c = build_certificate(check_cells(arrays.scene(arrays.inward(corners))))
+    assert Fraction(c["translation"]["squared_radius"]) == Fraction(1, 100)
+    c["translation"]["squared_radius"] = "1/99"
+    assert check_certificate(c) == "translation: a disc in the support polygon"
+
+
+def test_there_is_no_disc_where_the_body_tips_at_the_point(arrays: Arrays) -> None:
+    """Two wheels carry nothing that is not between them."""
+    c = build_certificate(check_cells(arrays.scene(arrays.inward([(1, 0), (-1, 0)]))))
+    assert c["translation"]["squared_radius"] is None
+    c["translation"]["squared_radius"] = "1/1000"
+    assert "translation: a disc in the" in check_certificate(c)
 
 
 def test_notes_are_not_read(four_wheel: Record) -> None:

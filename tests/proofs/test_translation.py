@@ -328,3 +328,21 @@ def test_a_removed_cell_is_noticed_by_the_area(arrays: Arrays) -> None:
     partition = build_nearest_partition(arrays.four_wheel())
     assert not partition.area_error
     assert replace(partition, cells=partition.cells[1:]).area_error == partition.cells[0].polygon.area
+
+
+def test_the_region_ends_where_the_body_tips(arrays: Arrays) -> None:
+    """V* decreases on the whole square, but the centre of mass must stay over the wheels, 1/10 from the point."""
+    corners = [(Fraction(x, 5), Fraction(y, 10)) for x in (1, -1) for y in (1, -1)]
+    result = decide_translation(build_nearest_partition(arrays.scene(arrays.inward(corners))))
+    assert result.worst_rate < 0
+    assert result.region_radius == Fraction(1, 10)
+    assert result.check()
+    assert not replace(result, region_radius=result.region_radius * 2).check()
+    assert "tips" in result.support_note
+
+
+def test_there_is_no_region_where_the_body_tips_at_the_point(arrays: Arrays) -> None:
+    result = decide_translation(build_nearest_partition(arrays.scene(arrays.inward([(1, 0), (-1, 0)]))))
+    assert result.region_radius is None
+    assert result.check()
+    assert "tips at c*" in result.support_note
