@@ -60,6 +60,11 @@ def middle_of_ray(polygon: Polygon, along: NDArray[np.float64]) -> float | None:
     return (low + high) / 2 if high > max(low, ROUNDING) else None
 
 
+def tips(result: TranslationResult) -> bool:
+    """Whether the point is not inside the support polygon."""
+    return result.support is not None and not result.support.stands
+
+
 def disc_points(seed: int, inner: float, outer: float, count: int) -> NDArray[np.float64]:
     """Random points of an annulus."""
     rng = np.random.default_rng(seed)
@@ -72,21 +77,23 @@ def disc_points(seed: int, inner: float, outer: float, count: int) -> NDArray[np
 
 @pytest.mark.parametrize("n", RINGS)
 def test_rings_with_roll_rows_attract_in_finite_time(arrays: Arrays, n: int) -> None:
-    result = decide(arrays.ring(n, ROLL))
+    scene = arrays.ring(n, ROLL)
+    result = decide(scene)
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
     assert result.worst_rate == -2
     assert result.decay_rate == 2
-    assert result.region_radius == 1
+    assert result.region_radius == scene.field.cos_pi(Fraction(1, n))  # beyond, the body tips between two wheels
     assert result.check()
 
 
 @pytest.mark.parametrize("n", RINGS)
 def test_rings_with_side_rows_have_rays_of_equilibria(arrays: Arrays, n: int) -> None:
-    result = decide(arrays.ring(n, SIDE))
+    scene = arrays.ring(n, SIDE)
+    result = decide(scene)
     assert result.verdict is Translation.STABLE
     assert result.worst_rate == 0
     assert result.decay_rate is None
-    assert result.region_radius == 1
+    assert result.region_radius == scene.field.cos_pi(Fraction(1, n))
     assert result.witness is not None
     assert result.check()
 
@@ -183,7 +190,7 @@ def test_the_exact_upper_derivative_agrees_with_the_verdict_in_the_region(arrays
     scene = arrays.cocircular(seed)
     partition = build_nearest_partition(scene)
     result = decide_translation(partition)
-    if refutes(result):
+    if refutes(result) or tips(result):
         assert result.region_radius is None
         return
     assert result.region_radius is not None
@@ -229,7 +236,8 @@ def test_the_region_ends_where_v_stops_falling(arrays: Arrays) -> None:
     """
     inner = arrays.inward(CORNERS)
     outer = [w._replace(position=(3 * w.position[0], 3 * w.position[1]), friction=SIDE) for w in inner]
-    result = decide(arrays.scene([*inner, *outer], ROLL, radius=5))
+    far = [w._replace(position=(50 * w.position[0], 50 * w.position[1])) for w in inner]  # that the body stands on
+    result = decide(arrays.scene([*inner, *outer, *far], ROLL, radius=5))
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
     assert result.worst_rate == 0
     assert result.region_radius == 4
@@ -293,6 +301,9 @@ def wrong_versions(result: TranslationResult) -> list[TranslationResult]:
         wrong.append(replace(result, witness=None))
         wrong.append(replace(result, witness=replace(result.witness, value=result.witness.value + 1)))
         wrong.append(replace(result, witness=replace(result.witness, point=result.witness.point[::-1])))
+    elif tips(result):
+        assert result.region_radius is None
+        wrong.append(replace(result, region_radius=result.derivatives[0].twist.omega.field.one))
     else:
         assert result.region_radius is not None
         wrong.append(replace(result, region_radius=None))
