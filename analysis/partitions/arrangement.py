@@ -116,9 +116,10 @@ class Arrangement:
 
     def float_dissipation(self, twist: Twist, point: Point) -> float:
         """D at a centre of mass, rounded."""
-        residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
-        weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
-        return float(weights @ np.abs(residuals))
+        with np.errstate(over="ignore", invalid="ignore"):
+            residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
+            weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
+            return float(weights @ np.abs(residuals))
 
     def slopes(self, signs: NDArray[np.int_]) -> tuple[Slope, ...]:
         """The slopes of D that can vanish in the region, where the residuals of the rows have these signs.

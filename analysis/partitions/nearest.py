@@ -249,8 +249,9 @@ def _clear_signs(corners: NDArray[np.float64], near: NDArray[np.float64], far: N
     to_near, to_far = _distances(corners, near), _distances(corners, far)
     with np.errstate(over="ignore", invalid="ignore"):
         size = np.abs(corners).max() + np.abs(near).max() + np.abs(far).max()
-        clear = np.abs(to_far - to_near) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
-    signs: list[int] = np.where(clear, np.sign(to_far - to_near), 0).astype(int).tolist()
+        farther = to_far - to_near
+        clear = np.abs(farther) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
+        signs: list[int] = np.where(clear, np.sign(farther), 0).astype(int).tolist()
     return signs
 
 
