@@ -1,0 +1,46 @@
+"""A CSV table of a hundred thousand wheels, with headings and speeds of their own: read, checked, verified."""
+
+from __future__ import annotations
+
+import random
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from tests.benchmarks.conftest import Stopwatch
+
+pytestmark = pytest.mark.benchmark
+
+WHEELS, SIDE = 100_000, 317
+ALLOWED = 10.0  # seconds of processor time; it took 34
+
+
+@pytest.fixture
+def large(tmp_path: Path) -> Path:
+    """A grid with a pitch of a tenth whose wheels are displaced at random, in millimetres."""
+    rng = random.Random(1)
+    lines = ["x,y,heading,speed,mu_roll,mu_side"]
+    for k in range(WHEELS):
+        x, y = ((part * 100 + rng.randint(0, 50)) / 1000 for part in (k % SIDE, k // SIDE))
+        a, b, speed = (rng.randint(1, 99) / 100 for _ in range(3))
+        lines.append(f'{x:.3f},{y:.3f},"[{a}, {b}]",{speed},0.8,0.4')
+    (tmp_path / "wheels.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    path = tmp_path / "large.toml"
+    path.write_text('[wheels]\nfile = "wheels.csv"\n[check]\nequilibrium = [15.85, 15.85]\nradius = "1/10"\n')
+    return path
+
+
+def test_a_hundred_thousand_wheels(large: Path, stopwatch: Stopwatch) -> None:
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    line = [sys.executable, "-m", "nonsmooth.reports.cli", "check", str(large), "--json"]
+    done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=600)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    stopwatch.report(f"{WHEELS} wheels read, checked and verified in {spent:.1f} s of processor time")
+    assert done.returncode in (0, 1, 3), done.stderr
+    assert spent < ALLOWED
