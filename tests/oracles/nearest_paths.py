@@ -368,7 +368,8 @@ class Path:
 def _positive_roots(constant: Any, linear: Any, square: Any) -> Iterator[Any]:
     """Positive roots of ``constant + linear y + square y^2``; the root at zero of a path that starts on the line."""
     if not _sign_of_exact(constant):
-        if _sign_of_exact(square) and _sign_of_exact(linear):
+        # a square term that is rounding only: the other root is half a turn away
+        if abs(square) > TINY * abs(linear) and _sign_of_exact(linear):
             root = -linear / square
             if root > 0:
                 yield root

@@ -62,6 +62,12 @@ def test_half_planes_whose_velocity_lies_along_their_line_have_gain_one(arrays: 
     assert set(result.fan.gains.values()) == {1}
 
 
+def test_the_oracle_follows_half_a_turn_about_the_point_itself() -> None:
+    """Met at large: in a half-plane with v = 0 the exit lies half a turn away, where the arc's parameter is infinite."""
+    wheels, _ = tied_array(1_031_836)
+    assert observe(wheels, seed=1_031_836, starts=6) == {End.ARRIVES}
+
+
 # ---- many --------------------------------------------------------------------------------------
 
 
