@@ -63,7 +63,7 @@ def test_half_planes_whose_velocity_lies_along_their_line_have_gain_one(arrays: 
 
 
 def test_the_oracle_follows_half_a_turn_about_the_point_itself() -> None:
-    """Met at large: in a half-plane with v = 0 the exit lies half a turn away, where the arc's parameter is infinite."""
+    """In a half-plane with v = 0 the exit lies half a turn away, where the parameter of the arc is infinite."""
     wheels, _ = tied_array(1_031_836)
     assert observe(wheels, seed=1_031_836, starts=6) == {End.ARRIVES}
 
