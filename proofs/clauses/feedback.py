@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
@@ -28,7 +27,7 @@ from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, 
 from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
-from nonsmooth.proofs.clauses.level_region import LevelRegion, build_level_region, is_above
+from nonsmooth.proofs.clauses.level_region import NEXT_BELOW, LevelRegion, build_level_region, is_above, least_level
 from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.turn_region import TurnRegion, build_turn_region
 from nonsmooth.proofs.clauses.witness import Witness
@@ -44,7 +43,7 @@ SHAPED_LAW = (
 )
 
 
-_TRIES, _SMALLER = 200, Fraction(9, 10)  # of levels, until one keeps to the support polygon
+_TRIES = 20  # of levels, until one keeps to the support polygon
 
 
 @dataclass(frozen=True)
@@ -182,10 +181,13 @@ def _supported_region(
     support = limiting_support(partition)
     if region is None or support is None:
         return region
-    for _ in range(_TRIES if support.stands else 0):
-        if all(is_above(side, lyapunov, region.level) for side in support.sides):
-            return region
-        region = replace(region, level=region.level * _SMALLER)
+    if not support.stands:
+        return None
+    level = min(region.level, least_level(support.sides, lyapunov))
+    for _ in range(_TRIES):
+        if all(is_above(side, lyapunov, level) for side in support.sides):
+            return replace(region, level=level)
+        level *= NEXT_BELOW
     return None
 
 

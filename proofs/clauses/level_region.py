@@ -69,14 +69,19 @@ def build_level_region(
 ) -> LevelRegion | None:
     """The largest level, to a few digits, for a law by V on all cells of the square; None if none is found."""
     sides = segments(_stalling(cells, local, lyapunov), radius)
-    least = min((_least(side, lyapunov) for side in sides), key=lambda bound: bound.mid())
-    level = Fraction(least.str(DIGITS, radius=False))
+    level = least_level(sides, lyapunov)
     for _ in range(_TRIES):
         region = LevelRegion(lyapunov, level, radius)
         if region.check(cells, local):
             return region
         level *= NEXT_BELOW
     return None
+
+
+def least_level(sides: Iterable[Segment], lyapunov: ControlLyapunov) -> Fraction:
+    """The least ``c^T P c`` on segments, to a few digits: a proposal."""
+    least = min((_least(side, lyapunov) for side in sides), key=lambda bound: bound.mid())
+    return Fraction(least.str(DIGITS, radius=False))
 
 
 def fills(cells: Sequence[InputCell], radius: Number) -> bool:

@@ -133,15 +133,15 @@ def _smaller(start: Start, factor: float) -> Start:
 def _ends(loop: FeedbackLoop, paths: list[_Path]) -> Block:
     value = "V" if loop.region is None or loop.feedback.cascade is None else "W"
     header = ("start (x, y, theta)", f"{value} there", "last t", "x", "y", prose("`theta`"), f"{value}", "how it ended")
-    return table(header, [_row(loop, path) for path in paths], (4, 1.6, 1.4, 1.8, 1.8, 1.8, 1.6, 3))
+    return table(header, [_row(loop, path) for path in paths], (3.1, 1.6, 1.6, 2.3, 2.3, 2.2, 1.8, 2.1))
 
 
 def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
     end = path.path.end
     x, y, theta = (float(value) for value in end.state)
     first, last = ("", "") if loop.region is None else (loop.region.value(path.start), loop.region.value((x, y, theta)))
-    levels = [value if isinstance(value, str) else f"{value:.3g}" for value in (first, last)]
-    place = [f"{value:.3g}" for value in (x, y, theta)]
+    levels = [value if isinstance(value, str) else f"{value:.2g}" for value in (first, last)]
+    place = [f"{value:.2g}" for value in (x, y, theta)]
     return start_text(path.start), levels[0], f"{float(end.t):.4g}", *place, levels[1], str(end.reason)
 
 
