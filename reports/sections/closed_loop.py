@@ -133,7 +133,7 @@ def _smaller(start: Start, factor: float) -> Start:
 def _ends(loop: FeedbackLoop, paths: list[_Path]) -> Block:
     value = "V" if loop.region is None or loop.feedback.cascade is None else "W"
     header = ("start (x, y, theta)", f"{value} there", "last t", "x", "y", prose("`theta`"), f"{value}", "how it ended")
-    return table(header, [_row(loop, path) for path in paths], (3.1, 1.6, 1.6, 2.3, 2.3, 2.2, 1.8, 2.1))
+    return table(header, [_row(loop, path) for path in paths], (2.8, 2, 1.5, 2.1, 2.1, 2.1, 1.9, 2.5))
 
 
 def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
