@@ -19,7 +19,8 @@ import json
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.contact_rule import contact_rule, rule_of
+from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
@@ -35,10 +36,11 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, Wheel, cross, dot
 
 Record: TypeAlias = dict[str, Any]
+
+FOLLOWED = ("nearest", "box")  # the rules that the stand-alone checker knows, written there once more on purpose
 
 
 class CertificateError(ValueError):
@@ -51,14 +53,17 @@ def build_certificate(result: CellCheck | EllipseCheck) -> Record:
     Raises:
         CertificateError: for rule ``ellipse``, and where the checker does not follow the verdict.
     """
-    if isinstance(result, EllipseCheck):
+    rule = result.scene.contact.rule
+    if isinstance(result, EllipseCheck) or rule not in FOLLOWED:
+        names, why = " or ".join(f'"{name}"' for name in FOLLOWED), "follows cells, and this rule has none"
+        if isinstance(result, CellCheck):
+            why = "knows no other rule"
         raise CertificateError(
-            'certificate: required contact.rule "nearest" or "box", received "ellipse": '
-            "the stand-alone checker follows cells, and this rule has none"
+            f'certificate: required contact.rule {names}, received "{rule}": the stand-alone checker {why}'
         )
     certificate = encode(_document(result))
     claim = check_certificate(certificate)
-    if claim and result.scene.contact.rule is Rule.NEAREST and _rows_left_out(result.scene):
+    if claim and rule_of(result.scene).keeps_rows and _rows_left_out(result.scene):
         raise CertificateError(
             "certificate: required friction in both directions, received rows without friction, which are left out: "
             "the stand-alone checker follows both rows of the nearest wheel and one row of the second"
@@ -91,7 +96,7 @@ def _lines(value: Any) -> str:
 def _document(result: CellCheck) -> Record:
     scene, partition = result.scene, result.partition
     if not partition.complete:
-        partition = build_box_partition(scene.recentred())
+        partition = build_partition(scene.recentred())
     points, chains = _corners(partition)
     disc = Disc(None, {}) if result.translation.region_radius is None else _disc(partition)
     zero = scene.field.zero
@@ -138,7 +143,7 @@ def _disc(partition: Partition) -> Disc:
 
 
 def _loads(scene: Scene) -> Any:
-    if scene.contact.rule is Rule.NEAREST:
+    if not rule_of(scene).needs_loads:
         return None
     return "elastic" if scene.contact.loads is None else scene.contact.loads.rows
 
@@ -172,7 +177,7 @@ def _cells(partition: Partition, chains: list[list[int]], disc: Disc) -> list[Re
 def _loaded_wheels(partition: Partition) -> list[list[int] | None]:
     """The wheels that carry load in each cell; None where loads are not elastic."""
     scene = partition.scene
-    if partition.rule is Rule.NEAREST or scene.contact.loads is not None:
+    if not contact_rule(partition.rule).needs_loads or scene.contact.loads is not None:
         return [None] * len(partition.cells)
     regions = load_regions(scene)
     return [

@@ -9,15 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.equilibria import Equilibrium
-from nonsmooth.analysis.partitions.nearest import float_positions, relevant_wheels
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.rotation import decide_rotation
 from nonsmooth.proofs.clauses.translation import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Check, Scene
 
 MOST = 16  # points that are judged: each costs a partition of its own
@@ -51,8 +50,9 @@ def judge_equilibria(scene: Scene, found: tuple[Equilibrium, ...]) -> tuple[Judg
 
 def _judged(scene: Scene, equilibrium: Equilibrium) -> JudgedEquilibrium:
     own = replace(scene, check=Check(equilibrium.points[0], scene.check.radius / SHARE))
-    if own.contact.rule is Rule.NEAREST:  # wheels that have no say there only take time
-        own = replace(own, wheels=relevant_wheels(own, float_positions(own)))
+    rule = rule_of(own)
+    if isinstance(rule, CellRule):  # wheels that have no say there only take time
+        own = replace(own, wheels=rule.wheels_that_matter(own))
     own = own.recentred()
     try:
         partition = build_partition(own)

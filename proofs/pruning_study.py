@@ -13,7 +13,7 @@ from nonsmooth.analysis.studies.study import Finding, Plan, Study, Trial
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.symbolic.contact_states import possible_triples
-from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
 
 PRUNED, WHOLE = "pruned", "whole"
@@ -21,7 +21,7 @@ PRUNED, WHOLE = "pruned", "whole"
 
 def build_pruning(scene: Scene) -> Plan:
     """The plan for every contact rule; a rule that refuses the array fails, and says why."""
-    trials = tuple(trial for rule in Rule for trial in _trials(scene, rule))
+    trials = tuple(trial for rule in CONTACT_RULES for trial in _trials(scene, rule))
     return Plan("the verdicts of the check that leaves out nothing", trials)
 
 
@@ -30,7 +30,7 @@ PRUNING = Study(
 )
 
 
-def _trials(scene: Scene, rule: Rule) -> tuple[Trial, Trial]:
+def _trials(scene: Scene, rule: str) -> tuple[Trial, Trial]:
     ruled = replace(scene, contact=replace(scene.contact, rule=rule))
     whole = _WholeCheck(ruled)
     judge = partial(_judge, whole)

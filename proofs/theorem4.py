@@ -10,9 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from nonsmooth.analysis.partitions.box import build_box_partition, build_rest_partition
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.partitions.equilibria import find_equilibria
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition, affordable
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
@@ -27,7 +26,6 @@ from nonsmooth.proofs.theorem4_result import CellCheck, Clauses, EllipseCheck, S
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 CENSUS_LIMIT = 20_000  # row triples that are counted unasked: 25 wheels; a count decides no clause
@@ -50,18 +48,17 @@ def check_theorem4(scene: Scene, *, prune: bool = True) -> CellCheck | EllipseCh
             exact arithmetic would take too long.
     """
     with affordable(scene, CHECK_UNITS, "all clauses"):
-        if scene.contact.rule is Rule.ELLIPSE:
-            return check_ellipse(scene, prune=prune)
-        return check_cells(scene, prune=prune)
+        if isinstance(rule_of(scene), CellRule):
+            return check_cells(scene, prune=prune)
+        return check_ellipse(scene, prune=prune)
 
 
 def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
-    """Check under rule ``nearest`` or ``box``; see :func:`check_theorem4`."""
+    """Check under a rule with cells; see :func:`check_theorem4`."""
     work = _Work(scene, prune)
-    nearest = scene.contact.rule is Rule.NEAREST
-    lemma = None if nearest else cocircular_array(work.centred)
+    lemma = cocircular_array(work.centred)
     with work.timed("partition"):
-        partition = _nearest_cells(work) if nearest else _box_cells(work, lemma)
+        partition = _partition(work, lemma)
     with work.timed("contact states"):
         census = _census(work, len(partition.states))
     with work.timed("equilibrium"):
@@ -72,7 +69,7 @@ def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
     with work.timed("rotation"):
         rotation = decide_rotation(partition, translation)
     with work.timed("feedback"):
-        feedback = decide_feedback(partition) if nearest else _driven_feedback(work)
+        feedback = decide_feedback(partition) if rule_of(scene).keeps_rows else _driven_feedback(work)
     return CellCheck(
         **work.summary(census, (equilibrium, translation, rotation, feedback)),
         partition=partition,
@@ -84,7 +81,7 @@ def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
 
 
 def check_ellipse(scene: Scene, *, prune: bool = True) -> EllipseCheck:
-    """Check under rule ``ellipse``; see :func:`check_theorem4`."""
+    """Check under a rule without cells; see :func:`check_theorem4`."""
     work = _Work(scene, prune)
     with work.timed("contact states"):
         census = _census(work, 0)
@@ -144,23 +141,22 @@ class _Work:
         self.seconds[step] = time.perf_counter() - start
 
 
-def _nearest_cells(work: _Work) -> Partition:
-    partition = build_nearest_partition(work.centred, prune=work.prune)
+def _partition(work: _Work, lemma: CocircularArray | None) -> Partition:
+    """All cells, or where the lemma covers the square only those of rest at the point."""
+    rule = rule_of(work.scene)
+    if not isinstance(rule, CellRule):
+        raise TypeError(f"required a rule with cells, received {rule.name}")
+    rest = rule.build_rest_partition(work.centred) if lemma is not None and work.prune else None
+    if rest is not None:
+        work.skip("cells away from the point", 1, f"{LEMMA}: no other cells are needed")
+        return rest
+    partition = rule.build_partition(work.centred, prune=work.prune)
     idle = len(work.scene.wheels) - partition.wheels_considered
     if idle:
         in_pairs = all(state.is_of_a_pair for state in partition.states)
         where = "to be among the two nearest" if in_pairs else "for any of their rows to be taken"
         work.skip("wheels", idle, f"too far away {where} anywhere in the square")
     return partition
-
-
-def _box_cells(work: _Work, lemma: CocircularArray | None) -> Partition:
-    """All cells, or where the lemma covers the square only those of rest at the point."""
-    rest = build_rest_partition(work.centred) if lemma is not None and work.prune else None
-    if rest is None:
-        return build_box_partition(work.centred)
-    work.skip("cells away from the point", 1, f"{LEMMA}: no other cells are needed")
-    return rest
 
 
 def _equilibria(work: _Work, partition: Partition) -> tuple[JudgedEquilibrium, ...] | None:

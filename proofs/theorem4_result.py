@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
@@ -29,7 +30,6 @@ from nonsmooth.proofs.own_paths import refuse_contradiction
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.contact_states import ContactCensus
 from nonsmooth.symbolic.notebook import html_table
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 AnyFeedback: TypeAlias = FeedbackResult | DrivenFeedback
@@ -182,7 +182,7 @@ class CellCheck(Theorem4Result):
         )
 
     def _feedback_is_ours(self) -> bool:
-        if self.scene.contact.rule is Rule.NEAREST:
+        if rule_of(self.scene).keeps_rows:
             return self.feedback == decide_feedback(self.partition)
         return self.feedback == decide_driven_feedback(self.partition.scene)
 

@@ -1,4 +1,4 @@
-"""The three contact rules side by side: as a table, as JSON and as a picture."""
+"""The contact rules side by side: as a table, as JSON and as a picture."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nonsmooth.reports.terminal import brief, header_table
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
 AGREEMENT_SCHEMA = "nonsmooth-agreement/1"
 AGREE, DIFFER = "#009E73", "#E69F00"  # bluish green and orange: told apart by color-blind readers, and by hatching
@@ -23,67 +23,79 @@ AGREE, DIFFER = "#009E73", "#E69F00"  # bluish green and orange: told apart by c
 def agreement_view(agreement: Agreement) -> RenderableType:
     """Shares and differences as a table."""
     table = header_table("rules", "agreement on the square")
-    shared = agreement.shared
-    table.add_row("nearest and box", f"same motion on a share of {brief(shared.share)} of the area (exact)")
-    for name, difference in _differences(agreement):
-        table.add_row(f"ellipse and {name}", _difference_text(difference))
-    cells = f"{len(agreement.nearest.cells)} cells under rule nearest, {len(agreement.box.cells)} under rule box, "
-    twists = f"{len(shared.shared_twists)} twists in common"
+    twists = []
+    for (first, second), shared in agreement.shared.items():
+        table.add_row(f"{first} and {second}", f"same motion on a share of {brief(shared.share)} of the area (exact)")
+        which = "" if len(agreement.shared) == 1 else f" of {first} and {second}"
+        twists.append(f"{len(shared.shared_twists)} twists in common{which}")
+    for (first, second), difference in agreement.differences.items():
+        table.add_row(f"{first} and {second}", _difference_text(difference))
+    counts = [f"{len(partition.cells)} cells under rule {name}" for name, partition in agreement.partitions.items()]
+    heads = [counts[0], *(count.replace(" cells", "") for count in counts[1:])]
     note = "differences of the twist (|v|, R omega), R the distance of the farthest wheel, relative to the larger twist"
-    return Group(Text(cells + twists), table, Text(note, "dim"))
+    return Group(Text(", ".join(heads + twists)), table, Text(note, "dim"))
 
 
 def agreement_record(agreement: Agreement) -> dict[str, Any]:
     """Shares and differences with stable keys."""
-    shared = agreement.shared
+    shares = {pair: _shared_record(agreement, *pair) for pair in agreement.shared}
+    differences = {pair: _difference_record(difference) for pair, difference in agreement.differences.items()}
+    records = {f"{first}_{second}": record for (first, second), record in (shares | differences).items()}
+    return {"schema": AGREEMENT_SCHEMA, "scene": _scene_name(agreement), "agreement": records}
+
+
+def _shared_record(agreement: Agreement, first: str, second: str) -> dict[str, Any]:
+    shared = agreement.shared[first, second]
     return {
-        "schema": AGREEMENT_SCHEMA,
-        "scene": agreement.nearest.scene.name,
-        "agreement": {
-            "nearest_box": {
-                **with_exact({"area": shared.area, "share": shared.share}),
-                "shared_twists": [with_exact({"twist": twist}) for twist in shared.shared_twists],
-                "cells": {"nearest": len(agreement.nearest.cells), "box": len(agreement.box.cells)},
-            },
-            **{f"ellipse_{name}": _difference_record(difference) for name, difference in _differences(agreement)},
-        },
+        **with_exact({"area": shared.area, "share": shared.share}),
+        "shared_twists": [with_exact({"twist": twist}) for twist in shared.shared_twists],
+        "cells": {name: len(agreement.partitions[name].cells) for name in (first, second)},
     }
 
 
+def _scene_name(agreement: Agreement) -> str:
+    return next(iter(agreement.partitions.values())).scene.name
+
+
 def agreement_map(agreement: Agreement, suffix: str) -> bytes:
-    """The square, shaded by whether nearest and box prescribe the same motion; ``suffix`` as for the cell map."""
-    require_drawable(agreement.nearest)
+    """The square, shaded by whether two rules prescribe the same motion; ``suffix`` as for the cell map."""
+    require_drawable(next(iter(agreement.partitions.values())))
     return figure_bytes(lambda: build_figure(agreement), suffix)
 
 
 def build_figure(agreement: Agreement) -> Figure:
-    """The picture as a Matplotlib figure."""
+    """The picture as a Matplotlib figure, one panel for each pair of rules with cells."""
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
 
-    figure = Figure(figsize=(PICTURE, PICTURE + 0.4), layout="constrained")
-    axes = figure.subplots()
-    for first in agreement.nearest.cells:
-        for second in agreement.box.cells:
-            common = intersect(first.polygon, second.polygon)
-            if common is not None:
-                same = frozenset(first.twists) == frozenset(second.twists)
-                xs, ys = zip(*((float(x), float(y)) for x, y in common.vertices), strict=True)
-                axes.fill(xs, ys, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
-                axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1, hatch=None if same else "//")
-    handles = [
-        Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {brief(agreement.shared.share)} of the area"),
-        Patch(facecolor=DIFFER, alpha=TINT, hatch="//", edgecolor="white", label="different motions"),
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
-    axes.set(xlabel="x of the centre of mass [length unit of the scene]")
-    axes.set(ylabel="y of the centre of mass [length unit of the scene]", aspect="equal")
-    axes.set_title(f"{one_line(agreement.nearest.scene.name)}: rules nearest and box", parse_math=False)
+    pairs = list(agreement.shared)
+    figure = Figure(figsize=(PICTURE * len(pairs), PICTURE + 0.4), layout="constrained")
+    panels = [figure] if len(pairs) == 1 else list(figure.subfigures(1, len(pairs), squeeze=False)[0])
+    for pair, panel in zip(pairs, panels, strict=True):
+        _draw_pair(panel, agreement, *pair)
     return figure
 
 
-def _differences(agreement: Agreement) -> tuple[tuple[str, TwistDifference], ...]:
-    return ("nearest", agreement.ellipse_nearest), ("box", agreement.ellipse_box)
+def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str) -> None:
+    from matplotlib.patches import Patch
+
+    axes = panel.subplots()
+    for own in agreement.partitions[first].cells:
+        for other in agreement.partitions[second].cells:
+            common = intersect(own.polygon, other.polygon)
+            if common is not None:
+                same = frozenset(own.twists) == frozenset(other.twists)
+                xs, ys = zip(*((float(x), float(y)) for x, y in common.vertices), strict=True)
+                axes.fill(xs, ys, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
+                axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1, hatch=None if same else "//")
+    share = brief(agreement.shared[first, second].share)
+    handles = [
+        Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {share} of the area"),
+        Patch(facecolor=DIFFER, alpha=TINT, hatch="//", edgecolor="white", label="different motions"),
+    ]
+    panel.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+    axes.set(xlabel="x of the centre of mass [length unit of the scene]")
+    axes.set(ylabel="y of the centre of mass [length unit of the scene]", aspect="equal")
+    axes.set_title(f"{one_line(_scene_name(agreement))}: rules {first} and {second}", parse_math=False)
 
 
 def _difference_text(difference: TwistDifference) -> str:

@@ -4,22 +4,6 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from nonsmooth.symbolic.rule import Rule
-
-
-class RuleOrAll(StrEnum):
-    """One contact rule, or all of them in turn."""
-
-    NEAREST = Rule.NEAREST
-    BOX = Rule.BOX
-    ELLIPSE = Rule.ELLIPSE
-    ALL = "all"
-
-    @property
-    def rules(self) -> tuple[Rule, ...]:
-        """The rules it stands for."""
-        return tuple(Rule) if self is RuleOrAll.ALL else (Rule(self.value),)
-
 
 class Law(StrEnum):
     """A feedback law of rule ``nearest``; ``certified`` stands for the one that the feedback clause certifies."""

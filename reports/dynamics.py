@@ -12,19 +12,17 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance
+from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.reports.simulate import SCHEMA
 from nonsmooth.reports.terminal import header_table
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 MASSES_SCHEMA = "nonsmooth-masses/1"
 MASS = 0.1  # per weight: about 1/g in metres and seconds
 MOMENTS = 5  # of a path that are listed on a terminal
-RULES = (Rule.ELLIPSE, Rule.NEAREST, Rule.BOX)  # the one that is approached first
 UNIT = "mass per weight (1/g): 0.102 in metres and seconds"
 
 
@@ -127,19 +125,19 @@ class ShownMasses:
 
     def summary(self) -> str:
         """The distance from rule ellipse of the lightest body."""
-        last = self.study.rows[-1]
-        return f"distance {last.distance(Rule.ELLIPSE).position:.3g} from rule ellipse at mass {last.body.mass:.3g}"
+        last, limit = self.study.rows[-1], massless_limit()
+        return f"distance {last.distance(limit).position:.3g} from rule {limit} at mass {last.body.mass:.3g}"
 
     def view(self) -> RenderableType:
         """Distances by mass, and what they tend to."""
         study = self.study
-        rules = [rule for rule in RULES if rule not in study.skipped]
+        rules = [rule for rule in rules_by_limit() if rule not in study.skipped]
         table = header_table("mass", *(f"from rule {rule}" for rule in rules))
         for row in study.rows:
             table.add_row(f"{row.body.mass:.3g}", *(_pair(row.distance(rule)) for rule in rules))
         limits = {limit.rule: limit for limit in study.limits}
         table.add_section()
-        table.add_row("-> 0", *("0, 0" if rule is Rule.ELLIPSE else _pair(limits[rule]) for rule in rules))
+        table.add_row("-> 0", *("0, 0" if rule == massless_limit() else _pair(limits[rule]) for rule in rules))
         x, y, theta = study.start
         head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"

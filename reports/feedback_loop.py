@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
 from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
 from nonsmooth.analysis.fields.feedback_laws import (
@@ -36,7 +37,6 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.choices import Law
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.rule import Rule
 
 GAIN = 1.0
 # A rise of V that may be the integrator's own, relative to V at the start: steps err by 1e-12, events by rounding.
@@ -213,7 +213,7 @@ def build_loop(
     Raises:
         ValueError: for another rule than ``nearest``, and where no law is certified.
     """
-    if partition.rule is not Rule.NEAREST:
+    if not contact_rule(partition.rule).keeps_rows:
         raise ValueError(f"--feedback: required rule nearest, received {partition.rule}")
     scene = partition.scene
     centred = partition if scene.recentred() == scene else build_partition(scene.recentred())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
 from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
@@ -16,7 +17,6 @@ from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, Check
 from nonsmooth.reports.exact_record import Record, floats, with_exact, witness_record
 from nonsmooth.symbolic.formulas import real_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 
@@ -47,7 +47,7 @@ def feedback_record(result: Check) -> Record:
 
 def _ranks_record(result: Check) -> Record | None:
     """Independent inputs by cell, by pair of neighbouring cells and at the checked point (rule ``nearest``)."""
-    if not isinstance(result, CellCheck) or result.partition.rule is not Rule.NEAREST:
+    if not isinstance(result, CellCheck) or not rule_of(result.scene).keeps_rows:
         return None
     ranks = input_ranks(result.partition)
     return {

@@ -3,14 +3,35 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from nonsmooth.reports.choices import RuleOrAll
-from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.rule import CONTACT_RULES
 
-_RULE = typer.Option("--rule", help="Contact rule; replaces the scene's.")
+ALL_RULES = "all"
+
+
+def chosen_rules(rule: str | None) -> tuple[str | None, ...]:
+    """The contact rules that ``--rule`` asks for; one None for the scene's own."""
+    return tuple(CONTACT_RULES) if rule == ALL_RULES else (rule,)
+
+
+def _rule_option(*more: str) -> Any:
+    """``--rule``, which takes the name of a registered contact rule or one of the words ``more``."""
+
+    def names(incomplete: str = "") -> list[str]:
+        return [name for name in (*CONTACT_RULES, *more) if name.startswith(incomplete)]
+
+    def read(text: str) -> str:
+        if text not in names():
+            raise typer.BadParameter(f"{text!r} is not one of {', '.join(map(repr, names()))}.")
+        return text
+
+    metavar = f"[{'|'.join(names())}]"
+    return typer.Option(
+        "--rule", help="Contact rule; replaces the scene's.", parser=read, metavar=metavar, autocompletion=names
+    )
 
 
 def complete_scene(incomplete: str) -> list[str]:
@@ -30,8 +51,8 @@ SceneTexts = Annotated[
     list[str],
     typer.Argument(metavar="SCENE...", help="Scene files (TOML) or built-in names.", autocompletion=complete_scene),
 ]
-RuleOption = Annotated[Rule | None, _RULE]
-RulesOption = Annotated[RuleOrAll | None, _RULE]
+RuleOption = Annotated[str | None, _rule_option()]
+RulesOption = Annotated[str | None, _rule_option(ALL_RULES)]
 Radius = Annotated[
     str | None,
     typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2; replaces the scene's."),

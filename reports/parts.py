@@ -32,7 +32,6 @@ from nonsmooth.reports.sections.stability import (
 from nonsmooth.reports.sections.stress import stress_section
 from nonsmooth.reports.sections.trajectories import trajectories_section
 from nonsmooth.reports.subject import Subject
-from nonsmooth.symbolic.rule import Rule
 
 
 def _always(subject: Subject) -> str:
@@ -40,11 +39,12 @@ def _always(subject: Subject) -> str:
 
 
 def _no_cells(subject: Subject) -> str:
-    return "" if isinstance(subject.result, CellCheck) else "rule ellipse has no cells with one twist each"
+    has_cells = isinstance(subject.result, CellCheck)
+    return "" if has_cells else f"rule {subject.scene.contact.rule} has no cells with one twist each"
 
 
 def _no_ellipse(subject: Subject) -> str:
-    return "rule ellipse only" if isinstance(subject.result, CellCheck) else ""
+    return "for rules without cells" if isinstance(subject.result, CellCheck) else ""
 
 
 def _no_whole_partition(subject: Subject) -> str:
@@ -54,7 +54,7 @@ def _no_whole_partition(subject: Subject) -> str:
 
 
 def _not_the_papers(subject: Subject) -> str:
-    its_array = is_paper_array(subject.scene) and subject.scene.contact.rule is Rule.NEAREST
+    its_array = is_paper_array(subject.scene) and subject.scene.contact.rule == "nearest"
     return "" if its_array else "the audit is about the paper's own array under rule nearest"
 
 

@@ -1,13 +1,35 @@
-"""The contact rules by name; importing nothing else, so that a command line can offer them at once."""
+"""The contact rules that a scene may name, and where each is written.
+
+This is the registry.  A contact rule is one class on
+:class:`nonsmooth.analysis.contact_rule.ContactRule` and one line here; the commands, their completion,
+scene files, comparisons and reports offer whatever stands here, in this order.  Only names are kept, so that
+a command line can offer them at once; :func:`nonsmooth.analysis.contact_rule.contact_rule` imports the
+class when it is needed.
+"""
 
 from __future__ import annotations
 
-from enum import StrEnum
+DEFAULT_RULE = "nearest"
+
+CONTACT_RULES = {  # name in scenes and on the command line: module and class
+    "nearest": "nonsmooth.analysis.contact_rules.nearest:NearestRule",
+    "box": "nonsmooth.analysis.contact_rules.box:BoxRule",
+    "ellipse": "nonsmooth.analysis.contact_rules.ellipse:EllipseRule",
+}
 
 
-class Rule(StrEnum):
-    """Which motion follows from the contacts (see the how-to-choose page)."""
+def read_rule(value: object) -> str:
+    """The name of a contact rule.
 
-    NEAREST = "nearest"
-    BOX = "box"
-    ELLIPSE = "ellipse"
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, str) or value not in CONTACT_RULES:
+        raise ValueError(f"required {required_rule()}")
+    return value
+
+
+def required_rule() -> str:
+    """The names in words: ``'nearest', 'box' or 'ellipse'``."""
+    *others, last = (repr(name) for name in CONTACT_RULES)
+    return f"{', '.join(others)} or {last}"

@@ -15,7 +15,6 @@ from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.rule import Rule
 
 Vector: TypeAlias = tuple[Number, Number]
 
@@ -95,7 +94,7 @@ class LoadTable:
 class Contact:
     """Contact rule and load model; ``loads`` None means elastic (identical springs, no tension)."""
 
-    rule: Rule
+    rule: str
     loads: LoadTable | None = None
 
 

@@ -15,7 +15,6 @@ from hypothesis import settings
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Check, Contact, Friction, Scene, Wheel
 from tests.four_wheel import CORNERS, ROLL, SIDE
 
@@ -65,7 +64,7 @@ class Arrays:
                 )
             )
         check = Check((field(at[0]), field(at[1])), field(radius))
-        return Scene("test", field, tuple(built), Contact(Rule.NEAREST), check)
+        return Scene("test", field, tuple(built), Contact("nearest"), check)
 
     def inward(self, positions: Iterable[Pair], turn: Pair = (1, 0), speed: Rational | None = 1) -> list[WheelData]:
         """Rims ``-R p`` with the rotation R of cosine and sine ``turn``."""
@@ -108,7 +107,7 @@ class Arrays:
             x, y = field.cos_pi(turn), field.sin_pi(turn)
             wheels.append(Wheel(k + 1, (x, y), (-x, -y), field.one, slip))
         check = Check((field.zero, field.zero), field(radius))
-        return Scene(f"ring-{count}", field, tuple(wheels), Contact(Rule.NEAREST), check)
+        return Scene(f"ring-{count}", field, tuple(wheels), Contact("nearest"), check)
 
     def circle_point(self, t: Rational) -> Pair:
         """The rational point ``(1 - t^2, 2 t)/(1 + t^2)`` of the unit circle."""

@@ -1,4 +1,4 @@
-"""Full dynamics against the three quasi-static contact rules: distance of the paths against mass.
+"""Full dynamics against the quasi-static contact rules: distance of the paths against mass.
 
 As the mass goes to 0 at a fixed weight (or, which is the same, as the wheels turn more slowly) the velocity settles in
 a time of order m on the one at which friction balances: the minimizer of the ellipse functional.  So the distance to
@@ -20,17 +20,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+from nonsmooth.analysis.contact_rule import all_rules, contact_rule
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import array_field
-from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.notebook import html_table
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
@@ -49,7 +44,7 @@ class PathDistance:
         until: last time at which both exist.
     """
 
-    rule: Rule
+    rule: str
     position: float
     rotation: float
     until: float
@@ -71,7 +66,7 @@ class MassRow:
     evaluations: int
     seconds: float
 
-    def distance(self, rule: Rule) -> PathDistance:
+    def distance(self, rule: str) -> PathDistance:
         """The distance from the path of one rule.
 
         Raises:
@@ -97,8 +92,8 @@ class MassStudy:
     until: float
     rows: tuple[MassRow, ...]
     limits: tuple[PathDistance, ...]
-    seconds: Mapping[Rule, float]
-    skipped: Mapping[Rule, str]
+    seconds: Mapping[str, float]
+    skipped: Mapping[str, str]
 
     def _repr_html_(self) -> str:
         found = [(f"{row.body.mass:.3g}", own) for row in self.rows for own in row.distances]
@@ -130,26 +125,35 @@ def mass_study(scene: Scene, bodies: Sequence[Body], start: Sequence[float], unt
         nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
     """
     x, y, theta = (float(value) for value in start)
-    paths: dict[Rule, Trajectory] = {}
-    seconds: dict[Rule, float] = {}
-    skipped: dict[Rule, str] = {}
-    for rule in Rule:
+    paths: dict[str, Trajectory] = {}
+    seconds: dict[str, float] = {}
+    skipped: dict[str, str] = {}
+    for rule in all_rules():
         began = time.perf_counter()
         try:
-            paths[rule] = rule_path(scene, rule, (x, y, theta), until)
-            seconds[rule] = time.perf_counter() - began
+            paths[rule.name] = rule_path(scene, rule.name, (x, y, theta), until)
+            seconds[rule.name] = time.perf_counter() - began
         except (RefusalError, ValueError, TrajectoryError) as error:
-            if rule is Rule.ELLIPSE:
+            if rule.is_massless_limit:
                 raise
-            skipped[rule] = str(error)
+            skipped[rule.name] = str(error)
     rows = tuple(_row(scene, body, (x, y, theta), until, paths) for body in bodies)
-    own = paths[Rule.ELLIPSE]
-    others = {rule: path for rule, path in paths.items() if rule is not Rule.ELLIPSE}
-    limits = tuple(path_distance(rule, own, path, until) for rule, path in others.items())
+    limit = massless_limit()
+    limits = tuple(path_distance(rule, paths[limit], path, until) for rule, path in paths.items() if rule != limit)
     return MassStudy((x, y, theta), float(until), rows, limits, seconds, skipped)
 
 
-def rule_path(scene: Scene, rule: Rule, start: Sequence[float], until: float) -> Trajectory:
+def massless_limit() -> str:
+    """The name of the rule that full dynamics approach as the mass goes to zero."""
+    return next(rule.name for rule in all_rules() if rule.is_massless_limit)
+
+
+def rules_by_limit() -> tuple[str, ...]:
+    """The names of all rules, the one that full dynamics approach first."""
+    return tuple(rule.name for rule in sorted(all_rules(), key=lambda rule: not rule.is_massless_limit))
+
+
+def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
     """The quasi-static path of one contact rule, exact kinematics.
 
     Raises:
@@ -157,13 +161,10 @@ def rule_path(scene: Scene, rule: Rule, start: Sequence[float], until: float) ->
         ValueError: for a start outside the checked square.
         TrajectoryError: where the path cannot be followed.
     """
-    if rule is Rule.ELLIPSE:
-        return ellipse_path(contact_model(scene), start, until)
-    chosen = replace(scene, contact=replace(scene.contact, rule=rule))
-    return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
+    return contact_rule(rule).path(replace(scene, contact=replace(scene.contact, rule=rule)), start, until)
 
 
-def path_distance(rule: Rule, path: Trajectory, other: Trajectory, until: float) -> PathDistance:
+def path_distance(rule: str, path: Trajectory, other: Trajectory, until: float) -> PathDistance:
     """Largest distance up to a time; ``other`` is the path of the rule."""
     last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
     times = np.linspace(0.0, last, COMPARED)
@@ -172,7 +173,7 @@ def path_distance(rule: Rule, path: Trajectory, other: Trajectory, until: float)
 
 
 def _row(
-    scene: Scene, body: Body, start: tuple[float, float, float], until: float, paths: Mapping[Rule, Trajectory]
+    scene: Scene, body: Body, start: tuple[float, float, float], until: float, paths: Mapping[str, Trajectory]
 ) -> MassRow:
     began = time.perf_counter()
     path: DynamicPath = simulate_dynamics(contact_model(scene), body, start, until)

@@ -8,6 +8,7 @@ lower bound of the true one; it is reported as sampled, never as proved.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -71,7 +72,7 @@ def _largest_rates(
 
 def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float64]:
     """Twist of rule ``nearest`` at a point: wheels by distance, larger friction first, greedy to rank three."""
-    return _greedy_twist(scene, point)[0]
+    return greedy_twist(_by_distance(scene, point))[0]
 
 
 def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -82,7 +83,7 @@ def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.floa
     order = np.argsort(distances, axis=1, kind="stable")[:, :nearest]
     codes = order @ len(positions) ** np.arange(nearest)
     _, first, group = np.unique(codes, return_index=True, return_inverse=True)
-    found = [_greedy_twist(scene, points[k]) for k in first]
+    found = [greedy_twist(_by_distance(scene, points[k])) for k in first]
     twists = np.array([twist for twist, _ in found])[group]
     for number in (k for k, (_, used) in enumerate(found) if used > nearest):  # wheels farther away decide
         members = np.flatnonzero(group == number)
@@ -90,14 +91,18 @@ def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.floa
     return np.asarray(twists)
 
 
-def _greedy_twist(scene: Scene, point: NDArray[np.float64]) -> tuple[NDArray[np.float64], int]:
-    """The twist, and how many of the nearest wheels were asked for rows."""
+def _by_distance(scene: Scene, point: NDArray[np.float64]) -> list[Wheel]:
+    """The wheels, the nearest first."""
+    return sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
+
+
+def greedy_twist(ordered: Sequence[Wheel]) -> tuple[NDArray[np.float64], int]:
+    """The twist that keeps the first three independent rows with friction, and how many wheels were asked for rows."""
     rows: list[NDArray[np.float64]] = []
     rhs: list[float] = []
-    wheels = sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
     used = 0
     while len(rows) < 3:
-        for normal, speed in _ordered_rows(wheels[used]):
+        for normal, speed in _ordered_rows(ordered[used]):
             rank = np.linalg.matrix_rank(np.array([*rows, normal]), tol=RANK_TOLERANCE)
             if len(rows) < rank <= 3:
                 rows.append(normal)

@@ -1,31 +1,33 @@
 """Where the contact rules agree: exact shares of area, and differences of twist on a grid.
 
-Rules ``nearest`` and ``box`` both give polygons with constant twists, so the share of the square on which they agree
-is a sum of areas of intersections, exact like the cells.  Rule ``ellipse`` has no cells: its twist is compared with
-the others' on a fixed grid, in the norm ``sqrt(|v|^2 + (R omega)^2)``, R the largest distance of a wheel from the
+Two rules with cells give polygons with constant twists, so the share of the square on which they agree is a sum of
+areas of intersections, exact like the cells.  The twist of a rule without cells is compared with theirs on a fixed
+grid, in the norm ``sqrt(|v|^2 + (R omega)^2)``, R the largest distance of a wheel from the
 checked point, relative to the larger of the two.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.sampling import ellipse_minima
+from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.partitions.polygon import Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.scene import Scene
+
+RulePair: TypeAlias = tuple[str, str]
 
 GRID = 40  # points per side of the comparison grid
 
@@ -77,7 +79,7 @@ class TwistDifference:
     """Relative difference of two rules' twists over a grid.
 
     Attributes:
-        points: number of grid points that count: those at which the motion under rule ``ellipse`` is proved.
+        points: number of grid points that count: those at which the motion under the rule without cells is proved.
         mean: mean relative difference; None where no point counts.
         largest: largest relative difference.
         at: where it occurs.
@@ -93,38 +95,48 @@ class TwistDifference:
 
 @dataclass(frozen=True)
 class Agreement:
-    """The three contact rules side by side.
+    """The contact rules side by side, by their names.
 
     Attributes:
-        nearest, box: the partitions, in the scene's coordinates.
-        shared: where they prescribe the same motion.
-        ellipse_nearest, ellipse_box: differences of rule ``ellipse`` from either.
+        partitions: of every rule with cells, in the scene's coordinates.
+        shared: where two of these prescribe the same motion.
+        differences: of a rule without cells from one with cells.
     """
 
-    nearest: Partition
-    box: Partition
-    shared: SharedArea
-    ellipse_nearest: TwistDifference
-    ellipse_box: TwistDifference
+    partitions: Mapping[str, Partition]
+    shared: Mapping[RulePair, SharedArea]
+    differences: Mapping[RulePair, TwistDifference]
 
 
 def compare_rules(scene: Scene) -> Agreement:
-    """Compare the three contact rules on the checked square.
+    """Compare all contact rules on the checked square.
 
     Raises:
         nonsmooth.analysis.partitions.partition.RefusalError: where the loads do not exist.
     """
-    ruled = {rule: replace(scene, contact=Contact(rule, scene.contact.loads)) for rule in Rule}
-    nearest, box = build_nearest_partition(ruled[Rule.NEAREST]), build_box_partition(ruled[Rule.BOX])
+    partitions: dict[str, Partition] = {}
+    for rule in cell_rules():
+        own = replace(scene, contact=replace(scene.contact, rule=rule.name))
+        partitions[rule.name] = rule.build_partition(own)
+    shared = {(p, q): shared_area(partitions[p], partitions[q]) for p, q in combinations(partitions, 2)}
+    differences: dict[RulePair, TwistDifference] = {}
+    for other in all_rules():
+        if isinstance(other, SmoothRule):
+            found = _differences(scene, other, partitions)
+            differences.update({(other.name, name): difference for name, difference in found.items()})
+    return Agreement(partitions, shared, differences)
+
+
+def _differences(scene: Scene, rule: SmoothRule, partitions: Mapping[str, Partition]) -> dict[str, TwistDifference]:
+    """How far a rule without cells is from every rule with cells, over the grid points where its motion is proved."""
     points = comparison_grid(scene)
-    minima = ellipse_minima(scene, points)
+    minima = rule.minima(scene, points)
     found = proved(minima)
     points, twists, missing = points[found], minima.twists[found], minima_without_proof(found)
-    differences = [
-        _difference(scene, points, twists, PointLocator(partition).twists(points), missing)
-        for partition in (nearest, box)
-    ]
-    return Agreement(nearest, box, shared_area(nearest, box), *differences)
+    return {
+        name: _difference(scene, points, twists, PointLocator(partition).twists(points), missing)
+        for name, partition in partitions.items()
+    }
 
 
 def comparison_grid(scene: Scene) -> NDArray[np.float64]:

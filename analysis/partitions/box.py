@@ -22,7 +22,6 @@ from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, squ
 from nonsmooth.symbolic.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 STEP = "cells of rule box"
@@ -42,7 +41,7 @@ def build_box_partition(scene: Scene) -> Partition:
             for states, polygon in _Walk(scene, region, tuple(known)).cells():
                 cells.append(Cell(len(cells) + 1, polygon, states))
     domain = square(scene.check.equilibrium, scene.check.radius)
-    return Partition(scene, Rule.BOX, domain, tuple(cells), len(scene.wheels))
+    return Partition(scene, "box", domain, tuple(cells), len(scene.wheels))
 
 
 def build_rest_partition(scene: Scene) -> Partition | None:
@@ -64,7 +63,7 @@ def build_rest_partition(scene: Scene) -> Partition | None:
     if len(cells) != len(inner):
         return None
     domain = square(scene.check.equilibrium, scene.check.radius)
-    return Partition(scene, Rule.BOX, domain, tuple(inner), len(scene.wheels), complete=False) if inner else None
+    return Partition(scene, "box", domain, tuple(inner), len(scene.wheels), complete=False) if inner else None
 
 
 def _surrounds(polygon: Polygon, point: Point) -> bool:

@@ -35,7 +35,6 @@ from nonsmooth.symbolic.constraints import (
 )
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, Wheel, dot
 
 # Relative to the coordinates and distances at hand: in double precision they err by less than 1e-14, so a wheel
@@ -61,7 +60,7 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
         for chain, polygon in search.chains(domain):
             cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
-    return Partition(scene, Rule.NEAREST, domain, tuple(cells), len(search.considered))
+    return Partition(scene, "nearest", domain, tuple(cells), len(search.considered))
 
 
 def float_positions(scene: Scene) -> NDArray[np.float64]:

@@ -18,7 +18,6 @@ from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 # An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
@@ -85,7 +84,7 @@ class Partition:
 
     Attributes:
         scene: the array, in the coordinates of the cells.
-        rule: the contact rule.
+        rule: the name of the contact rule.
         domain: the checked square.
         cells: convex, with disjoint interiors.
         wheels_considered: how many wheels could matter in the square.
@@ -93,7 +92,7 @@ class Partition:
     """
 
     scene: Scene
-    rule: Rule
+    rule: str
     domain: Polygon
     cells: tuple[Cell, ...]
     wheels_considered: int

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.dissipation import Functional
@@ -16,7 +17,6 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.force_balance import balance_forces
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.symbolic.rule import Rule
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.
@@ -71,7 +71,7 @@ class PointLocator:
             ValueError: for a point outside the square, or a partition of another rule.
         """
         twists = self.twists(points)
-        if self.partition.rule is not Rule.BOX or np.isnan(twists).any():
+        if contact_rule(self.partition.rule).functional is not Functional.BOX or np.isnan(twists).any():
             raise ValueError("required points inside the checked square of a partition of rule box")
         model = contact_model(self.partition.scene)
         loads = loads_at(model, points)

@@ -15,12 +15,12 @@ from itertools import pairwise
 import numpy as np
 from flint import arb
 
+from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.partitions.loads import support_polygon
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point, square
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, Vector, cross, dot
 
 FEW = 64  # wheels of which the hull is found exactly at once
@@ -110,9 +110,10 @@ def build_support(scene: Scene) -> Support:
 def limiting_support(partition: Partition) -> Support | None:
     """The support polygon, where the square leaves it and regions must be cut at it.
 
-    The other rules refuse squares that leave it.  Where the point itself is not strictly inside, no region is left.
+    Rules that need loads refuse squares that leave it.  Where the point itself is not strictly inside, no region is
+    left.
     """
-    if partition.rule is not Rule.NEAREST:
+    if contact_rule(partition.rule).needs_loads:
         return None
     support = build_support(partition.scene)
     return None if support.covers else support

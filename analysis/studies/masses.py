@@ -10,15 +10,15 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.dynamics.ellipse_path import RELATIVE_TOLERANCE
-from nonsmooth.analysis.dynamics.mass_study import path_distance, rule_path
+from nonsmooth.analysis.dynamics.mass_study import massless_limit, path_distance, rule_path
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 Pose = tuple[float, float, float]
@@ -44,7 +44,7 @@ def build_masses(scene: Scene) -> Plan:
     x, y = (float(at) + radius * share for at, share in zip(scene.check.equilibrium, START, strict=True))
     start, until, unit = (x, y, 0.0), TIMES * radius / speed, radius / speed**2
     try:
-        limit = rule_path(scene, Rule.ELLIPSE, start, until)
+        limit = rule_path(scene, massless_limit(), start, until)
     except (RefusalError, TrajectoryError) as error:
         raise LeftOut(str(error)) from None
     judge = partial(_judge, limit, until)
@@ -53,7 +53,9 @@ def build_masses(scene: Scene) -> Plan:
         for mass in MASSES
     ]
     trials += [
-        Trial(f"rule {rule}", partial(_by_rule, scene, rule, start, until), judge) for rule in (Rule.NEAREST, Rule.BOX)
+        Trial(f"rule {rule.name}", partial(_by_rule, scene, rule.name, start, until), judge)
+        for rule in all_rules()
+        if not rule.is_massless_limit
     ]
     reference = f"path of rule ellipse, {RELATIVE_TOLERANCE:g} per step, from ({x:g}, {y:g}) until t = {until:g}"
     return Plan(reference, tuple(trials), {"full dynamics": LIKE_MASS}, rounding=RELATIVE_TOLERANCE * 100)
@@ -64,7 +66,7 @@ def _with_mass(model: ContactModel, mass: float, start: Pose, until: float, cloc
     return simulate_dynamics(model, disc(model, mass), start, until)
 
 
-def _by_rule(scene: Scene, rule: Rule, start: Pose, until: float, clock: Clock) -> Trajectory:
+def _by_rule(scene: Scene, rule: str, start: Pose, until: float, clock: Clock) -> Trajectory:
     clock.check()
     return rule_path(scene, rule, start, until)
 
@@ -72,7 +74,7 @@ def _by_rule(scene: Scene, rule: Rule, start: Pose, until: float, clock: Clock) 
 def _judge(limit: Trajectory, until: float, path: Any) -> Finding:
     work = {"evaluations": path.evaluations} if isinstance(path, DynamicPath) else {}
     trajectory = path.trajectory if isinstance(path, DynamicPath) else path
-    apart = path_distance(Rule.ELLIPSE, trajectory, limit, until)
+    apart = path_distance(massless_limit(), trajectory, limit, until)
     return Finding(apart.position, {"theta": apart.rotation}, work)
 
 

@@ -30,7 +30,6 @@ from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.reference_twists import DIGITS, ReferenceTwist, box_references, ellipse_references
 from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 Twists = Callable[[Clock], NDArray[np.float64]]
@@ -52,7 +51,7 @@ def build_box(scene: Scene) -> Plan:
     Raises:
         LeftOut: where the loads do not exist in the square.
     """
-    boxed = replace(scene, contact=replace(scene.contact, rule=Rule.BOX))
+    boxed = replace(scene, contact=replace(scene.contact, rule="box"))
     try:
         partition = build_box_partition(boxed)
     except RefusalError as error:

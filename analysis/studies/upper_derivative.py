@@ -15,19 +15,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.fields.hulls import hull_upper_derivative_on
-from nonsmooth.analysis.fields.sampling import literal_twists
-from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
-from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 Points = NDArray[np.float64]
@@ -35,7 +31,7 @@ Points = NDArray[np.float64]
 SAMPLES = tuple(round(10**k) for k in (2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6))
 SETS = 4  # of random samples: the mean of their errors scatters half as much as one
 TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))
-BLOCK = {Rule.NEAREST: 1 << 15, Rule.BOX: 64}  # points between two looks at the clock
+BLOCK, LARGE_BLOCK = 64, 1 << 15  # points between two looks at the clock; where no minimizer is sought
 STOPS = Order(None, "the tolerance bounds residuals, and with two unknowns splitting often ends at the vertex itself")
 GAP = Order(1.0, "the tolerance bounds the gap, which is the error of the value")
 
@@ -129,23 +125,19 @@ def _over_hulls(scene: Scene, solver: ConeSolver, tolerance: float, clock: Clock
 
 def _sampled(scene: Scene, sets: list[Callable[[float], Points]], clock: Clock) -> list[float]:
     """Largest sampled V* of each set of points."""
-    radius, block = float(scene.check.radius), BLOCK[scene.contact.rule]
-    twists = literal_twists if scene.contact.rule is Rule.NEAREST else _highs_twists
+    rule = rule_of(scene)
+    if not isinstance(rule, CellRule):
+        raise TypeError(f"required a rule with cells, received {rule.name}")
+    radius, block = float(scene.check.radius), LARGE_BLOCK if rule.functional is None else BLOCK
     found = []
     for points in (make(radius) for make in sets):
         largest = -np.inf
         for start in range(0, len(points), block):
             clock.check()
             part = points[start : start + block]
-            largest = max(largest, float(2 * (twists(scene, part)[:, :2] * part).sum(axis=1).max()))
+            largest = max(largest, float(2 * (rule.literal_twists(scene, part)[:, :2] * part).sum(axis=1).max()))
         found.append(largest)
     return found
-
-
-def _highs_twists(scene: Scene, points: Points) -> Points:
-    """Twists of rule ``box`` by linear programs."""
-    model = contact_model(scene)
-    return BoxHighs().minimize(model, loads_at(model, points)).twists
 
 
 def _random_points(count: int, seed: int, radius: float) -> Points:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.rule import Rule
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.symbolic.scene import Scene, cross, dot
 
 
@@ -44,8 +44,8 @@ def failed_hypotheses(scene: Scene) -> list[str]:
     """The hypotheses of the lemma that a centred array does not meet, in words."""
     wheels, failed = scene.wheels, list[str]()
     squares = {dot(w.position, w.position) for w in wheels}
-    if scene.contact.rule is Rule.NEAREST:
-        failed.append("rule nearest does not minimize D")
+    if rule_of(scene).functional is None:
+        failed.append(f"rule {scene.contact.rule} does not minimize D")
     if len(squares) > 1 or not all(squares):
         failed.append("the wheels do not lie on one circle about the equilibrium")
     if any(cross(w.direction, w.position) or dot(w.direction, w.position).sign() >= 0 for w in wheels):

@@ -27,6 +27,7 @@ from itertools import pairwise
 from math import comb
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.balanced_twists import balance_twist, exclude_twist
@@ -48,7 +49,6 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene, cross, dot
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ TRIED = 100  # candidates of which it is tried to prove that no speeds impose th
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 # Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
 # a few hundred.
-STATES = {Rule.BOX: 100, Rule.ELLIPSE: 1_000}
+STATES = {"box": 100, "ellipse": 1_000}
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     if rank_of(firm) == 3:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
         three = best_three(firm)
-        others = regions[1:] if scene.contact.rule is Rule.BOX else ()
+        others = regions[1:] if isinstance(rule_of(scene), CellRule) else ()
         elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
     if not complete:
@@ -140,7 +140,7 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     if normal is not None:
         reason = obstruction_text(normal)
         return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, obstruction=normal, candidates=tuple(candidates))
-    if scene.contact.rule is Rule.BOX:
+    if isinstance(rule_of(scene), CellRule):
         return _decide_by_direction(scene, regions, possible)
     reason = f"twists of rank {rank_of(firm)} are proved to be imposed at c*; others are neither proved nor excluded"
     return DrivenFeedback(Feedback.UNDECIDED, reason)
@@ -150,11 +150,12 @@ def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The same with two laws of the field sampled in the checked square of the centred scene."""
     from nonsmooth.analysis.fields.closed_loop import Law, LoopSample, sample_closed_loop
     from nonsmooth.analysis.fields.contact_model import contact_model
-    from nonsmooth.analysis.minimizers.dissipation import Functional
     from nonsmooth.analysis.minimizers.proved import free_motions
 
-    functional = Functional.BOX if scene.contact.rule is Rule.BOX else Functional.ELLIPSE
-    model, radius, states = contact_model(scene), float(scene.check.radius), STATES[scene.contact.rule]
+    functional = rule_of(scene).functional
+    if functional is None:
+        raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
+    model, radius, states = contact_model(scene), float(scene.check.radius), STATES[functional]
     free = free_motions(scene)
     if free:
         return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in Law))
@@ -178,7 +179,7 @@ def _impose_candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTw
     The more wheels, the longer each takes, and the fewer are looked at.
     """
     found: list[ImposedTwist] = []
-    drives = Drives(scene, region) if scene.contact.rule is Rule.BOX else None
+    drives = Drives(scene, region) if isinstance(rule_of(scene), CellRule) else None
     most = LOOKED_AT // len(scene.wheels)
     for twist in candidate_twists(scene, spread=comb(len(scene.wheels), 2) > most):
         if len(found) >= most:

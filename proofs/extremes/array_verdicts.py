@@ -21,7 +21,6 @@ from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, with_friction_ratio
 
@@ -66,7 +65,7 @@ class ArrayVerdict:
 
 def array_verdict_rows(scene: Scene) -> Rows:
     """Friction ratios (rule ``nearest``), then scales, offsets and wheels nearly in line under the scene's rule."""
-    nearest = replace(scene, contact=replace(scene.contact, rule=Rule.NEAREST))
+    nearest = replace(scene, contact=replace(scene.contact, rule="nearest"))
     plain = {side: ArrayVerdict(with_friction_ratio(nearest, Fraction(2) ** side)) for side in (-1, 0, 1)}
     for name, ratio in RATIOS.items():
         side = (ratio > 1) - (ratio < 1)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.fields.switched_cells import (
     FieldCell,
     LyapunovCell,
@@ -28,7 +29,6 @@ from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.system import PLANE, SystemScene
@@ -119,7 +119,7 @@ def audited_cells(scene: Scene | SystemScene, lyapunov: str) -> tuple[LyapunovCe
 def _field_cells(scene: Scene | SystemScene, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
     if isinstance(scene, SystemScene):
         return system_cells(scene, domains(scene, lyapunov)[0])
-    if scene.contact.rule is Rule.ELLIPSE:
+    if not isinstance(rule_of(scene), CellRule):
         return None
     return partition_cells(build_partition(scene.recentred()))
 
@@ -127,7 +127,8 @@ def _field_cells(scene: Scene | SystemScene, lyapunov: PiecewiseExpression) -> t
 def _result(scene: Scene | SystemScene, lyapunov: str, result: LyapunovResult | None) -> AuditResult:
     """The verdict that follows from the inequalities."""
     if result is None:
-        reason = 'rule "ellipse" moves the array by a field without cells, which is not audited'
+        rule = scene.contact.rule if isinstance(scene, Scene) else None
+        reason = f'rule "{rule}" moves the array by a field without cells, which is not audited'
         return AuditResult(scene, lyapunov, AuditVerdict.UNDECIDED, None, reason, None, None)
     verdict, proves = {
         Decrease.STRICT: (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),

@@ -21,7 +21,6 @@ from nonsmooth.reports.document import Block, Entry, display, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, Friction, Scene
 
 RATIOS = (2, Fraction(1, 2), Fraction(1, 5), Fraction(1, 10), Fraction(1, 100))
@@ -69,8 +68,8 @@ def _share_row(scene: Scene, ratio: Fraction | int) -> tuple[Entry, ...]:
     field = scene.field
     friction = Friction(field.one, field.rational(ratio))
     wheels = tuple(replace(wheel, friction=friction) for wheel in scene.wheels)
-    near = replace(scene, wheels=wheels, contact=Contact(Rule.NEAREST))
-    box = build_box_partition(replace(near, contact=Contact(Rule.BOX)))
+    near = replace(scene, wheels=wheels, contact=Contact("nearest"))
+    box = build_box_partition(replace(near, contact=Contact("box")))
     shared = shared_area(build_nearest_partition(near), box)
     rest: Number = sum((cell.polygon.area for cell in rest_cells(box)), field.zero)
     return number(field.rational(ratio)), str(len(box.cells)), number(shared.share), number(rest)

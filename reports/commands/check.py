@@ -16,6 +16,7 @@ from nonsmooth.reports.options import (
     Radius,
     RulesOption,
     SceneTexts,
+    chosen_rules,
 )
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.system import SystemScene
 
-    rules = [None] if rule is None else rule.rules
+    rules = chosen_rules(rule)
     path = None if certificate is None else _certificate_path(certificate, len(rules))
     loaded = [
         load_any(scene, rule=name, radius=radius, at=at, allow_outside=allow_outside)

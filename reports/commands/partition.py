@@ -112,7 +112,8 @@ def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
     if json:
         write_json(agreement_record(agreement))
     elif path is not None:
-        write(f"{path}: rules nearest and box agree on a share of {agreement.shared.share}\n")
+        for (first, second), shared in agreement.shared.items():
+            write(f"{path}: rules {first} and {second} agree on a share of {shared.share}\n")
     else:
         write_views([agreement_view(agreement)])
     return 0

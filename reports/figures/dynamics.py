@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
-from nonsmooth.analysis.dynamics.mass_study import MassStudy
+from nonsmooth.analysis.dynamics.mass_study import MassStudy, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -28,7 +28,7 @@ BODY: dict[str, Any] = {"color": "#0072B2", "linewidth": 1.8, "label": "full dyn
 RULE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.4, "linestyle": "--", "label": "rule ellipse (mass 0)"}
 LABELS = ("x [length]", "y [length]", "theta [rad]")
 RIM = 0.07  # half the length of a drawn rim, as a share of the array
-MARKS = {Rule.ELLIPSE: ("#D55E00", "o"), Rule.NEAREST: ("#0072B2", "s"), Rule.BOX: ("#009E73", "^")}
+MARKS = (("#D55E00", "o"), ("#0072B2", "s"), ("#009E73", "^"), ("#CC79A7", "D"), ("#56B4E9", "v"), ("#E69F00", "P"))
 
 
 def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
@@ -89,13 +89,14 @@ def build_masses_figure(name: str, study: MassStudy) -> Figure:
     figure = Figure(figsize=SMALL, layout="constrained")
     axes = figure.add_subplot()
     masses = [row.body.mass for row in study.rows]
-    for rule, (color, marker) in MARKS.items():
+    marks = dict(zip(rules_by_limit(), cycle(MARKS), strict=False))
+    for rule, (color, marker) in marks.items():
         if rule not in study.skipped:
             distances = [row.distance(rule).position for row in study.rows]
             axes.plot(masses, distances, color=color, marker=marker, label=f"from rule {rule}")
     for limit in study.limits:
-        axes.axhline(limit.position, color=MARKS[limit.rule][0], linewidth=1, linestyle=":")
-    own = [row.distance(Rule.ELLIPSE).position for row in study.rows]
+        axes.axhline(limit.position, color=marks[limit.rule][0], linewidth=1, linestyle=":")
+    own = [row.distance(massless_limit()).position for row in study.rows]
     slope = [own[-1] * mass / masses[-1] for mass in masses]
     axes.plot(masses, slope, color="0.6", linewidth=1, linestyle="--", zorder=0, label="in proportion to mass")
     axes.set(xscale="log", yscale="log", xlabel="mass per weight, 1/g [time²/length]")

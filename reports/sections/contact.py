@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Block, Bullets, Display, Section, Text, cell_mark, display
 from nonsmooth.reports.prose import paragraph
@@ -11,7 +13,6 @@ from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
 from nonsmooth.symbolic.formulas import number_latex
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Wheel
 
 LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)
@@ -66,7 +67,7 @@ def contact_states_section(result: CellCheck) -> Section:
         "j, `n_j` replaces `d_j` and 0 replaces `u_j`."
     )
     blocks: tuple[Block, ...] = (_census(result), words, general)
-    if result.scene.contact.rule is Rule.BOX:
+    if rule_of(result.scene).functional is Functional.BOX:
         functional = display(
             r"D(\xi) = \sum_i N_i \left(\mu_R \lvert d_i \cdot v(p_i) - u_i \rvert"
             r" + \mu_S \lvert n_i \cdot v(p_i) \rvert\right)",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.audit.paper import is_paper_array
@@ -10,7 +11,6 @@ from nonsmooth.reports.feedback_loop import certified_law
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
 from nonsmooth.reports.subject import Subject
-from nonsmooth.symbolic.rule import Rule
 
 
 def law_section(subject: Subject) -> Section:
@@ -45,7 +45,7 @@ def _papers_law() -> list[Block]:
 
 def without_law(subject: Subject) -> str:
     """Why the scene has no such law; empty where it has."""
-    if subject.scene.contact.rule is not Rule.NEAREST:
+    if not rule_of(subject.scene).keeps_rows:
         return "the law is one for rule nearest"
     verdict = subject.result.feedback.verdict
     return "" if verdict is Feedback.STABILIZABLE else f"the feedback clause says: {verdict}"

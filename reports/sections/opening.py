@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 
@@ -90,7 +90,7 @@ def conventions_section(scene: Scene) -> Section:
         ),
         prose("R1 is the roll row of wheel 1, S1 its side row."),
     ]
-    if scene.contact.rule is not Rule.NEAREST:
+    if rule_of(scene).needs_loads:
         model = "elastic (identical springs, no tension)" if scene.contact.loads is None else "a table, affine in c"
         items.append(prose("Normal forces: {}.", model))
     if any(scene.check.equilibrium):

@@ -1,10 +1,11 @@
-"""The three contact rules side by side in the derivation report: where they prescribe the same motion."""
+"""The contact rules side by side in the derivation report: where they prescribe the same motion."""
 
 from __future__ import annotations
 
+from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference
 from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.reports.document import Block, Entry, Figure, Section, number, table
+from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject
 
@@ -19,56 +20,58 @@ def without_rules(subject: Subject) -> str:
     try:
         _ = subject.agreement
     except RefusalError as error:
-        return f"rules box and ellipse refuse the scene: {error}"
+        return f"not every rule determines a motion: {error}"
     return ""
 
 
 def rules_section(subject: Subject) -> Section:
-    """Cells, agreement and largest differences of the rules nearest, box and ellipse."""
+    """Cells, agreement and largest differences of all rules."""
     agreement = subject.agreement
-    shared = agreement.shared
-    blocks: list[Block] = [
-        paragraph(
-            "Rule nearest holds the rows of the nearest wheels; rule box minimizes the dissipation with friction "
-            "limited along and across the rim apart; rule ellipse minimizes it with the friction ellipse. "
-            "Nearest has {} cells in the square, box {}, ellipse a continuous field wherever the minimizer is unique.",
-            str(len(agreement.nearest.cells)),
-            str(len(agreement.box.cells)),
-        ),
-        _agreement_map(subject),
-        paragraph(
-            "Nearest and box prescribe the same set of twists on a share of {} of the area, exactly, with {} twists "
-            "in common.",
-            number(shared.share),
-            str(len(shared.shared_twists)),
-        ),
-        table(
-            ("rules", "mean difference", "largest difference", "near (x, y)"),
-            [_row("nearest", agreement.ellipse_nearest), _row("box", agreement.ellipse_box)],
-            (3, 2, 2, 3),
-        ),
+    blocks: list[Block] = [_rules_list(agreement), _agreement_map(subject)]
+    for (first, second), shared in agreement.shared.items():
+        words = (
+            "{} and {} prescribe the same set of twists on a share of {} of the area, exactly, "
+            "with {} twists in common."
+        )
+        count = str(len(shared.shared_twists))
+        blocks.append(paragraph(words, first.capitalize(), second, number(shared.share), count))
+    header = ("rules", "mean difference", "largest difference", "near (x, y)")
+    blocks.append(table(header, [_row(*pair, found) for pair, found in agreement.differences.items()], (3, 2, 2, 3)))
+    sampled = list(agreement.differences.values())[-1]
+    blocks.append(
         paragraph(
             "Sampled at {} points: the difference of the twists in the norm {}, R the distance of the farthest wheel, "
             "relative to the larger one.",
-            str(agreement.ellipse_box.points),
+            str(sampled.points),
             prose("`sqrt(|v|^2 + (R omega)^2)`")[0],
-        ),
-    ]
-    if agreement.ellipse_box.not_certified:
-        blocks.append(paragraph("Elsewhere not certified: {}.", agreement.ellipse_box.not_certified))
-    return Section("The three contact rules side by side", tuple(blocks))
+        )
+    )
+    if sampled.not_certified:
+        blocks.append(paragraph("Elsewhere not certified: {}.", sampled.not_certified))
+    return Section("The contact rules side by side", tuple(blocks))
 
 
-def _row(other: str, difference: TwistDifference) -> tuple[Entry, ...]:
+def _rules_list(agreement: Agreement) -> Bullets:
+    """What each rule is, and how many cells it has."""
+    items = []
+    for rule in all_rules():
+        partition = agreement.partitions.get(rule.name)
+        cells = "no cells, a continuous field" if partition is None else f"{len(partition.cells)} cells"
+        items.append(prose(f"Rule {rule.name} {rule.summary} ({cells})."))
+    return Bullets(tuple(items))
+
+
+def _row(first: str, second: str, difference: TwistDifference) -> tuple[Entry, ...]:
     if difference.mean is None or difference.largest is None or difference.at is None:
-        return f"ellipse and {other}", "not certified", "", ""
+        return f"{first} and {second}", "not certified", "", ""
     x, y = difference.at
     place = f"({x:.4g}, {y:.4g})"
-    return f"ellipse and {other}", f"{difference.mean:.3g}", f"{difference.largest:.3g}", place
+    return f"{first} and {second}", f"{difference.mean:.3g}", f"{difference.largest:.3g}", place
 
 
 def _agreement_map(subject: Subject) -> Figure:
     agreement: Agreement = subject.agreement
+    rules = "the rules " + ", or ".join(f"{first} and {second}" for first, second in agreement.shared)
 
     def draw() -> bytes:
         from nonsmooth.reports.agreement_views import agreement_map
@@ -77,8 +80,8 @@ def _agreement_map(subject: Subject) -> Figure:
 
     return Figure(
         "agreement-map",
-        prose("Where the rules nearest and box prescribe the same motion, in the coordinates of the scene."),
-        "Map of the square, shaded by whether rules nearest and box prescribe the same motion.",
+        prose(f"Where {rules} prescribe the same motion, in the coordinates of the scene."),
+        f"Map of the square, shaded by whether {rules} prescribe the same motion.",
         subject.invocation.line("partition", "--compare", "-o", "agreement.pdf"),
         draw,
     )

@@ -20,7 +20,7 @@ from nonsmooth.symbolic.files.scene_values import (
 )
 from nonsmooth.symbolic.files.velocity_fields import AnyField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.rule import Rule
+from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
 
 MAX_NAME = 200  # characters
 
@@ -63,6 +63,7 @@ def read_name(value: object) -> str:
 
 Name = Annotated[str | None, PlainValidator(read_name)]
 Loads = Annotated[LoadRows | None, PlainValidator(read_loads)]
+RuleName = Annotated[str, PlainValidator(read_rule)]
 
 
 class FrictionTable(Table):
@@ -81,7 +82,7 @@ class WheelFile(Table):
 class ContactTable(Table):
     """``[contact]``; ``table = [...]`` is short for ``loads = {table = [...]}``."""
 
-    rule: Rule = Rule.NEAREST
+    rule: RuleName = DEFAULT_RULE
     loads: Loads = None
     table: Loads = None
 

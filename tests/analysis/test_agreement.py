@@ -58,20 +58,20 @@ def test_disjoint_polygons_have_no_intersection(arrays: Arrays) -> None:
 def test_the_three_rules_side_by_side(arrays: Arrays) -> None:
     scene = arrays.four_wheel((1, Fraction(1, 100)))
     agreement = compare_rules(scene)
-    assert agreement.shared.share == Fraction(49, 50)
+    assert agreement.shared["nearest", "box"].share == Fraction(49, 50)
     # on the grid, whose points lie in the cells in the same shares, box and nearest differ on about 2 %
     points = comparison_grid(scene)
-    near, box = (PointLocator(p).twists(points) for p in (agreement.nearest, agreement.box))
+    near, box = (PointLocator(p).twists(points) for p in agreement.partitions.values())
     assert (np.abs(near - box).max(axis=1) > 1e-12).mean() == pytest.approx(1 / 50, abs=0.02)
-    assert agreement.ellipse_box.mean is not None
-    assert agreement.ellipse_box.largest is not None
-    assert 0 < agreement.ellipse_box.mean <= agreement.ellipse_box.largest <= 2
+    assert agreement.differences["ellipse", "box"].mean is not None
+    assert agreement.differences["ellipse", "box"].largest is not None
+    assert 0 < agreement.differences["ellipse", "box"].mean <= agreement.differences["ellipse", "box"].largest <= 2
 
 
 def test_rules_agree_where_all_wheels_carry_the_body() -> None:
     """Tangential rims of one speed: every rule gives the same rotation everywhere."""
     agreement = compare_rules(load_scene("conveyor-3"))
-    assert agreement.shared.share == 1
-    for difference in (agreement.ellipse_nearest, agreement.ellipse_box):
+    assert agreement.shared["nearest", "box"].share == 1
+    for difference in agreement.differences.values():
         assert difference.largest is not None
         assert difference.largest < 1e-6

@@ -20,7 +20,6 @@ from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
@@ -188,7 +187,7 @@ def test_equal_isotropic_wheels_tie_on_the_whole_square(arrays: Arrays) -> None:
     wheels = [w._replace(friction=(1, 1)) for w in arrays.inward([(1, 0), (-1, 0)])]
     scene = arrays.scene(wheels)
     half, zero = scene.field(1) / 2, scene.field.zero
-    scene = replace(scene, contact=Contact(Rule.BOX, LoadTable(((half, zero, zero),) * 2)))
+    scene = replace(scene, contact=Contact("box", LoadTable(((half, zero, zero),) * 2)))
     partition = build_box_partition(scene)
     assert partition.area_error == 0
     assert partition.tied_area == 1

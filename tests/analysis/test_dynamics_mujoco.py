@@ -29,7 +29,6 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.driven_law import rim_speeds
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
@@ -196,7 +195,7 @@ def law_of(arrays: Arrays, side_friction: Fraction) -> tuple[Scene, DrivenFeedba
     """The array turned by 45 degrees, of size 3/2, with the law of rule ellipse."""
     far = Fraction(3, 2)
     scene = arrays.scene(arrays.inward([(far, 0), (0, far), (-far, 0), (0, -far)]), (1, side_friction))
-    return scene, decide_driven_feedback(replace(scene, contact=replace(scene.contact, rule=Rule.ELLIPSE)))
+    return scene, decide_driven_feedback(replace(scene, contact=replace(scene.contact, rule="ellipse")))
 
 
 @pytest.mark.parametrize("side_friction", [Fraction(1, 2), Fraction(1, 10)], ids=["side 1/2", "side 1/10"])

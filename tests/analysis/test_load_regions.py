@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.partitions.loads import LoadError, LoadRegion, load_regions, value_at
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.hulls import stands
 
@@ -99,12 +98,12 @@ def test_a_table_of_loads_is_taken_as_it_is_and_may_not_be_negative(arrays: Arra
     scene = arrays.four_wheel()
     quarter, zero = scene.field(1) / 4, scene.field.zero
     table = LoadTable(((quarter, zero, zero),) * 4)
-    given = replace(scene, contact=Contact(Rule.BOX, table))
+    given = replace(scene, contact=Contact("box", table))
     (region,) = load_regions(given)
     assert region.forces == table.rows
     bad = LoadTable(((quarter, quarter * 4, zero), *table.rows[1:]))
     with pytest.raises(LoadError, match=r"negative load of wheel 1 at \(-1/2"):
-        load_regions(replace(scene, contact=Contact(Rule.BOX, bad)))
+        load_regions(replace(scene, contact=Contact("box", bad)))
 
 
 @pytest.mark.parametrize("seed", [8, 18, 31, 38])

@@ -12,7 +12,6 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at, table_loads
 from nonsmooth.analysis.partitions.loads import LoadError, load_regions, value_at
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable
 from tests.four_wheel import CORNERS
 
@@ -165,7 +164,7 @@ def test_table() -> None:
 def test_table_of_a_scene() -> None:
     scene = load_scene("four-wheel")
     row = (scene.field(1) / 4, scene.field(0), scene.field(0))
-    model = contact_model(replace(scene, contact=Contact(Rule.BOX, LoadTable((row,) * 4))))
+    model = contact_model(replace(scene, contact=Contact("box", LoadTable((row,) * 4))))
     np.testing.assert_array_equal(loads_at(model, [(5, -3)]), [[0.25] * 4])
 
 

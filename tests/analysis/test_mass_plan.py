@@ -15,7 +15,6 @@ from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.masses import MASS, MASSES
 from nonsmooth.analysis.studies.slopes import log_slope
 from nonsmooth.analysis.studies.study import LeftOut, Plan
-from nonsmooth.symbolic.rule import Rule
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -34,9 +33,9 @@ def test_the_distance_falls_like_the_mass(arrays: Arrays) -> None:
     found = errors(plan, "full dynamics")
     assert log_slope(MASSES[1:], found[1:]) == pytest.approx(1, abs=WITHIN)
     study = mass_study(scene, [disc(contact_model(scene), MASSES[2] / 2)], (0.2, 0.4, 0), 2.0)
-    assert found[2] == pytest.approx(study.rows[0].distance(Rule.ELLIPSE).position, rel=SCALED)
+    assert found[2] == pytest.approx(study.rows[0].distance("ellipse").position, rel=SCALED)
     limits = {limit.rule: limit.position for limit in study.limits}
-    for rule in (Rule.NEAREST, Rule.BOX):
+    for rule in ("nearest", "box"):
         assert errors(plan, f"rule {rule}") == pytest.approx([limits[rule]], rel=SCALED)
 
 

@@ -29,7 +29,6 @@ from nonsmooth.analysis.studies.reference_twists import ellipse_references
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.driven_feedback import with_samples
 from nonsmooth.proofs.theorem4 import check_ellipse
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import Pair, WheelData
 
@@ -42,7 +41,7 @@ TURNED: Pair = (Fraction(3, 5), Fraction(4, 5))
 
 
 def under_ellipse(scene: Scene) -> Scene:
-    return replace(scene, contact=Contact(Rule.ELLIPSE))
+    return replace(scene, contact=Contact("ellipse"))
 
 
 def omniwheels(arrays: Arrays) -> Scene:
@@ -73,7 +72,7 @@ def test_every_minimum_is_proved_and_right(arrays: Arrays, build: object) -> Non
     points = np.random.default_rng(0).uniform(-0.1, 0.1, (300, 2))
     minima = EllipseInterior().minimize(model, loads_at(model, points))
     assert proved(minima).all()
-    boxed = replace(scene, contact=Contact(Rule.BOX))
+    boxed = replace(scene, contact=Contact("box"))
     exact = PointLocator(build_box_partition(boxed)).twists(points)
     value = dissipation(Functional.BOX, model, minima.loads, exact)
     assert minima.values == pytest.approx(value, abs=1e-9)
@@ -129,10 +128,10 @@ def test_minima_without_proof_do_not_count(arrays: Arrays, monkeypatch: pytest.M
     assert sampled.largest_relative is not None
     assert abs(sampled.largest_relative) < FAST
     assert sampled.not_certified == "50 of 100 minima without proof"
-    assert agreement.ellipse_box.points == 800
-    assert agreement.ellipse_box.not_certified == "800 of 1600 minima without proof"
-    assert agreement.ellipse_box.largest is not None
-    assert agreement.ellipse_box.largest <= 2
+    assert agreement.differences["ellipse", "box"].points == 800
+    assert agreement.differences["ellipse", "box"].not_certified == "800 of 1600 minima without proof"
+    assert agreement.differences["ellipse", "box"].largest is not None
+    assert agreement.differences["ellipse", "box"].largest <= 2
 
 
 def test_no_sentence_where_nothing_is_missing() -> None:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact
 from tests.conftest import WheelData
 from tests.oracles.nearest_paths import Wheel
@@ -57,7 +56,7 @@ def box_scene(arrays: Arrays, wheels: list[Wheel], at: Pair, radius: Fraction) -
     """The scene of rule ``box``, seen from the checked point."""
     data = [WheelData(w.position, w.direction, w.speed, (w.roll, w.side)) for w in wheels]
     scene = arrays.scene(data, radius=radius, at=at)
-    return replace(scene, contact=Contact(Rule.BOX)).recentred()
+    return replace(scene, contact=Contact("box")).recentred()
 
 
 def tied_box(arrays: Arrays, seed: int) -> tuple[list[Wheel], Pair, Partition]:

@@ -21,7 +21,6 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.system import SystemScene
@@ -48,7 +47,7 @@ def float_potential(text: str) -> Callable[[float, float], float]:
 
 
 def partition_of(scene: Scene) -> Partition:
-    build = build_nearest_partition if scene.contact.rule is Rule.NEAREST else build_box_partition
+    build = build_nearest_partition if scene.contact.rule == "nearest" else build_box_partition
     return build(scene.recentred())
 
 

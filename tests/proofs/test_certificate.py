@@ -19,7 +19,6 @@ from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.four_wheel import CORNERS
 
@@ -116,7 +115,7 @@ def test_a_load_table_is_certified(arrays: Arrays) -> None:
     quarter, zero = scene.field(Fraction(1, 4)), scene.field.zero
     table = LoadTable(tuple((quarter, w.position[0] / 4, w.position[1] / 4) for w in scene.wheels))
     moved = replace(scene.check, equilibrium=(scene.field(Fraction(1, 8)), zero))
-    scene = replace(scene, contact=Contact(Rule.BOX, table), check=moved)
+    scene = replace(scene, contact=Contact("box", table), check=moved)
     certificate = build_certificate(check_cells(scene))
     assert certificate["loads"][0] == ["1/4", "1/4", "1/4"]
     for forged in (["1/4", "1/4", "1/5"], ["1/4", "1/4", "2"], ["-1/4", "1/4", "1/4"]):

@@ -28,7 +28,6 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import Rule
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -62,7 +61,7 @@ def test_other_arrays_hold(arrays: Arrays) -> None:
 
 
 def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
-    cases = stress_cases(load_scene("ring-3", rule=Rule.ELLIPSE))
+    cases = stress_cases(load_scene("ring-3", rule="ellipse"))
     for name in ("paths", "feedback"):
         (row,) = guarded(name, cases[name])
         assert (row.verdict, row.ok) == (REFUSED, True)

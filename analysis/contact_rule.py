@@ -1,0 +1,139 @@
+"""What a contact rule must offer.
+
+A contact rule turns an array of driven wheels under a body into the body's motion.  To add one, write a class on
+:class:`CellRule` (the plane falls into cells with constant twists) or :class:`SmoothRule` (the twist is a continuous
+function of the centre of mass) in this folder, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
+Whoever uses a rule asks for its capabilities, never for its name.  Rules hold no data, and import what
+they compute with inside their methods, because commands list them before anything is computed.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, ClassVar
+
+from nonsmooth.symbolic.rule import CONTACT_RULES
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.analysis.minimizers.dissipation import Functional
+    from nonsmooth.analysis.minimizers.minimum import Minima
+    from nonsmooth.analysis.partitions.partition import Partition
+    from nonsmooth.analysis.trajectories.result import Trajectory
+    from nonsmooth.symbolic.scene import Scene, Wheel
+
+
+class ContactRule(ABC):
+    """How contacts become motion.
+
+    Attributes:
+        name: in scene files and on the command line.
+        summary: one line for people, which completes "Rule <name> ...".
+        needs_loads: whether the motion depends on the normal forces.  Such a rule refuses squares in which
+            they do not exist (the body tips); the regions of any other rule are cut at the support polygon.
+        keeps_rows: whether the motion satisfies the rows of its contact state exactly, so that inputs act through the
+            control vector fields of that state (feedback clause).
+        is_massless_limit: whether paths under full dynamics tend to those of the rule as the mass goes to zero.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    needs_loads: ClassVar[bool] = False
+    keeps_rows: ClassVar[bool] = False
+    is_massless_limit: ClassVar[bool] = False
+
+    @property
+    def functional(self) -> Functional | None:
+        """The dissipation functional that the motion minimizes; None where it minimizes none."""
+        return None
+
+    @abstractmethod
+    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
+        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+            ValueError: for a start outside the checked square.
+            TrajectoryError: where the path cannot be followed.
+        """
+
+
+class CellRule(ContactRule):
+    """A rule under which the checked square falls into polygons with a constant twist each."""
+
+    @abstractmethod
+    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
+        """Exact cells that cover the checked square, in the scene's coordinates.
+
+        Args:
+            scene: the array.
+            prune: leave out wheels that cannot matter; without, the cells are the same.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+        """
+
+    @abstractmethod
+    def literal_twists(self, scene: Scene, points: Floats) -> Floats:
+        """Twists at points (m, 2) of a centred scene, shape (m, 3), by the words of the rule, knowing nothing of cells.
+
+        Slow, in floats: the oracle of the cells in tests and measurements; no verdict uses it.
+        """
+
+    def build_rest_partition(self, scene: Scene) -> Partition | None:
+        """The cells at the centred equilibrium alone, where the body rests in all of them; None where it may not."""
+        return None
+
+    def wheels_that_matter(self, scene: Scene) -> tuple[Wheel, ...]:
+        """The wheels that have a say somewhere in the checked square, where that is cheaply known; else all."""
+        return scene.wheels
+
+    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
+        """The Filippov path through the cells, by events."""
+        from nonsmooth.analysis.fields.kinematics import Kinematics
+        from nonsmooth.analysis.fields.switched_field import array_field
+        from nonsmooth.analysis.trajectories.trajectory import simulate
+
+        return simulate(array_field(self.build_partition(scene), Kinematics.EXACT), start, until)
+
+
+class SmoothRule(ContactRule):
+    """A rule under which the twist is a continuous function of the centre of mass: there are no cells."""
+
+    @abstractmethod
+    def minima(self, scene: Scene, points: Floats) -> Minima:
+        """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it."""
+
+
+@cache
+def _imported(location: str) -> ContactRule:
+    module, name = location.split(":")
+    rule: ContactRule = getattr(import_module(module), name)()
+    return rule
+
+
+def contact_rule(name: str) -> ContactRule:
+    """The rule of a name.
+
+    Raises:
+        KeyError: for a name that is not registered.
+    """
+    return _imported(CONTACT_RULES[name])
+
+
+def rule_of(scene: Scene) -> ContactRule:
+    """The contact rule of a scene."""
+    return contact_rule(scene.contact.rule)
+
+
+def all_rules() -> tuple[ContactRule, ...]:
+    """Every registered rule, in the order of the registry."""
+    return tuple(contact_rule(name) for name in CONTACT_RULES)
+
+
+def cell_rules() -> tuple[CellRule, ...]:
+    """Every registered rule with cells."""
+    return tuple(rule for rule in all_rules() if isinstance(rule, CellRule))

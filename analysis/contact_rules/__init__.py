@@ -1,0 +1,1 @@
+"""Contact rules: how contacts become motion, one class each."""

@@ -1,0 +1,52 @@
+"""Rule ``box``: the motion minimizes the dissipation, with friction limited along and across the rim apart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from nonsmooth.analysis.contact_rule import CellRule
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.analysis.minimizers.dissipation import Functional
+    from nonsmooth.analysis.partitions.partition import Partition
+    from nonsmooth.symbolic.scene import Scene
+
+
+class BoxRule(CellRule):
+    """``D = sum_i N_i (mu_R |r_i| + mu_S |s_i|)``, whose minimizer is piecewise constant.
+
+    How: :mod:`nonsmooth.analysis.partitions.box`.
+    """
+
+    name = "box"
+    summary = "minimizes the dissipation with friction limited along and across each rim apart"
+    needs_loads = True
+
+    @property
+    def functional(self) -> Functional:
+        """The sum of absolute values."""
+        from nonsmooth.analysis.minimizers.dissipation import Functional
+
+        return Functional.BOX
+
+    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:  # every wheel carries
+        """Cells by walking from one to its neighbours."""
+        from nonsmooth.analysis.partitions.box import build_box_partition
+
+        return build_box_partition(scene)
+
+    def literal_twists(self, scene: Scene, points: Floats) -> Floats:
+        """One linear program for each point."""
+        from nonsmooth.analysis.fields.contact_model import contact_model
+        from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+        from nonsmooth.analysis.minimizers.float_loads import loads_at
+
+        model = contact_model(scene)
+        return BoxHighs().minimize(model, loads_at(model, points)).twists
+
+    def build_rest_partition(self, scene: Scene) -> Partition | None:
+        """The cells of rest, where the point lies inside them."""
+        from nonsmooth.analysis.partitions.box import build_rest_partition
+
+        return build_rest_partition(scene)
