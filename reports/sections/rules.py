@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference
+from nonsmooth.analysis.partitions.loads import LoadError
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
@@ -19,6 +20,9 @@ def without_rules(subject: Subject) -> str:
         return f"rule box is compared for at most {MOST_WHEELS} wheels here; {command} has no such limit"
     try:
         _ = subject.agreement
+    except LoadError as error:
+        refusing = " and ".join(rule.name for rule in all_rules() if rule.needs_loads)
+        return f"rules {refusing} refuse the scene: {error}"
     except RefusalError as error:
         return f"not every rule determines a motion: {error}"
     return ""

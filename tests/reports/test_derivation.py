@@ -77,7 +77,7 @@ def test_every_step_has_a_section(report: Report) -> None:
     expected = [
         "Verdict", "The array", "Conventions", "Constraints", "Contact states and governing equations", "Cells",
         "Governing equations in sgn form", "Filippov set", "Equilibria of the square", "Upper derivative",
-        "Theorem 4, clause by clause", "Feedback law", "Trajectories", "The three contact rules side by side",
+        "Theorem 4, clause by clause", "Feedback law", "Trajectories", "The contact rules side by side",
         "The continuous idealization", "Error against work", "Stiff and extreme cases", "The paper, audited",
         "What was left out, and why", "Versions and reproduction",
     ]  # fmt: skip
