@@ -25,10 +25,10 @@ from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.checker import SCHEMA, check_certificate
-from nonsmooth.proofs.clauses.certified_disc import Disc, certified_disc
-from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, rim_signs
-from nonsmooth.proofs.clauses.rotation import drift_at_rest
+from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
+from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
+from nonsmooth.proofs.clauses.translation.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, EllipseCheck
 from nonsmooth.proofs.verdicts import Feedback

@@ -13,8 +13,8 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.equilibria import Equilibrium
 from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.proofs.clauses.rotation import decide_rotation
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.scene import Check, Scene

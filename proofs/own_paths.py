@@ -17,7 +17,7 @@ from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.verdicts import Translation
 
 STARTS = 4

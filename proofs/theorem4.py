@@ -13,14 +13,14 @@ from typing import Any
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.partitions.equilibria import find_equilibria
 from nonsmooth.analysis.partitions.partition import Partition, affordable
-from nonsmooth.proofs.clauses.authority import roll_authority
-from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback, with_samples
-from nonsmooth.proofs.clauses.ellipse_clauses import decide_ellipse
-from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback import decide_feedback
-from nonsmooth.proofs.clauses.rotation import decide_rotation
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import decide_ellipse
+from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback.authority import roll_authority
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, with_samples
+from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
+from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray, cocircular_array
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4_result import CellCheck, Clauses, EllipseCheck, Skipped, conclude
 from nonsmooth.proofs.verdicts import Feedback

@@ -16,15 +16,15 @@ from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.support import limiting_support
-from nonsmooth.proofs.clauses.authority import Authority
-from nonsmooth.proofs.clauses.cones import build_fan
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation, spin_of
-from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.obstruction import obstruction_text
-from nonsmooth.proofs.clauses.rotation import RotationResult, bounds_rotation, rotation_bound
-from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseEquilibrium, EllipseTranslation, spin_of
+from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.feedback.authority import Authority
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, bounds_rotation, rotation_bound
+from nonsmooth.proofs.clauses.translation.cones import build_fan
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.own_paths import refuse_contradiction
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation

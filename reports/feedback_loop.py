@@ -27,11 +27,11 @@ from nonsmooth.analysis.fields.smooth_field import Vector
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
-from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent, find_cascade
-from nonsmooth.proofs.clauses.cones import build_fan
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback, gradient_text
-from nonsmooth.proofs.clauses.level_region import LevelRegion
-from nonsmooth.proofs.clauses.turn_region import TurnRegion
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, gradient_text
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
+from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
+from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion
+from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified

@@ -6,13 +6,13 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
-from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
-from nonsmooth.proofs.clauses.input_cell import InputCell
-from nonsmooth.proofs.clauses.input_ranks import input_ranks
-from nonsmooth.proofs.clauses.level_region import LevelRegion
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.input_ranks import input_ranks
+from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
 from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, Check
 from nonsmooth.reports.exact_record import Record, floats, with_exact, witness_record
 from nonsmooth.symbolic.formulas import real_text

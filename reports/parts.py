@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.document import Section

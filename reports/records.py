@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
-from nonsmooth.proofs.clauses.rotation import Drift
-from nonsmooth.proofs.clauses.translation import LYAPUNOV, TranslationResult
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.clauses.rotation.on_cells import Drift
+from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact, witness_record
 from nonsmooth.reports.feedback_record import feedback_record

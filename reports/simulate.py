@@ -14,7 +14,7 @@ from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns

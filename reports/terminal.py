@@ -14,11 +14,11 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
-from nonsmooth.proofs.clauses.rotation import RotationResult
-from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.formulas import Real, decimal_text, lower_text, real_text

@@ -65,7 +65,7 @@ def corrected_law(gain: float) -> Law:
 
 
 def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
-    """Theta decays by itself, c runs along the rim of the nearest wheel (:mod:`nonsmooth.proofs.clauses.cascade_law`).
+    """Theta decays by itself, c runs along the rim of the nearest wheel (module ``cascade_law``).
 
     Args:
         gain: k (1/time).

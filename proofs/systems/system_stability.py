@@ -29,7 +29,7 @@ from nonsmooth.analysis.fields.switched_cells import (
     system_cells,
 )
 from nonsmooth.analysis.partitions.region import Region, cone_region
-from nonsmooth.proofs.clauses.ray_moves import (
+from nonsmooth.proofs.clauses.translation.ray_moves import (
     ConstantFan,
     RayKind,
     RayMove,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
-from nonsmooth.proofs.clauses.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, table

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.document import Block, Entry, Figure, Section, table

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from nonsmooth.proofs.clauses.ellipse import EllipsePoint
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseTranslation
-from nonsmooth.proofs.clauses.linearization import Linearization
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseTranslation
+from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.reports.document import Block, Entry, Math, Section, display, matrix, number, point, table
 from nonsmooth.reports.prose import paragraph, prose
 

@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from typing import SupportsFloat
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.authority import Authority
-from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
-from nonsmooth.proofs.clauses.driven_law import LawCone, rim_speeds
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
-from nonsmooth.proofs.clauses.input_cell import InputCell
-from nonsmooth.proofs.clauses.input_margin import InputMargin
-from nonsmooth.proofs.clauses.level_region import LevelRegion
+from nonsmooth.proofs.clauses.feedback.authority import Authority
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
+from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
 from nonsmooth.proofs.theorem4_result import AnyFeedback
 from nonsmooth.reports.document import (
     Block,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.proofs.clauses.feedback import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.document import Block, Code, Section, display

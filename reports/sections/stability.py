@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from nonsmooth.analysis.fields.filippov import CellDerivative
-from nonsmooth.proofs.clauses.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
-from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult
-from nonsmooth.proofs.clauses.fan import FanResult
-from nonsmooth.proofs.clauses.rotation import RotationResult
-from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.translation.fan import FanResult
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation

@@ -27,8 +27,8 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.driven_law import rim_speeds
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:

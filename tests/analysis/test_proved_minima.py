@@ -27,7 +27,7 @@ from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.studies.reference_twists import ellipse_references
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.clauses.driven_feedback import with_samples
+from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
 from nonsmooth.proofs.theorem4 import check_ellipse
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import Pair, WheelData

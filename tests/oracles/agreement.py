@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.proofs.clauses.fan import Move
-from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.translation.fan import Move
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.verdicts import Translation
 from tests.oracles.box_paths import Observed
 from tests.oracles.nearest_paths import End

@@ -14,7 +14,7 @@ import pytest
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.verdicts import Translation

@@ -16,10 +16,10 @@ from nonsmooth.analysis.fields.feedback_laws import cascade_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent, find_cascade
-from nonsmooth.proofs.clauses.cones import build_fan
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback, rim_signs
-from nonsmooth.proofs.clauses.obstruction import common_normal
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, rim_signs
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
+from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
+from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.verdicts import Feedback, Theorem4
 from nonsmooth.symbolic.constraints import inner

@@ -13,8 +13,8 @@ import pytest
 
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
 from nonsmooth.proofs.checker import check_certificate, check_file
-from nonsmooth.proofs.clauses.certified_disc import certified_disc
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.translation.certified_disc import certified_disc
 from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation, Translation

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.level_region import LevelRegion
-from nonsmooth.proofs.clauses.turn_region import TurnRegion
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
+from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import WheelData

@@ -28,11 +28,11 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.checker import check_certificate, check_file
-from nonsmooth.proofs.clauses.driven_feedback import decide_driven_feedback
-from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback import decide_feedback
-from nonsmooth.proofs.clauses.rotation import decide_rotation
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
+from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene

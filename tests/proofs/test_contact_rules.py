@@ -16,8 +16,8 @@ from nonsmooth.analysis.fields.sampling import sample_ellipse_derivative
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
-from nonsmooth.proofs.clauses.translation import rest_area
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
@@ -157,7 +157,7 @@ def test_inward_rims_have_no_torque_about_the_equilibrium(arrays: Arrays) -> Non
 def test_samples_are_taken_where_nothing_is_left_out_and_decide_nothing(
     arrays: Arrays, rule: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nonsmooth.proofs.clauses.driven_feedback.STATES", dict.fromkeys(("box", "ellipse"), 2))
+    monkeypatch.setattr("nonsmooth.proofs.clauses.feedback.by_friction.STATES", dict.fromkeys(("box", "ellipse"), 2))
     scene = ruled(arrays.four_wheel(), rule)
     pruned, full = check_theorem4(scene), check_theorem4(scene, prune=False)
     assert "samples of the closed loop" in [skipped.what for skipped in pruned.skipped]

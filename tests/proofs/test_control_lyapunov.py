@@ -17,10 +17,16 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.polygon import Polygon
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Demand, find_shapes, shape_regions
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.feedback_rate import certified_rate
-from nonsmooth.proofs.clauses.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
+    SQUARES,
+    ControlLyapunov,
+    Demand,
+    find_shapes,
+    shape_regions,
+)
+from nonsmooth.proofs.clauses.feedback.feedback_rate import certified_rate
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.scene import Scene

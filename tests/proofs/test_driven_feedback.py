@@ -15,11 +15,11 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.proofs.clauses.balanced_twists import BalancedTwist, balance_twist, exclude_twist
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.driven_law import LawCone, gains, rim_speeds
-from nonsmooth.proofs.clauses.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
-from nonsmooth.proofs.clauses.held_twists import Drives, HeldTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, rim_speeds
+from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
+from nonsmooth.proofs.clauses.feedback.held_twists import Drives, HeldTwist, candidate_twists
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.constraints import independent, inner, side_row

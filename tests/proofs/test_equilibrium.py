@@ -12,7 +12,7 @@ import pytest
 from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult, decide_equilibrium, separating_direction
+from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium, separating_direction
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.clauses.cones import Cone, build_fan
-from nonsmooth.proofs.clauses.fan import Evidence, FanResult, Move, decide_cones, slide_speed
+from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan
+from nonsmooth.proofs.clauses.translation.fan import Evidence, FanResult, Move, decide_cones, slide_speed
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -340,7 +340,7 @@ def test_mixtures_of_tied_motions_never_refute_a_verdict() -> None:
 
 def test_tied_motions_of_an_array_are_decided(arrays: Arrays) -> None:
     from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-    from nonsmooth.proofs.clauses.translation import decide_translation
+    from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 
     verdicts = {decide_translation(build_nearest_partition(arrays.cocircular(s, (1, 1)))).verdict for s in range(40)}
     assert Translation.UNDECIDED not in verdicts

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.clauses.cascade_law import Descent
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
-from nonsmooth.proofs.clauses.feedback import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.cascade_law import Descent
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.proofs.clauses.feedback import decide_feedback
-from nonsmooth.proofs.clauses.feedback_rate import ConeRate, FeedbackRate, certified_rate, exponent_of
+from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
+from nonsmooth.proofs.clauses.feedback.feedback_rate import ConeRate, FeedbackRate, certified_rate, exponent_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number_field import NumberField

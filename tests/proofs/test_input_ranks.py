@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.proofs.clauses.feedback import decide_feedback
-from nonsmooth.proofs.clauses.input_ranks import input_ranks
+from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
+from nonsmooth.proofs.clauses.feedback.input_ranks import input_ranks
 from nonsmooth.proofs.verdicts import Feedback
 from tests.four_wheel import ROLL, SIDE
 

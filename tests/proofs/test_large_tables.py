@@ -11,7 +11,7 @@ from nonsmooth.analysis.partitions.equilibria import find_equilibria
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs import judged_equilibria
-from nonsmooth.proofs.clauses.authority import roll_authority
+from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.symbolic.constraints import Triple, independent
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels

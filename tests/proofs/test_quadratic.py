@@ -13,10 +13,10 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.cones import build_fan
-from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
-from nonsmooth.proofs.clauses.rotation import decide_rotation, rotation_bound
-from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
+from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation, rotation_bound
+from nonsmooth.proofs.clauses.translation.cones import build_fan
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
+from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from tests.four_wheel import SIDE
 

@@ -17,7 +17,7 @@ import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.fields.switched_cells import plane, square_regions, system_cells, velocities_at
 from nonsmooth.analysis.fields.switching_patterns import build_switched_system
 from nonsmooth.analysis.partitions.polygon import hull_holds_zero
-from nonsmooth.proofs.clauses.ray_moves import RayKind, decide_constant_fan
+from nonsmooth.proofs.clauses.translation.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.ladder import Interval
 from nonsmooth.proofs.systems.system_stability import Method, SystemResult, plane_cells, system_check

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 
-from nonsmooth.proofs.clauses.driven_feedback import DrivenFeedback
-from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback import decide_feedback
-from nonsmooth.proofs.clauses.rotation import decide_rotation
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
+from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import conclude
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation

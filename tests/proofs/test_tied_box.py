@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from tests.oracles.agreement import box_contradiction
 from tests.oracles.box_paths import observe_box
 from tests.oracles.tied_box_arrays import tied_box

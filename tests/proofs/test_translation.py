@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.filippov import filippov_twists, upper_derivative
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
-from nonsmooth.proofs.clauses.translation import TranslationResult, decide_translation
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.verdicts import Translation

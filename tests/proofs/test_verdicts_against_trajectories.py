@@ -14,9 +14,9 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.equilibrium import decide_equilibrium
-from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_fan
-from nonsmooth.proofs.clauses.translation import decide_translation
+from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_fan
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE

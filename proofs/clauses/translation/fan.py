@@ -10,7 +10,7 @@ rotation rate omega.  With exact kinematics ``c' = v + omega J c`` a Filippov so
   sign for small s is found by comparing the constant term, then the linear one.  Outward: unstable (on repelling
   rays too: one solution is enough).  Inward: the body slides home.  Exactly zero: a ray of equilibria;
 - *crossing* of a cone from ray to ray, and *full turns* where every cone can be crossed in one sense:
-  :mod:`nonsmooth.proofs.clauses.full_turns`.  Distances that diverge: unstable; that contract: fine; a gain of exactly
+  module ``full_turns``.  Distances that diverge: unstable; that contract: fine; a gain of exactly
   one is left undecided (terms of higher order decide), and so are crossings of orders 1/2 and 2 that cancel.
 
 Each of these is decided by the sign of the cross product of ray and velocity, and where that is zero by the sign of
@@ -40,8 +40,14 @@ from typing import Any
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.cones import Cone, build_fan, is_plane, rays_of
-from nonsmooth.proofs.clauses.full_turns import FullTurn, Growth, full_turns, leaves_at_a_root, squared_overshoot
+from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan, is_plane, rays_of
+from nonsmooth.proofs.clauses.translation.full_turns import (
+    FullTurn,
+    Growth,
+    full_turns,
+    leaves_at_a_root,
+    squared_overshoot,
+)
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text

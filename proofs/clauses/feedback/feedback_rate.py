@@ -31,9 +31,9 @@ from flint import arb
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.support import limiting_support
-from nonsmooth.proofs.clauses.cones import CellCone, build_fan
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, Shape
-from nonsmooth.proofs.clauses.quadratic import root_above
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, Shape
+from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
+from nonsmooth.proofs.clauses.translation.quadratic import root_above
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign

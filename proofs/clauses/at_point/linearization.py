@@ -1,6 +1,6 @@
 """Spins and linearization under rule ``ellipse``, exactly.
 
-With D, ``a_i`` and ``b_i`` of :mod:`nonsmooth.proofs.clauses.balance`: arrays with torque may *spin* at the
+With D, ``a_i`` and ``b_i`` of :mod:`nonsmooth.proofs.clauses.at_point.balance`: arrays with torque may *spin* at the
 equilibrium.  The twist ``(0, 0, omega)`` is a minimizer iff the gradient
 ``sum N_i (mu_R^2 r_i a_i + mu_S^2 s_i b_i)/f_i`` vanishes at it.
 

@@ -4,7 +4,7 @@ Where every cell is a cone, a velocity that is radial on a ray stays radial alon
 radial vector, one solution leaves along it: unstable.  If it holds zero, the ray consists of equilibria: the one at the
 origin does not attract.  Inside a cone such rays are the roots of ``c x f(c)``; on a ray between cones the hull of the
 fields beside it is looked at.  Where the fields are constant near the equilibrium, the fan of cones decides completely
-(:mod:`nonsmooth.proofs.clauses.fan`).
+(:mod:`nonsmooth.proofs.clauses.translation.fan`).
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any
 
 from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity, velocities_at
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.cones import Cone, by_angle
-from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_cones
+from nonsmooth.proofs.clauses.translation.cones import Cone, by_angle
+from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value

@@ -32,8 +32,8 @@ from itertools import pairwise
 from typing import Any
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.cones import CellCone
-from nonsmooth.proofs.clauses.control_lyapunov import ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
+from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent

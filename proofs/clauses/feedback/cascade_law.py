@@ -3,7 +3,7 @@
 Where wheel i is nearest the body moves with ``n_i . v + lambda_i omega = 0``, ``lambda_i = n_i . J p_i``; all such
 motions can be imposed.  The law ``omega = -k theta`` brings theta to zero, whatever c does.  With ``omega = 0`` what is
 left is translation along the rim, ``v = +-|c| d_i``, with a sign for each cell: a planar field of constant directions
-on the cones at the equilibrium.  If :mod:`nonsmooth.proofs.clauses.fan` shows that every Filippov solution of this
+on the cones at the equilibrium.  If module ``fan`` shows that every Filippov solution of this
 field leads to the equilibrium (by sliding inward along rays between cells, or by full turns that contract), then so
 does the whole law: the field is homogeneous of degree one, so it has a homogeneous Lyapunov function (Bernuau, Efimov,
 Perruquetti and Polyakov, J. Franklin Inst. 351, 2014), and turning adds no more than a multiple of ``|theta|``, which
@@ -27,8 +27,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from nonsmooth.proofs.clauses.cones import CellCone, Cone
-from nonsmooth.proofs.clauses.fan import FanResult, decide_cones, slide_speed
+from nonsmooth.proofs.clauses.translation.cones import CellCone, Cone
+from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_cones, slide_speed
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign

@@ -16,8 +16,8 @@ from typing import Any, TypeAlias
 from flint import arb, fmpq
 
 from nonsmooth.analysis.partitions.polygon import Point, square
-from nonsmooth.proofs.clauses.control_lyapunov import ControlLyapunov
-from nonsmooth.proofs.clauses.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import dot

@@ -14,7 +14,7 @@ c, so near c* the same speeds impose a motion near xi.
 
 Floats propose the forces.  An interval Newton step in balls, in three of the unknowns with independent derivatives,
 proves that forces exist beside the proposal.  That there are none is proved by directions in which all admissible
-forces add up to less than nothing (:mod:`nonsmooth.proofs.clauses.exclusion`); then there are none near c* either.
+forces add up to less than nothing (module ``exclusion``); then there are none near c* either.
 """
 
 from __future__ import annotations
@@ -30,8 +30,15 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.minimizers.friction_search import search_forces
 from nonsmooth.analysis.partitions.loads import LoadRegion
-from nonsmooth.proofs.clauses.exclusion import Exclusion, excludes, search_exclusion
-from nonsmooth.proofs.clauses.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded, wheel_forces
+from nonsmooth.proofs.clauses.feedback.exclusion import Exclusion, excludes, search_exclusion
+from nonsmooth.proofs.clauses.feedback.wheel_forces import (
+    PRECISION,
+    WheelForces,
+    ball_of,
+    on_circle,
+    rounded,
+    wheel_forces,
+)
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.scene import Scene
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.cones import CellCone
+from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Vector, dot
 

@@ -21,8 +21,8 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.proofs.clauses.decrease_region import squared_distance
-from nonsmooth.proofs.clauses.quadratic import propose_shape, shaped
+from nonsmooth.proofs.clauses.translation.decrease_region import squared_distance
+from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, shaped
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Vector, dot, turned

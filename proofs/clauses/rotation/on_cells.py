@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.filippov import CellDerivative, filippov_twists
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.clauses.fan import FanResult
-from nonsmooth.proofs.clauses.translation import TranslationResult
+from nonsmooth.proofs.clauses.translation.fan import FanResult
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Triple, Twist

@@ -1,6 +1,6 @@
 """Clause 4 in one closed cell: the inputs ``u_i, u_j``, their effect on V, and where it vanishes.
 
-The symbols are those of :mod:`nonsmooth.proofs.clauses.feedback`.
+The symbols are those of :mod:`nonsmooth.proofs.clauses.feedback.by_rows`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.partition import Cell
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.control_lyapunov import Demand
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import Demand
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState

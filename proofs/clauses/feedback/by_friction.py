@@ -3,14 +3,14 @@
 With ``V = |c|^2 + theta^2`` one has ``V'/2 = g . xi``, ``g = (c, theta)``, under exact and leading-order kinematics.
 
 - *Stabilizable.*  Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
-  ``xi_l`` (:mod:`nonsmooth.proofs.clauses.held_twists`, :mod:`nonsmooth.proofs.clauses.balanced_twists`).  D is
+  ``xi_l`` (module ``held_twists``, module ``balanced_twists``).  D is
   homogeneous in twist and speeds together, so all multiples are imposed too.  The law takes the ``xi_l`` with the
   largest ``|g . xi_l|`` and imposes ``-k (g . xi_l) xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c*, where
   ``3 kappa`` is below the least eigenvalue of ``sum_l xi_l xi_l^T``.  Where the law switches, each of the velocities
   that meet satisfies this, hence all of their hull: V* < 0.  Under rule ``box`` it suffices that twists are imposed in
   every open cone of a fan of directions of c, in each its own three: Filippov solutions do not see the rays between.
 - *Not stabilizable.*  Let all twists that speeds can impose at c* lie in a plane.  Near c* there are no others, so
-  Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.obstruction`).
+  Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.feedback.obstruction`).
 
 Between the two stand, under rule ``box``, an exact balance of frictions at c* (a slope of D that vanishes there), and
 under rule ``ellipse`` twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
@@ -30,9 +30,9 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.balanced_twists import balance_twist, exclude_twist
-from nonsmooth.proofs.clauses.cones import by_angle
-from nonsmooth.proofs.clauses.driven_law import (
+from nonsmooth.proofs.clauses.feedback.balanced_twists import balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
+from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
     LawCone,
     best_three,
@@ -41,9 +41,9 @@ from nonsmooth.proofs.clauses.driven_law import (
     gains,
     rank_of,
 )
-from nonsmooth.proofs.clauses.feedback import side_friction_rules
-from nonsmooth.proofs.clauses.held_twists import Drives, HeldTwist, candidate_twists
-from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.feedback.held_twists import Drives, HeldTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.translation.cones import by_angle
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner

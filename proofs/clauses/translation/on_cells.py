@@ -10,9 +10,9 @@ only the cells whose closure holds it matter:
 - ``V* > 0`` somewhere: ``V = |c|^2`` is refuted as a certificate, with that vertex as witness.  This says nothing
   about stability itself.
 
-Where V leaves the question open, the fan of cones at the equilibrium decides (:mod:`nonsmooth.proofs.clauses.fan`).
+Where V leaves the question open, the fan of cones at the equilibrium decides (module ``fan``).
 The region is the largest disc in the square on which the inequality holds.  For an array that meets the hypotheses of
-:mod:`nonsmooth.proofs.clauses.cocircular`, V* <= 0 is known beforehand and only the rest area at the equilibrium is
+module ``cocircular``, V* <= 0 is known beforehand and only the rest area at the equilibrium is
 looked at.
 """
 
@@ -27,11 +27,11 @@ from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_deriv
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.support import Support, limiting_support
-from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.cones import CellCone, build_fan
-from nonsmooth.proofs.clauses.decrease_region import region_radius, squared_reach
-from nonsmooth.proofs.clauses.fan import FanResult, decide_fan
-from nonsmooth.proofs.clauses.quadratic import QuadraticCertificate, find_quadratic
+from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
+from nonsmooth.proofs.clauses.translation.decrease_region import region_radius, squared_reach
+from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_fan
+from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text

@@ -21,8 +21,15 @@ from enum import StrEnum
 from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
-from nonsmooth.proofs.clauses.balance import RestBalance, rest_balance
-from nonsmooth.proofs.clauses.linearization import Linearization, Slip, gradient, linearize, slips_at, spin_candidates
+from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
+from nonsmooth.proofs.clauses.at_point.linearization import (
+    Linearization,
+    Slip,
+    gradient,
+    linearize,
+    slips_at,
+    spin_candidates,
+)
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
@@ -174,7 +181,7 @@ def _text(twist: Twist) -> str:
 
 @dataclass(frozen=True)
 class _SlipBalls:
-    """A loaded wheel at rest, in balls: see :class:`nonsmooth.proofs.clauses.linearization.Slip`."""
+    """A loaded wheel at rest, in balls: see :class:`nonsmooth.proofs.clauses.at_point.linearization.Slip`."""
 
     rows: tuple[tuple[arb, ...], tuple[arb, ...]]
     friction: tuple[arb, arb]

@@ -21,7 +21,7 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.clauses.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded
+from nonsmooth.proofs.clauses.feedback.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded
 
 BUDGET = 200  # linear programs for one twist
 FACETS = 16  # of the polygon around a disc in a linear program

@@ -1,4 +1,4 @@
-"""Where the law of slow turns (:mod:`nonsmooth.proofs.clauses.cascade_law`) is certified: a set about the equilibrium.
+"""Where the law of slow turns (module ``cascade_law``) is certified: a set about the equilibrium.
 
 With gain one, and where wheel i is nearest, let ``r = c . p_i/|p_i|``, ``s = c . J p_i/|p_i|``, ``x = r/l``,
 ``z = s/r``, ``y = Theta = theta - x z^2/2``.  Under exact kinematics the law gives, without remainder ::
@@ -32,10 +32,10 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.clauses.cascade_law import CascadeLaw
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES
-from nonsmooth.proofs.clauses.input_cell import InputCell
-from nonsmooth.proofs.clauses.level_region import DIGITS, NEXT_BELOW, ball_of, fills, is_above, segments
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.level_region import DIGITS, NEXT_BELOW, ball_of, fills, is_above, segments
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import dot, turned
 

@@ -1,6 +1,6 @@
 """The clauses of Theorem 4 under rule ``ellipse``, as results of the same shape as those of the cell rules.
 
-The situation at the equilibrium is exact (:mod:`nonsmooth.proofs.clauses.ellipse`).  V* over the square is exact only
+The situation at the equilibrium is exact (module ``ellipse``).  V* over the square is exact only
 where the lemma on inward rims covers it; otherwise it is sampled with the numerical minimizer and said to be sampled.
 """
 
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.partitions.loads import load_regions
-from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
-from nonsmooth.proofs.clauses.ellipse import EllipsePoint, Situation, ellipse_point
-from nonsmooth.proofs.clauses.rotation import RotationResult, drift_at_rest
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, drift_at_rest
+from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.formulas import brief_text

@@ -19,7 +19,7 @@ The first terms that do not vanish decide what the crossing does to small distan
 
 A full turn is of the product of these orders.  Below one the distances diverge, above one they vanish; at exactly one
 the product of the gains decides where every crossing is of order one.  Several motions in a cone: the most growth
-counts (:mod:`nonsmooth.proofs.clauses.fan` says why a mixture gains no more; that argument is for order one only).
+counts (module ``fan`` says why a mixture gains no more; that argument is for order one only).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.cones import Cone, is_plane
+from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import sign

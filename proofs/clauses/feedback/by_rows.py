@@ -8,9 +8,9 @@ so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J 
 ``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the
 L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero
 c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  Where this V fails, all
-``c^T P c + w theta^2`` are searched (:mod:`nonsmooth.proofs.clauses.control_lyapunov`).  With a side row third only
+``c^T P c + w theta^2`` are searched (module ``control_lyapunov``).  With a side row third only
 ``u_i`` acts and V' vanishes on a plane.  That there is no such V refutes no other; but where all control fields at the
-equilibrium lie in one plane no static feedback does (:mod:`nonsmooth.proofs.clauses.obstruction`).
+equilibrium lie in one plane no static feedback does (:mod:`nonsmooth.proofs.clauses.feedback.obstruction`).
 """
 
 from __future__ import annotations
@@ -21,15 +21,21 @@ from dataclasses import dataclass, replace
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.support import limiting_support
-from nonsmooth.proofs.clauses.cascade_law import CascadeLaw, Descent, find_cascade
-from nonsmooth.proofs.clauses.cones import build_fan
-from nonsmooth.proofs.clauses.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
-from nonsmooth.proofs.clauses.feedback_rate import FeedbackRate, balanced, certified_rate
-from nonsmooth.proofs.clauses.input_cell import InputCell, build_input_cell, is_local
-from nonsmooth.proofs.clauses.input_margin import InputMargin, build_margin
-from nonsmooth.proofs.clauses.level_region import NEXT_BELOW, LevelRegion, build_level_region, is_above, least_level
-from nonsmooth.proofs.clauses.obstruction import common_normal, obstruction_text
-from nonsmooth.proofs.clauses.turn_region import TurnRegion, build_turn_region
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
+from nonsmooth.proofs.clauses.feedback.feedback_rate import FeedbackRate, balanced, certified_rate
+from nonsmooth.proofs.clauses.feedback.input_cell import InputCell, build_input_cell, is_local
+from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin, build_margin
+from nonsmooth.proofs.clauses.feedback.level_region import (
+    NEXT_BELOW,
+    LevelRegion,
+    build_level_region,
+    is_above,
+    least_level,
+)
+from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion, build_turn_region
+from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple

@@ -1,4 +1,4 @@
-"""The law of :mod:`nonsmooth.proofs.clauses.driven_feedback`: its three twists, their speeds, and its rate."""
+"""The law of :mod:`nonsmooth.proofs.clauses.feedback.by_friction`: its three twists, their speeds, and its rate."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.proofs.clauses.balanced_twists import BalancedTwist
-from nonsmooth.proofs.clauses.feedback_rate import rounded_down
-from nonsmooth.proofs.clauses.held_twists import HeldTwist
+from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist
+from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
+from nonsmooth.proofs.clauses.feedback.held_twists import HeldTwist
 from nonsmooth.symbolic.constraints import Triple, gram, independent, inner, outer, roll_row, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene

@@ -1,0 +1,1 @@
+"""Clause 1: whether the checked point is an equilibrium."""

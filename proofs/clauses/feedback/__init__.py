@@ -1,0 +1,1 @@
+"""Clause 4: whether discontinuous feedback stabilizes position and heading."""

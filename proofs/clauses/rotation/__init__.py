@@ -1,0 +1,1 @@
+"""Clause 3: stability of the heading theta."""

@@ -1,0 +1,1 @@
+"""Clause 2: stability of the position (x, y)."""
