@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.systems.system_stability import system_check as system_check
     from nonsmooth.proofs.theorem4 import check_theorem4 as check_theorem4
     from nonsmooth.proofs.theorem4_result import CellCheck as CellCheck
-    from nonsmooth.proofs.theorem4_result import EllipseCheck as EllipseCheck
+    from nonsmooth.proofs.theorem4_result import SmoothCheck as SmoothCheck
 
 __getattr__ = on_demand(
     __name__,
@@ -30,6 +30,6 @@ __getattr__ = on_demand(
         "system_check": "systems.system_stability",
         "check_theorem4": "theorem4",
         "CellCheck": "theorem4_result",
-        "EllipseCheck": "theorem4_result",
+        "SmoothCheck": "theorem4_result",
     },
 )

@@ -27,10 +27,11 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.checker import SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
-from nonsmooth.proofs.theorem4_result import AnyFeedback, CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
@@ -47,14 +48,14 @@ class CertificateError(ValueError):
     """A verdict for which there is no certificate; the message says why."""
 
 
-def build_certificate(result: CellCheck | EllipseCheck) -> Record:
+def build_certificate(result: CellCheck | SmoothCheck) -> Record:
     """The certificate of a check, as data for JSON; it has passed the checker.
 
     Raises:
         CertificateError: for rule ``ellipse``, and where the checker does not follow the verdict.
     """
     rule = result.scene.contact.rule
-    if isinstance(result, EllipseCheck) or rule not in FOLLOWED:
+    if isinstance(result, SmoothCheck) or rule not in FOLLOWED:
         names, why = " or ".join(f'"{name}"' for name in FOLLOWED), "follows cells, and this rule has none"
         if isinstance(result, CellCheck):
             why = "knows no other rule"

@@ -11,7 +11,7 @@ from functools import partial
 from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.study import Finding, Plan, Study, Trial
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.contact_states import possible_triples
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
@@ -44,7 +44,7 @@ class _WholeCheck:
         self.scene = scene
         self._verdicts: tuple[str, ...] | None = None
 
-    def run(self, clock: Clock) -> CellCheck | EllipseCheck:
+    def run(self, clock: Clock) -> CellCheck | SmoothCheck:
         """Check, and remember the verdicts."""
         clock.check()
         result = check_theorem4(self.scene, prune=False)
@@ -59,18 +59,17 @@ class _WholeCheck:
         return self._verdicts
 
 
-def _pruned(scene: Scene, clock: Clock) -> CellCheck | EllipseCheck:
+def _pruned(scene: Scene, clock: Clock) -> CellCheck | SmoothCheck:
     clock.check()
     return check_theorem4(scene)
 
 
-def verdicts(result: CellCheck | EllipseCheck) -> tuple[str, ...]:
+def verdicts(result: CellCheck | SmoothCheck) -> tuple[str, ...]:
     """The theorem's verdict and those of its clauses."""
-    clauses = (result, result.equilibrium, result.translation, result.rotation, result.feedback)
-    return tuple(clause.verdict.value for clause in clauses)
+    return (result.verdict.value, *(found.verdict.value for _, found in result.clauses))
 
 
-def _judge(whole: _WholeCheck, found: CellCheck | EllipseCheck) -> Finding:
+def _judge(whole: _WholeCheck, found: CellCheck | SmoothCheck) -> Finding:
     work = {"row triples": possible_triples(len(found.scene.wheels))}
     if isinstance(found, CellCheck):
         partition = found.partition

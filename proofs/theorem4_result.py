@@ -7,59 +7,41 @@ alone is not a refutation, so it makes it ``undecided``, and so does a point tha
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self, TypeAlias, cast
 
-from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.analysis.fields.filippov import filippov_twists
-from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.support import limiting_support
-from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseEquilibrium, EllipseTranslation, spin_of
+from nonsmooth.proofs.clauses import registry
+from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.authority import Authority
-from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, bounds_rotation, rotation_bound
-from nonsmooth.proofs.clauses.translation.cones import build_fan
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, rotation_bound
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.clauses.workspace import Skipped
+from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.own_paths import refuse_contradiction
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
+from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.contact_states import ContactCensus
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.scene import Scene
 
-AnyFeedback: TypeAlias = FeedbackResult | DrivenFeedback
-Clauses: TypeAlias = tuple[
-    EquilibriumResult | EllipseEquilibrium,
-    TranslationResult | EllipseTranslation,
-    RotationResult,
-    AnyFeedback,
-]
-
 
 @dataclass(frozen=True)
-class Skipped:
-    """Work left out because no verdict needs it."""
-
-    what: str
-    count: int
-    why: str
-
-
-@dataclass(frozen=True)
-class Theorem4Result(ABC):
+class Theorem4Result:
     """What every check reports, whatever the contact rule.
 
     Attributes:
         verdict: the theorem's verdict for the array.
         reason: the clause that decided it.
         scene: the array as it was given.
+        results: the clauses' results by name, in the order of the registry.
         census: counts of row triples.
-        rotation: clause 3.
         authority: rank of the roll rows at the checked point.
         skipped: what was left out and why.
         seconds: where the time went.
@@ -68,23 +50,34 @@ class Theorem4Result(ABC):
     verdict: Theorem4
     reason: str
     scene: Scene
+    results: Mapping[str, ClauseResult]
     census: ContactCensus
-    rotation: RotationResult
     authority: Authority
     skipped: tuple[Skipped, ...]
     seconds: dict[str, float]
 
     @property
-    @abstractmethod
-    def clauses(self) -> Clauses:
-        """The four clauses, in order."""
+    def clauses(self) -> tuple[tuple[Clause[Any], ClauseResult], ...]:
+        """Every clause with its result, in order."""
+        return tuple((clause, self.results[clause.name]) for clause in registry.CLAUSES)
 
-    def _repr_html_(self) -> str:
-        """The verdicts with their reasons, for a notebook."""
-        names = ("equilibrium", "translation", "rotation", "feedback")
-        rows = [(name, clause.verdict, clause.reason) for name, clause in zip(names, self.clauses, strict=True)]
-        head = f"{self.scene.name}, rule {self.scene.contact.rule}"
-        return html_table(head, ("clause", "verdict", "reason"), [*rows, ("Theorem 4", self.verdict, self.reason)])
+    def with_results(self, **results: ClauseResult) -> Self:
+        """The same with other results of some clauses, by name; the conclusion stays as it is."""
+        return replace(self, results={**self.results, **results})
+
+    def facts(self, clause: Clause[Any]) -> Iterator[Fact]:
+        """What one clause says beside verdict and reason."""
+        return clause.facts(self.results[clause.name], self)
+
+    @property
+    def rotation(self) -> RotationResult:
+        """Clause 3."""
+        return cast("RotationResult", self.results["rotation"])
+
+    @property
+    def partition(self) -> Partition | None:
+        """The cells, about the checked point; None under a rule without cells."""
+        return None
 
     @property
     def minimizing_states(self) -> int | None:
@@ -104,25 +97,53 @@ class Theorem4Result(ABC):
         """
         return None
 
+    def check(self) -> bool:
+        """Re-verify the evidence of every clause, that it is about this array, and the conclusion."""
+        return (
+            all(result.check() and clause.is_about(result, self) for clause, result in self.clauses)
+            and self.authority.check(self.scene)
+            and self.verdict is conclude(self.results)[0]
+        )
+
+    def _repr_html_(self) -> str:
+        """The verdicts with their reasons, for a notebook."""
+        rows = [(clause.name, str(result.verdict), result.reason) for clause, result in self.clauses]
+        head = f"{self.scene.name}, rule {self.scene.contact.rule}"
+        return html_table(head, ("clause", "verdict", "reason"), [*rows, ("Theorem 4", self.verdict, self.reason)])
+
 
 @dataclass(frozen=True)
 class CellCheck(Theorem4Result):
-    """Check under a rule with cells (``nearest``, ``box``).
+    """Check under a rule with cells.
 
     Attributes:
-        partition: the cells, about the checked point.
-        equilibrium: clause 1.
-        translation: clause 2.
-        feedback: clause 4.
+        cells: the partition, about the checked point.
         others: all equilibria of the square, about the checked point, with their own verdicts; None where they
             were not searched for.
     """
 
-    partition: Partition
-    equilibrium: EquilibriumResult
-    translation: TranslationResult
-    feedback: AnyFeedback
+    cells: Partition
     others: tuple[JudgedEquilibrium, ...] | None
+
+    @property
+    def partition(self) -> Partition:
+        """The cells, about the checked point."""
+        return self.cells
+
+    @property
+    def equilibrium(self) -> EquilibriumResult:
+        """Clause 1."""
+        return cast("EquilibriumResult", self.results["equilibrium"])
+
+    @property
+    def translation(self) -> TranslationResult:
+        """Clause 2."""
+        return cast("TranslationResult", self.results["translation"])
+
+    @property
+    def feedback(self) -> AnyFeedback:
+        """Clause 4."""
+        return cast("AnyFeedback", self.results["feedback"])
 
     @property
     def minimizing_states(self) -> int | None:
@@ -146,106 +167,47 @@ class CellCheck(Theorem4Result):
         arrives = self.partition.complete and rotation_bound(self.partition, self.translation) is not None
         return drift is not None and arrives and drift.interval[0] <= 0 <= drift.interval[1]
 
-    @property
-    def clauses(self) -> Clauses:
-        """The four clauses, in order."""
-        return self.equilibrium, self.translation, self.rotation, self.feedback
-
     def check(self) -> bool:
-        """Re-verify that the cells tile, the evidence of every clause on all of them, and the conclusion.
+        """Re-verify the evidence of every clause on all cells of the array, and the conclusion.
 
         Raises:
             nonsmooth.proofs.own_paths.ContradictionError: where a path contradicts the verdict about (x, y).
         """
         refuse_contradiction(self.partition, self.translation)
-        clauses = self.clauses
-        verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
-        about_it = self.partition.scene == self.scene.recentred() and self._speaks_of_every_cell()
-        return verified and about_it and self.verdict is conclude(*clauses)[0]
-
-    def _speaks_of_every_cell(self) -> bool:
-        """Whether the clauses' evidence is about all cells of this partition, and no others."""
-        partition, translation, zero = self.partition, self.translation, self.scene.field.zero
-        here = filippov_twists(partition, (zero, zero))
-        drift, bound = self.rotation.drift, self.rotation.rotation_per_distance
-        every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
-        return (
-            (partition.tiles if partition.complete else translation.lemma is not None)
-            and translation.support == limiting_support(partition)
-            and self.equilibrium.twists == here
-            and (drift is None or drift.twists == here)
-            and (bound is None or bounds_rotation(bound, partition, translation))
-            and (self.rotation.fan is None or self.rotation.fan == translation.fan)
-            and [(d.cell, d.twist) for d in translation.derivatives] == every
-            and (translation.fan is None or translation.fan.cones == build_fan(partition))
-            and self._feedback_is_ours()
-        )
-
-    def _feedback_is_ours(self) -> bool:
-        if rule_of(self.scene).keeps_rows:
-            return self.feedback == decide_feedback(self.partition)
-        return self.feedback == decide_driven_feedback(self.partition.scene)
+        return self.partition.scene == self.scene.recentred() and super().check()
 
 
 @dataclass(frozen=True)
-class EllipseCheck(Theorem4Result):
-    """Check under rule ``ellipse``, whose field is continuous and has no cells.
-
-    Attributes:
-        equilibrium: clause 1.
-        translation: clause 2, by exact linearization.
-        feedback: clause 4.
-    """
-
-    equilibrium: EllipseEquilibrium
-    translation: EllipseTranslation
-    feedback: DrivenFeedback
+class SmoothCheck(Theorem4Result):
+    """Check under a rule whose field is continuous and has no cells."""
 
     @property
-    def clauses(self) -> Clauses:
-        """The four clauses, in order."""
-        return self.equilibrium, self.translation, self.rotation, self.feedback
+    def equilibrium(self) -> EllipseEquilibrium:
+        """Clause 1."""
+        return cast("EllipseEquilibrium", self.results["equilibrium"])
 
-    def check(self) -> bool:
-        """Re-verify the evidence of every clause and the conclusion."""
-        clauses = self.clauses
-        verified = all(clause.check() for clause in clauses) and self.authority.check(self.scene)
-        point = self.equilibrium.point
-        about_it = point.scene == self.scene.recentred() and point.region in load_regions(
-            point.scene, point.scene.check.equilibrium
-        )
-        together = self.translation.point == point and self.rotation == spin_of(point)
-        lemma = self.translation.lemma
-        about_it = about_it and (lemma is None or lemma.scene == point.scene)
-        ours = together and self.feedback == decide_driven_feedback(point.scene)
-        return verified and about_it and ours and self.verdict is conclude(*clauses)[0]
+    @property
+    def translation(self) -> EllipseTranslation:
+        """Clause 2, by exact linearization."""
+        return cast("EllipseTranslation", self.results["translation"])
+
+    @property
+    def feedback(self) -> DrivenFeedback:
+        """Clause 4."""
+        return cast("DrivenFeedback", self.results["feedback"])
 
 
-Check: TypeAlias = CellCheck | EllipseCheck
+Check: TypeAlias = CellCheck | SmoothCheck
 
 
-def conclude(
-    equilibrium: EquilibriumResult | EllipseEquilibrium,
-    translation: TranslationResult | EllipseTranslation,
-    rotation: RotationResult,
-    feedback: AnyFeedback,
-) -> tuple[Theorem4, str]:
+def conclude(results: Mapping[str, ClauseResult]) -> tuple[Theorem4, str]:
     """The theorem's verdict from the clauses', and the clause that decided it."""
-    if equilibrium.verdict is Equilibrium.FAILS:
-        return Theorem4.HYPOTHESES_NOT_MET, f"the point is no equilibrium: {equilibrium.reason}"
-    if equilibrium.verdict is Equilibrium.UNDECIDED:
-        return Theorem4.UNDECIDED, f"equilibrium, undecided: {equilibrium.reason}"
-    if translation.verdict is Translation.UNSTABLE:
-        return Theorem4.FAILS, f"translation is unstable: {translation.reason}"
-    if rotation.verdict is Rotation.NEUTRAL:
-        return Theorem4.FAILS, f"theta is stable: {rotation.reason}"
-    if feedback.obstruction is not None:
-        return Theorem4.FAILS, obstruction_text(feedback.obstruction)
-    for name, clause, open_verdicts in (
-        ("translation", translation, (Translation.UNDECIDED,)),
-        ("rotation", rotation, (Rotation.UNDECIDED,)),
-        ("feedback", feedback, (Feedback.UNDECIDED, Feedback.NO_CERTIFICATE)),
-    ):
-        if clause.verdict in open_verdicts:
-            return Theorem4.UNDECIDED, f"{name}, {clause.verdict}: {clause.reason}"
+    for clause in registry.CLAUSES:
+        settled = clause.settles(results[clause.name])
+        if settled is not None:
+            return settled
+    for clause in registry.CLAUSES:
+        result = results[clause.name]
+        if clause.is_open(result):
+            return Theorem4.UNDECIDED, f"{clause.name}, {result.verdict}: {result.reason}"
     return Theorem4.HOLDS, "every clause holds"

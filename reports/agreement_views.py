@@ -9,8 +9,9 @@ from rich.text import Text
 
 from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference, intersect
 from nonsmooth.reports.exact_record import with_exact
+from nonsmooth.reports.facts import short_text
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable
-from nonsmooth.reports.terminal import brief, header_table
+from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -25,7 +26,9 @@ def agreement_view(agreement: Agreement) -> RenderableType:
     table = header_table("rules", "agreement on the square")
     twists = []
     for (first, second), shared in agreement.shared.items():
-        table.add_row(f"{first} and {second}", f"same motion on a share of {brief(shared.share)} of the area (exact)")
+        table.add_row(
+            f"{first} and {second}", f"same motion on a share of {short_text(shared.share)} of the area (exact)"
+        )
         which = "" if len(agreement.shared) == 1 else f" of {first} and {second}"
         twists.append(f"{len(shared.shared_twists)} twists in common{which}")
     for (first, second), difference in agreement.differences.items():
@@ -87,7 +90,7 @@ def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str)
                 xs, ys = zip(*((float(x), float(y)) for x, y in common.vertices), strict=True)
                 axes.fill(xs, ys, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
                 axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1, hatch=None if same else "//")
-    share = brief(agreement.shared[first, second].share)
+    share = short_text(agreement.shared[first, second].share)
     handles = [
         Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {share} of the area"),
         Patch(facecolor=DIFFER, alpha=TINT, hatch="//", edgecolor="white", label="different motions"),

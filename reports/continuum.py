@@ -11,7 +11,8 @@ from rich.text import Text
 from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotation
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact
-from nonsmooth.reports.terminal import brief, header_table
+from nonsmooth.reports.facts import short_text
+from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.continuum import ContinuousField, Disc
 from nonsmooth.symbolic.scene import Scene
 
@@ -75,8 +76,8 @@ def field_text(field: ContinuousField) -> str:
     """The field in words."""
     size = "proportional to the distance" if field.kind == "radial" else "as large as the field's vector"
     if field.speed is not None:
-        size = f"of constant size {brief(field.speed)}"
-    x, y = (brief(entry) for entry in field.centre)
+        size = f"of constant size {short_text(field.speed)}"
+    x, y = (short_text(entry) for entry in field.centre)
     return f"{field.kind} field about ({x}, {y}), {size}"
 
 
@@ -95,10 +96,10 @@ def _row(prediction: Prediction) -> Row:
 def _object_text(prediction: Prediction) -> str:
     footprint = prediction.footprint
     if isinstance(footprint, Disc):
-        return f"disc of radius {brief(footprint.radius)} on the field"
+        return f"disc of radius {short_text(footprint.radius)} on the field"
     if footprint.name == "rectangle":
         a, b = footprint.vertices[2]
-        return f"rectangle {brief(2 * a)} x {brief(2 * b)} on the field"
+        return f"rectangle {short_text(2 * a)} x {short_text(2 * b)} on the field"
     return f"polygon of {len(footprint.vertices)} sides on the field"
 
 
@@ -124,7 +125,7 @@ def _heading_text(heading: Heading) -> str:
 
 def _array_row(result: Check) -> Row:
     scene, drift = result.scene, result.rotation.drift
-    x, y = (brief(entry) for entry in scene.check.equilibrium)
+    x, y = (short_text(entry) for entry in scene.check.equilibrium)
     position = f"equilibrium at ({x}, {y}): {result.equilibrium.verdict}; {result.translation.verdict}"
     spin = "" if drift is None else f"; drift at rest [{float(drift.interval[0]):.6g}, {float(drift.interval[1]):.6g}]"
     return f"the array, rule {scene.contact.rule}", position, f"{result.rotation.verdict}{spin}"

@@ -12,7 +12,6 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.formulas import real_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
@@ -20,16 +19,9 @@ from nonsmooth.symbolic.numbers.number import Number
 Record: TypeAlias = dict[str, Any]
 
 
-def witness_record(witness: Witness | None, value: str) -> Record | None:
-    """A point with its value under the name ``value``, and what it means."""
-    if witness is None:
-        return None
-    return {**with_exact({"point": witness.point, value: witness.value}), "meaning": witness.meaning}
-
-
 def with_exact(values: Record) -> Record:
     """The values as floats, and their exact texts under ``exact``."""
-    exact = {key: _texts(value) for key, value in values.items() if value is not None}
+    exact = {key: exact_texts(value) for key, value in values.items() if value is not None}
     return {**{key: floats(value) for key, value in values.items()}, "exact": exact}
 
 
@@ -43,5 +35,10 @@ def floats(value: Any) -> Any:
     return [floats(entry) for entry in value]
 
 
-def _texts(value: Any) -> Any:
-    return real_text(value) if isinstance(value, Number | Lazy | arb) else [_texts(entry) for entry in value]
+def exact_texts(value: Any) -> Any:
+    """The exact texts of numbers, nested like them; None where they are sampled, or there are none."""
+    if value is None or isinstance(value, float):
+        return None
+    if isinstance(value, Number | Lazy | arb):
+        return real_text(value)
+    return [exact_texts(entry) for entry in value]

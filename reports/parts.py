@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.document import Section

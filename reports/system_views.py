@@ -13,8 +13,9 @@ from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResult
 from nonsmooth.proofs.systems.written_potential import potential_pieces
 from nonsmooth.reports.exact_record import Record, with_exact
+from nonsmooth.reports.facts import short_text
 from nonsmooth.reports.records import CHECK_SCHEMA
-from nonsmooth.reports.terminal import brief, notes_lines, two_columns, verdict_text
+from nonsmooth.reports.terminal import notes_lines, two_columns, verdict_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -149,7 +150,7 @@ def _supremum_record(supremum: Supremum) -> Record:
 
 
 def _supremum_text(supremum: Supremum) -> str:
-    value = "" if supremum.value is None else f" ({brief(supremum.value)})"
+    value = "" if supremum.value is None else f" ({short_text(supremum.value)})"
     return f"{supremum.trend}{value}"
 
 
@@ -160,6 +161,6 @@ def _witness_record(witness: Refutation | None) -> Record | None:
 
 
 def _witness_text(witness: Refutation) -> str:
-    place = ", ".join(brief(x) for x in witness.point)
-    value = "" if witness.value is None else f" (value {brief(witness.value)})"
+    place = ", ".join(short_text(x) for x in witness.point)
+    value = "" if witness.value is None else f" (value {short_text(witness.value)})"
     return f"{witness.meaning} at ({place}){value}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.proofs.facts import Quantity, Record
 from nonsmooth.symbolic.numbers.number import Number
 
 
@@ -15,3 +16,10 @@ class Witness:
     point: Point
     value: Number
     meaning: str
+
+
+def witness_record(witness: Witness | None, value: str) -> Record | None:
+    """A point with its value under the name ``value``, and what it means, as JSON holds it."""
+    if witness is None:
+        return None
+    return {"point": Quantity(witness.point), value: Quantity(witness.value), "meaning": witness.meaning}

@@ -19,7 +19,7 @@ from nonsmooth.analysis.extremes.scales import OFFSETS, POWERS
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, with_friction_ratio
@@ -83,7 +83,7 @@ def array_verdict_rows(scene: Scene) -> Rows:
         yield ArrayVerdict(nearly_in_line(scene, power)).alone(IN_LINE, f"1e-{power}")
 
 
-def _is_certified(result: CellCheck | EllipseCheck) -> bool:
+def _is_certified(result: CellCheck | SmoothCheck) -> bool:
     """Whether there is a certificate that the stand-alone checker accepts."""
     try:
         build_certificate(result)
@@ -92,9 +92,9 @@ def _is_certified(result: CellCheck | EllipseCheck) -> bool:
     return True
 
 
-def _numbers(result: CellCheck | EllipseCheck) -> tuple[Number, ...]:
+def _numbers(result: CellCheck | SmoothCheck) -> tuple[Number, ...]:
     """Largest ``V*/|c|`` (a speed) and the drift (rates of rotation), where they are known."""
-    if isinstance(result, EllipseCheck) or result.translation.lemma is not None:
+    if isinstance(result, SmoothCheck) or result.translation.lemma is not None:
         return ()
     drift = () if result.rotation.drift is None else result.rotation.drift.interval
     return (result.translation.worst_rate, *drift)

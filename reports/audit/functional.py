@@ -14,7 +14,7 @@ from nonsmooth.analysis.partitions.agreement import shared_area
 from nonsmooth.analysis.partitions.box import build_box_partition, rest_cells
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
+from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, table
@@ -149,7 +149,7 @@ def _face_text(minimum: Minimum) -> str:
 
 def audit_friction_ellipse() -> Finding:
     """Item 9: the theorem under the functional of the paper's own Fig. 3."""
-    result = check_ellipse(load_scene("four-wheel", rule="ellipse"))
+    result = check_smooth(load_scene("four-wheel", rule="ellipse"))
     linear = result.translation.point.linearization
     if linear is None:
         raise ValueError("required a smooth equilibrium of the four-wheel array")

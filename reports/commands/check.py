@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.analysis.continuum.prediction import Prediction
-    from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+    from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system import SystemScene
 
@@ -98,7 +98,7 @@ def _check_array(scenes: list[Scene], path: Path | None, *, prune: bool, continu
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
 
-def _write_records(results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None) -> None:
+def _write_records(results: list[CellCheck | SmoothCheck], found: tuple[Prediction, ...] | None) -> None:
     from nonsmooth.reports.records import check_record, checks_record
 
     if found is None:
@@ -110,7 +110,7 @@ def _write_records(results: list[CellCheck | EllipseCheck], found: tuple[Predict
     write_json(checks_record(records) if len(records) > 1 else records[0])
 
 
-def _write_views(results: list[CellCheck | EllipseCheck], found: tuple[Prediction, ...] | None) -> None:
+def _write_views(results: list[CellCheck | SmoothCheck], found: tuple[Prediction, ...] | None) -> None:
     from nonsmooth.reports.terminal import check_view, legend, notes_lines
 
     views = [check_view(result) for result in results]
@@ -172,7 +172,7 @@ def _certificate_path(target: str, rules: int) -> Path:
     return output_path(target, (".json",))
 
 
-def _write_certificate(result: CellCheck | EllipseCheck, path: Path) -> None:
+def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
     """The certificate of one check."""
     from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
     from nonsmooth.reports.files import write_whole

@@ -11,12 +11,12 @@ from nonsmooth.proofs.clauses.feedback.authority import Authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
-from nonsmooth.proofs.theorem4_result import AnyFeedback
 from nonsmooth.reports.document import (
     Block,
     Entry,
@@ -38,8 +38,8 @@ _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 
 
 def feedback_blocks(feedback: AnyFeedback, authority: Authority, scene: Scene) -> tuple[Block, ...]:
-    """Reason, law, witness, table of cells or twists, samples, and torque authority, as far as there are any."""
-    blocks: list[Block] = [paragraph("Reason: {}.", feedback.reason)]
+    """Law, witness, table of cells or twists, samples, and torque authority, as far as there are any."""
+    blocks: list[Block] = []
     if isinstance(feedback, FeedbackResult) and feedback.law is not None:
         blocks += [*law_formulas(feedback), *_law_reasons(feedback), *region_blocks(feedback)]
     if feedback.witness is not None:

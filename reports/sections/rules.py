@@ -60,7 +60,8 @@ def _rules_list(agreement: Agreement) -> Bullets:
     items = []
     for rule in all_rules():
         partition = agreement.partitions.get(rule.name)
-        cells = "no cells, a continuous field" if partition is None else f"{len(partition.cells)} cells"
+        count = 0 if partition is None else len(partition.cells)
+        cells = "1 cell" if count == 1 else f"{count} cells" if count else "no cells, a continuous field"
         items.append(prose(f"Rule {rule.name} {rule.summary} ({cells})."))
     return Bullets(tuple(items))
 

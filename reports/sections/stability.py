@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from nonsmooth.analysis.fields.filippov import CellDerivative
-from nonsmooth.proofs.clauses.at_point.ellipse_clauses import EllipseEquilibrium, EllipseTranslation
+from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.fan import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
@@ -26,6 +29,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
+from nonsmooth.reports.facts import fact_list
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.reports.subject import Subject
@@ -127,40 +131,50 @@ def equilibria_section(result: CellCheck) -> Section:
 
 def theorem_section(result: Check) -> Section:
     """The clauses with certificate or witness, and the conclusion."""
-    clauses = (
-        Section(f"Clause 1, equilibrium: {result.equilibrium.verdict}", _equilibrium_blocks(result.equilibrium)),
-        Section(f"Clause 2, translation: {result.translation.verdict}", _translation_blocks(result.translation)),
-        Section(f"Clause 3, rotation: {result.rotation.verdict}", _rotation_blocks(result.rotation)),
-        Section(
-            f"Clause 4, feedback: {result.feedback.verdict}",
-            feedback_blocks(result.feedback, result.authority, result.scene),
-        ),
-        Section(f"Conclusion: {result.verdict}", (paragraph("Because {}.", result.reason),)),
+    clauses = tuple(
+        Section(f"Clause {count}, {clause.name}: {found.verdict}", _clause_blocks(result, clause, found))
+        for count, (clause, found) in enumerate(result.clauses, 1)
     )
-    return Section("Theorem 4, clause by clause", (), clauses)
+    conclusion = Section(f"Conclusion: {result.verdict}", (paragraph("Because {}.", result.reason),))
+    return Section("Theorem 4, clause by clause", (), (*clauses, conclusion))
 
 
-def _equilibrium_blocks(equilibrium: EquilibriumResult | EllipseEquilibrium) -> tuple[Block, ...]:
-    reason = paragraph("Reason: {}.", equilibrium.reason)
-    if isinstance(equilibrium, EllipseEquilibrium):
-        return (reason,)
+def _clause_blocks(result: Check, clause: Clause[Any], found: ClauseResult) -> tuple[Block, ...]:
+    """Reason and facts of a clause, then its evidence as formulas and tables where this report explains it."""
+    said: list[Block] = [paragraph("Reason: {}.", found.reason), *fact_list(result.facts(clause))]
+    return (*said, *_explanation(found, result))
+
+
+def _explanation(found: ClauseResult, result: Check) -> tuple[Block, ...]:
+    match found:
+        case EquilibriumResult():
+            return _equilibrium_blocks(found)
+        case TranslationResult():
+            return _translation_blocks(found)
+        case RotationResult():
+            return _rotation_blocks(found)
+        case FeedbackResult() | DrivenFeedback():
+            return feedback_blocks(found, result.authority, result.scene)
+        case _:
+            return ()
+
+
+def _equilibrium_blocks(equilibrium: EquilibriumResult) -> tuple[Block, ...]:
     if equilibrium.verdict is Equilibrium.HOLDS:
         rows = [(point(equilibrium.twists[k].velocity), number(w)) for k, w in equilibrium.weights.items()]
         words = paragraph("These convex weights give velocity zero, so 0 lies in `F(c*)`:")
-        return reason, words, table((prose("`v`"), "weight"), rows, (3, 1))
+        return words, table((prose("`v`"), "weight"), rows, (3, 1))
     if equilibrium.separator is None:
-        return (reason,)
+        return ()
     separator = column(equilibrium.separator)
     words = paragraph(
         "This vector has a positive product with every velocity that meets there, so 0 is not in `F(c*)`:"
     )
-    return reason, words, display(separator.latex, separator.plain)
+    return words, display(separator.latex, separator.plain)
 
 
-def _translation_blocks(translation: TranslationResult | EllipseTranslation) -> tuple[Block, ...]:
-    blocks: list[Block] = [paragraph("Reason: {}.", translation.reason)]
-    if isinstance(translation, EllipseTranslation):
-        return tuple(blocks)
+def _translation_blocks(translation: TranslationResult) -> tuple[Block, ...]:
+    blocks: list[Block] = []
     if translation.region_radius is not None:
         relation = "`V* < 0`" if translation.verdict is Translation.ASYMPTOTICALLY_STABLE else "`V* <= 0`"
         region = relation + " on the disc of radius {} about the checked point, but at the point itself."
@@ -202,9 +216,8 @@ def _rotation_blocks(rotation: RotationResult) -> tuple[Block, ...]:
         "that it is unstable; the drift decides: the range of `omega` over those members of `F(c*)` that leave "
         "`c` at rest."
     )
-    reason = paragraph("Reason: {}.", rotation.reason)
     if rotation.drift is None:
-        return invariance, reason
+        return (invariance,)
     low, high = (number(end) for end in rotation.drift.interval)
     interval = display(rf"\omega \in \left[{low.latex},\ {high.latex}\right]", f"omega in [{low.plain}, {high.plain}]")
     ends = (("lowest", rotation.drift.lowest), ("highest", rotation.drift.highest))
@@ -222,7 +235,6 @@ def _rotation_blocks(rotation: RotationResult) -> tuple[Block, ...]:
     return (
         invariance,
         interval,
-        reason,
         paragraph("Convex weights that leave `c` at rest and attain the ends:"),
         table(("end", prose("`v`"), prose("`omega`"), "weight"), rows, (2, 5, 3, 2)),
         bounds,

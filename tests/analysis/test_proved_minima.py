@@ -28,7 +28,7 @@ from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.studies.reference_twists import ellipse_references
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
-from nonsmooth.proofs.theorem4 import check_ellipse
+from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import Pair, WheelData
 
@@ -81,7 +81,7 @@ def test_every_minimum_is_proved_and_right(arrays: Arrays, build: object) -> Non
 @pytest.mark.parametrize("build", [omniwheels, turned_rims, inward_rims])
 def test_no_sampled_rate_is_beyond_what_a_body_can_do(arrays: Arrays, build: object) -> None:
     scene = build(arrays)  # type: ignore[operator]
-    result = check_ellipse(scene, prune=False)
+    result = check_smooth(scene, prune=False)
     assert result.check()
     sampled = result.translation.sampled
     assert sampled is not None
@@ -96,7 +96,7 @@ def test_free_motions_are_named_instead_of_numbers(arrays: Arrays) -> None:
     sampled = sample_ellipse_derivative(scene, 100)
     assert (sampled.samples, sampled.largest, sampled.largest_relative, sampled.at) == (0, None, None, None)
     assert sampled.not_certified == free_motions(scene)
-    for sample in with_samples(check_ellipse(scene).feedback, scene).samples:
+    for sample in with_samples(check_smooth(scene).feedback, scene).samples:
         assert (sample.states, sample.worst_rate, sample.worst_state, sample.fails) == (0, None, None, None)
         assert sample.not_certified == free_motions(scene)
 
@@ -168,7 +168,7 @@ def test_references_leave_out_kinks(arrays: Arrays) -> None:
 
 def test_laws_are_listed_best_first_and_unknown_last(arrays: Arrays) -> None:
     scene = under_ellipse(arrays.four_wheel())
-    samples = with_samples(check_ellipse(scene).feedback, scene).samples
+    samples = with_samples(check_smooth(scene).feedback, scene).samples
     assert {sample.law for sample in samples} == set(Law)
     rates = [sample.worst_rate for sample in samples]
     assert all(rate is not None for rate in rates)

@@ -209,7 +209,7 @@ def test_a_theorem_holds_by_the_cascade_alone() -> None:
     assert result.verdict is Theorem4.HOLDS
     assert result.check()
     assert isinstance(result.feedback, FeedbackResult)
-    assert not replace(result, feedback=replace(result.feedback, cascade=None)).check()
+    assert not result.with_results(feedback=replace(result.feedback, cascade=None)).check()
 
 
 # ---- no feedback at all --------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from nonsmooth.proofs.certificate import CertificateError, build_certificate, ce
 from nonsmooth.proofs.checker import check_certificate, check_file
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.certified_disc import certified_disc
-from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
+from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
@@ -85,12 +85,12 @@ def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:
 
 def test_rule_ellipse_has_no_certificate() -> None:
     with pytest.raises(CertificateError, match='"nearest" or "box", received "ellipse"'):
-        build_certificate(check_ellipse(load_scene("four-wheel-side", rule="ellipse")))
+        build_certificate(check_smooth(load_scene("four-wheel-side", rule="ellipse")))
 
 
 def test_a_verdict_that_the_checker_cannot_follow_is_refused(arrays: Arrays) -> None:
     result = check_cells(arrays.four_wheel())
-    forged = replace(result, rotation=replace(result.rotation, verdict=Rotation.NEUTRAL))
+    forged = result.with_results(rotation=replace(result.rotation, verdict=Rotation.NEUTRAL))
     with pytest.raises(CertificateError, match="rotation: unstable"):
         build_certificate(forged)
 

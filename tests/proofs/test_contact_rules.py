@@ -19,7 +19,7 @@ from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
+from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -50,7 +50,7 @@ def without_feedback(scene: Scene) -> Scene:
 def test_evidence_verifies(name: str, rule: str) -> None:
     result = check_theorem4(load_scene(name, rule=str(rule)))
     assert result.check()
-    assert isinstance(result, CellCheck if rule == "box" else EllipseCheck)
+    assert isinstance(result, CellCheck if rule == "box" else SmoothCheck)
 
 
 def test_four_wheel_under_box_rests_in_a_diamond() -> None:
@@ -95,7 +95,7 @@ def test_the_rotation_bound_of_rule_box_holds_on_every_cell(arrays: Arrays, fric
 @pytest.mark.parametrize("ratio", [Fraction(1, 2), Fraction(1, 10), 2])
 def test_four_wheel_under_ellipse_is_exponentially_stable(arrays: Arrays, ratio: Fraction) -> None:
     result = check_theorem4(ruled(arrays.four_wheel((1, ratio)), "ellipse"))
-    assert isinstance(result, EllipseCheck)
+    assert isinstance(result, SmoothCheck)
     assert result.translation.verdict is Translation.ASYMPTOTICALLY_STABLE
     linear = result.translation.point.linearization
     assert linear is not None

@@ -201,7 +201,7 @@ def test_two_drive_wheels_and_slippery_supports_are_a_unicycle(arrays: Arrays) -
         found = minimizer("box", model, c, speeds)
         assert abs(found[1]) <= 1e-9 * np.abs(speeds).max()
     result = check_theorem4(replace(scene, contact=replace(scene.contact, rule="box")))
-    assert (result.clauses[1].verdict, result.rotation.verdict) == (Translation.STABLE, Rotation.UNSTABLE)
+    assert (result.clauses[1][1].verdict, result.rotation.verdict) == (Translation.STABLE, Rotation.UNSTABLE)
     assert result.verdict is Theorem4.FAILS
     assert "no static feedback stabilizes" in result.reason
     assert result.check()

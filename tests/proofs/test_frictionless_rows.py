@@ -82,6 +82,6 @@ def test_a_free_side_row_far_away_changes_nothing(arrays: Arrays) -> None:
         friction=(1, Fraction(1, 2)),
     )
     before, after = check_cells(scene), check_cells(extended)
-    assert [c.verdict for c in before.clauses] == [c.verdict for c in after.clauses]
+    assert [found.verdict for _, found in before.clauses] == [found.verdict for _, found in after.clauses]
     assert len(before.partition.cells) == len(after.partition.cells)
     assert build_certificate(after)["theorem4"] == "holds"

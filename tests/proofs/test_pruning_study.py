@@ -30,7 +30,8 @@ def test_differing_verdicts_are_counted() -> None:
     scene = load_scene("four-wheel")
     trial = PRUNING.build(scene).trials[1]
     right = check_theorem4(scene)
-    wrong = replace(right, verdict=Theorem4.UNDECIDED, rotation=replace(right.rotation, verdict=Rotation.UNDECIDED))
+    open_rotation = replace(right.rotation, verdict=Rotation.UNDECIDED)
+    wrong = replace(right.with_results(rotation=open_rotation), verdict=Theorem4.UNDECIDED)
     assert trial.judge(right).error == 0
     assert trial.judge(wrong).error == 2
     assert verdicts(right) == ("holds", "holds", "asymptotically stable", "unstable", "stabilizable")

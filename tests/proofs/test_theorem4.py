@@ -92,32 +92,34 @@ def test_the_verdict_is_the_stated_conjunction(arrays: Arrays, seed: int) -> Non
 
 def test_a_refuted_clause_fails_and_an_open_one_leaves_it_undecided(arrays: Arrays) -> None:
     r = check_cells(arrays.four_wheel(ROLL))
-    clauses = (r.equilibrium, r.translation, r.rotation, r.feedback)
-    assert conclude(*clauses)[0] is Theorem4.HOLDS
+    assert conclude(r.results)[0] is Theorem4.HOLDS
     one = r.partition.scene.field.one
     fails = replace(r.equilibrium, verdict=Equilibrium.FAILS, separator=(one, one))
-    assert conclude(fails, *clauses[1:])[0] is Theorem4.HYPOTHESES_NOT_MET
+    assert conclude(r.with_results(equilibrium=fails).results)[0] is Theorem4.HYPOTHESES_NOT_MET
     for verdict, expected in (
         (Translation.UNSTABLE, Theorem4.FAILS),
         (Translation.UNDECIDED, Theorem4.UNDECIDED),
         (Translation.STABLE, Theorem4.HOLDS),
     ):
-        assert conclude(clauses[0], replace(r.translation, verdict=verdict), *clauses[2:])[0] is expected
+        other = r.with_results(translation=replace(r.translation, verdict=verdict))
+        assert conclude(other.results)[0] is expected
     for spin, expected in ((Rotation.NEUTRAL, Theorem4.FAILS), (Rotation.UNDECIDED, Theorem4.UNDECIDED)):
-        assert conclude(*clauses[:2], replace(r.rotation, verdict=spin), clauses[3])[0] is expected
+        other = r.with_results(rotation=replace(r.rotation, verdict=spin))
+        assert conclude(other.results)[0] is expected
     for law, expected in (
         (Feedback.NO_CERTIFICATE, Theorem4.UNDECIDED),
         (Feedback.UNDECIDED, Theorem4.UNDECIDED),
         (Feedback.NOT_APPLICABLE, Theorem4.HOLDS),
     ):
-        assert conclude(*clauses[:3], replace(r.feedback, verdict=law))[0] is expected
+        other = r.with_results(feedback=replace(r.feedback, verdict=law))
+        assert conclude(other.results)[0] is expected
 
 
 def test_a_failure_outweighs_an_open_clause(arrays: Arrays) -> None:
     r = check_cells(arrays.four_wheel(ROLL))
     neutral = replace(r.rotation, verdict=Rotation.NEUTRAL)
     undecided = replace(r.translation, verdict=Translation.UNDECIDED)
-    assert conclude(r.equilibrium, undecided, neutral, r.feedback)[0] is Theorem4.FAILS
+    assert conclude(r.with_results(translation=undecided, rotation=neutral).results)[0] is Theorem4.FAILS
 
 
 def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None:
@@ -132,7 +134,7 @@ def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None
         assert [str(x) for x in result.feedback.obstruction or ()] == ["0", "1", "0"]
         assert result.verdict is Theorem4.FAILS
         assert result.check()
-        assert not replace(result, feedback=replace(result.feedback, obstruction=None)).check()
+        assert not result.with_results(feedback=replace(result.feedback, obstruction=None)).check()
 
 
 # ---- leaving out what a scene does not need ------------------------------------------------------
@@ -205,10 +207,10 @@ def test_clauses_of_another_array_are_refused(arrays: Arrays) -> None:
     assert mine.check()
     assert other.check()
     for wrong in (
-        replace(mine, equilibrium=other.equilibrium),
-        replace(mine, translation=other.translation),
-        replace(mine, rotation=other.rotation),
-        replace(mine, feedback=other.feedback),
+        mine.with_results(equilibrium=other.equilibrium),
+        mine.with_results(translation=other.translation),
+        mine.with_results(rotation=other.rotation),
+        mine.with_results(feedback=other.feedback),
         replace(mine, verdict=Theorem4.FAILS),
     ):
         assert not wrong.check()
@@ -221,9 +223,7 @@ def test_a_partition_with_a_hole_is_refused(arrays: Arrays) -> None:
     far = next(cell for cell in r.partition.cells if not cell.polygon.contains((zero, zero)))
     holed = replace(r.partition, cells=tuple(cell for cell in r.partition.cells if cell is not far))
     translation = decide_translation(holed)
-    wrong = replace(
-        r,
-        partition=holed,
+    wrong = replace(r, cells=holed).with_results(
         equilibrium=decide_equilibrium(holed),
         translation=translation,
         rotation=decide_rotation(holed, translation),
@@ -236,7 +236,7 @@ def test_a_partition_with_a_hole_is_refused(arrays: Arrays) -> None:
 
 def test_a_feedback_clause_that_was_waved_away_is_refused(arrays: Arrays) -> None:
     r = check_cells(arrays.four_wheel(ROLL))
-    assert not replace(r, feedback=replace(r.feedback, verdict=Feedback.NOT_APPLICABLE)).check()
+    assert not r.with_results(feedback=replace(r.feedback, verdict=Feedback.NOT_APPLICABLE)).check()
 
 
 @pytest.mark.parametrize("rule", list(CONTACT_RULES))
@@ -266,9 +266,8 @@ def test_the_feedback_clause_applies_exactly_where_the_friction_says_so(
     assert result.feedback.verdict is (Feedback.NOT_APPLICABLE if friction == SIDE else Feedback.STABILIZABLE)
     for verdict in set(Feedback) - {result.feedback.verdict}:
         wrong = replace(result.feedback, verdict=verdict)
-        forged = replace(result, feedback=wrong)
-        clauses = (forged.equilibrium, forged.translation, forged.rotation, wrong)
-        assert not replace(forged, verdict=conclude(*clauses)[0]).check()
+        forged = result.with_results(feedback=wrong)
+        assert not replace(forged, verdict=conclude(forged.results)[0]).check()
 
 
 def test_authority_of_another_array_is_refused(arrays: Arrays) -> None:
@@ -291,7 +290,7 @@ def test_a_bound_on_rotation_that_is_too_small_is_refused(arrays: Arrays) -> Non
     bound = r.rotation.rotation_per_distance
     assert bound is not None
     assert r.check()
-    assert not replace(r, rotation=replace(r.rotation, rotation_per_distance=bound / 2)).check()
+    assert not r.with_results(rotation=replace(r.rotation, rotation_per_distance=bound / 2)).check()
 
 
 @pytest.mark.parametrize(

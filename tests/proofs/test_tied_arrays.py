@@ -41,7 +41,7 @@ def test_a_velocity_along_a_ray_that_omega_bends_outward_lets_full_turns_diverge
 ) -> None:
     assert observe(wheels, seed=0) == {End.LEAVES}
     result = check_theorem4(scene_of(arrays, wheels))
-    assert result.clauses[1].verdict is Translation.UNSTABLE
+    assert result.translation.verdict is Translation.UNSTABLE
     assert result.verdict is Theorem4.FAILS
     assert result.check()
 
@@ -51,7 +51,7 @@ def test_a_verdict_that_the_own_paths_contradict_is_a_fault(arrays: Arrays, whee
     result = check_cells(scene_of(arrays, wheels))
     forged = replace(result.translation, verdict=Translation.ASYMPTOTICALLY_STABLE)
     with pytest.raises(ContradictionError, match=r"said to be asymptotically stable, but the path from"):
-        replace(result, translation=forged).check()
+        result.with_results(translation=forged).check()
 
 
 def test_half_planes_whose_velocity_lies_along_their_line_have_gain_one(arrays: Arrays) -> None:

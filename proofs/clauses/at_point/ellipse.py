@@ -75,6 +75,11 @@ class EllipsePoint:
     reason: str
 
     @property
+    def summary(self) -> str:
+        """What the body does and why; where that is open the reason alone."""
+        return self.reason if self.situation is Situation.OPEN else f"{self.situation}: {self.reason}"
+
+    @property
     def equilibrium(self) -> Equilibrium:
         """Whether the translation part of the motion vanishes at the point."""
         if self.twist is not None:

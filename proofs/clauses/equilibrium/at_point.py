@@ -1,0 +1,33 @@
+"""Clause 1 under a rule without cells: whether the body rests (or spins) at the point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
+from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.symbolic.formulas import brief_text
+
+
+@dataclass(frozen=True)
+class EllipseEquilibrium:
+    """Clause 1: whether the body rests (or spins) at the point."""
+
+    point: EllipsePoint
+
+    @property
+    def verdict(self) -> Equilibrium:
+        """Holds where the translation part of the exact minimizer vanishes."""
+        return self.point.equilibrium
+
+    @property
+    def reason(self) -> str:
+        """One sentence for people."""
+        twist = self.point.twist
+        if self.point.situation is Situation.OPEN and twist is not None:
+            return f"the twist (0, 0, {brief_text(twist.omega)}) minimizes D"
+        return self.point.summary
+
+    def check(self) -> bool:
+        """Re-decide the situation."""
+        return self.point.check()

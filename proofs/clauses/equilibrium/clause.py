@@ -1,0 +1,87 @@
+"""Clause 1 of Theorem 4 as the check asks it, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, TypeAlias
+
+from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.partitions.loads import load_regions
+from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
+from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.facts import Fact, Quantity, Record
+from nonsmooth.proofs.verdicts import Equilibrium, Theorem4
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+    from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+AnyEquilibrium: TypeAlias = EquilibriumResult | EllipseEquilibrium
+
+MOST_LISTED = 6  # equilibria that are named by place
+
+
+class EquilibriumClause(Clause[AnyEquilibrium]):
+    """Whether ``0`` belongs to the translation part of the Filippov set at the point."""
+
+    name = "equilibrium"
+
+    def decide(self, work: Workspace) -> AnyEquilibrium:
+        """By convex weights of the velocities that meet there, or by the exact minimizer."""
+        return EllipseEquilibrium(work.point) if work.partition is None else decide_equilibrium(work.partition)
+
+    def is_about(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
+        """Whether all twists that meet at the point of the array were looked at."""
+        scene = check.scene.recentred()
+        if isinstance(result, EllipseEquilibrium):
+            regions = load_regions(scene, scene.check.equilibrium)
+            return result.point.scene == scene and result.point.region in regions
+        zero = scene.field.zero
+        return check.partition is not None and result.twists == filippov_twists(check.partition, (zero, zero))
+
+    def settles(self, result: AnyEquilibrium) -> tuple[Theorem4, str] | None:
+        """Without an equilibrium nothing is said of its stability."""
+        if result.verdict is Equilibrium.FAILS:
+            return Theorem4.HYPOTHESES_NOT_MET, f"the point is no equilibrium: {result.reason}"
+        if result.verdict is Equilibrium.UNDECIDED:
+            return Theorem4.UNDECIDED, f"equilibrium, undecided: {result.reason}"
+        return None
+
+    def facts(self, result: AnyEquilibrium, check: Theorem4Result) -> Iterator[Fact]:
+        """Where, and the other equilibria of the square."""
+        yield Fact("at", Quantity(check.scene.check.equilibrium))
+        others = check.other_equilibria
+        if others is None:
+            yield Fact("others")
+            return
+        words, shown = _listed(others)
+        yield Fact(
+            "others", [_record(other) for other in others], f"other equilibria in the square: {words}", shown, True
+        )
+
+
+def _listed(others: tuple[JudgedEquilibrium, ...]) -> tuple[str, tuple[object, ...]]:
+    """The first few by place, with their verdicts: words with a ``{}`` for each coordinate, and the coordinates."""
+    if not others:
+        return "none", ()
+    words: list[str] = []
+    for other in others[:MOST_LISTED]:
+        places = ", ".join("({}, {})" for _ in other.found.points)
+        verdict = "" if other.translation is None else f" ({other.translation})"
+        words.append(f"{other.found.place} at {places}{verdict}")
+    if len(others) > MOST_LISTED:
+        words.append(f"and {len(others) - MOST_LISTED} more")
+    points = [point for other in others[:MOST_LISTED] for point in other.found.points]
+    return "; ".join(words), tuple(entry for point in points for entry in point)
+
+
+def _record(other: JudgedEquilibrium) -> Record:
+    return {
+        "place": str(other.found.place),
+        "points": Quantity(other.found.points),
+        "cells": list(other.found.cells),
+        "translation": None if other.translation is None else str(other.translation),
+        "rotation": None if other.rotation is None else str(other.rotation),
+    }

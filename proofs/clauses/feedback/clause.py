@@ -1,0 +1,79 @@
+"""Clause 4 of Theorem 4 as the check asks it, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, TypeAlias
+
+from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, with_samples
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.friction_facts import driven_facts
+from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
+from nonsmooth.proofs.clauses.feedback.row_facts import row_facts
+from nonsmooth.proofs.clauses.witness import witness_record
+from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.verdicts import Feedback, Theorem4
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+AnyFeedback: TypeAlias = FeedbackResult | DrivenFeedback
+
+
+class FeedbackClause(Clause[AnyFeedback]):
+    """Whether a discontinuous law makes a Lyapunov function of (c, theta) decrease."""
+
+    name = "feedback"
+
+    def decide(self, work: Workspace) -> AnyFeedback:
+        """Through the control vector fields where the rule keeps rows, else through the twists that speeds impose.
+
+        Two laws are sampled where the clause stays undecided, or when nothing is to be left out.
+        """
+        if work.partition is not None and work.rule.keeps_rows:
+            found: AnyFeedback = decide_feedback(work.partition)
+        else:
+            found = _driven(work)
+        if found.verdict is Feedback.NOT_APPLICABLE:
+            work.skip("feedback search", 1, found.reason)
+        return found
+
+    def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
+        """Whether deciding again about the array gives the same."""
+        if isinstance(result, FeedbackResult):
+            return check.partition is not None and result == decide_feedback(check.partition)
+        return result == decide_driven_feedback(check.scene.recentred())
+
+    def settles(self, result: AnyFeedback) -> tuple[Theorem4, str] | None:
+        """A plane of twists that no input leaves refutes every static feedback."""
+        if result.obstruction is not None:
+            return Theorem4.FAILS, obstruction_text(result.obstruction)
+        return None
+
+    def is_open(self, result: AnyFeedback) -> bool:
+        """No certificate is no refutation."""
+        return result.verdict in (Feedback.UNDECIDED, Feedback.NO_CERTIFICATE)
+
+    def facts(self, result: AnyFeedback, check: Theorem4Result) -> Iterator[Fact]:
+        """Law, V, certified rate, region, margin, what was sampled, and the torque authority."""
+        yield Fact("law", result.law, result.law or "", explained=True)
+        yield from driven_facts(result, check.scene)
+        yield from row_facts(result, check)
+        yield Fact("witness", witness_record(result.witness, "theta"))
+        normal = result.obstruction
+        yield Fact("obstruction", None if normal is None else {"normal": Quantity(normal)})
+        rank, missing = check.authority.rank, check.authority.missing
+        record = {"rank": rank, "missing": Quantity(missing)}
+        yield Fact("authority", record, f"torque authority: rank {rank} of 3", explained=True)
+
+
+def _driven(work: Workspace) -> DrivenFeedback:
+    found = decide_driven_feedback(work.scene)
+    if found.verdict is Feedback.NOT_APPLICABLE:
+        return found
+    if found.verdict is Feedback.UNDECIDED or not work.prune:
+        return with_samples(found, work.scene)
+    work.skip("samples of the closed loop", 2, "the feedback clause is decided exactly")
+    return found

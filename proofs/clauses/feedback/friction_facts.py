@@ -1,0 +1,71 @@
+"""What the feedback clause says of rules that minimize the dissipation: imposed twists, rate and samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
+from nonsmooth.proofs.facts import Fact, Quantity, Record, said
+from nonsmooth.symbolic.formulas import lower_text
+from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.closed_loop import LoopSample
+
+ROUNDING = 1e-12  # of a sampled V'/V at gain one: less is noise
+
+
+def driven_facts(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Iterator[Fact]:
+    """The cones of the law, its certified rate, and what was sampled."""
+    if isinstance(feedback, FeedbackResult):
+        yield from (Fact("cones", []), Fact("sampled", []))
+        return
+    yield Fact(
+        "cones", [_cone_record(cone, scene.recentred()) for cone in feedback.cones], _twists(feedback), explained=True
+    )
+    if feedback.kappa is not None:
+        where = "near c*" if feedback.reach is None else f"where |x|, |y| < {lower_text(feedback.reach, 3)}"
+        yield said(f"{where}: V' <= -{lower_text(2 * feedback.kappa, 4)} k V (certified)", explained=True)
+        yield said("V = |c|^2 + theta^2", explained=True)
+    yield Fact("sampled", [_sample_record(sample) for sample in feedback.samples])
+    for sample in feedback.samples:
+        if sample.worst_rate is not None:
+            rate = f"{sample.worst_rate:.3g}" if abs(sample.worst_rate) > ROUNDING else "0"
+            yield said(
+                f"{sample.law} (sampled): largest V'/V found {rate} k over {sample.states} states", explained=True
+            )
+        if sample.not_certified:
+            yield said(f"{sample.law} (sampled): largest V'/V not certified: {sample.not_certified}", explained=True)
+
+
+def _twists(feedback: DrivenFeedback) -> str:
+    """The twists of the law, where they fit a line."""
+    if len(feedback.cones) > 1:
+        return f"xi_l: by direction of c, {len(feedback.cones)} cones; the report and --json list them"
+    twists = [", ".join(f"{float(x):.4g}" for x in twist) for cone in feedback.cones for twist in cone.vectors]
+    return "xi_l = " + ", ".join(f"({twist})" for twist in twists) if twists else ""
+
+
+def _sample_record(sample: LoopSample) -> Record:
+    return {
+        "law": str(sample.law),
+        "states": sample.states,
+        "worst_rate": sample.worst_rate,
+        "worst_state": None if sample.worst_state is None else [float(entry) for entry in sample.worst_state],
+        "fails": sample.fails,
+        "not_certified": sample.not_certified or None,
+    }
+
+
+def _cone_record(cone: LawCone, scene: Scene) -> Record:
+    """The twists of the law with the speeds that impose them, for a cone of directions of c."""
+    twists = [
+        {"twist": Quantity(imposed.twist), "speeds": [float(speed) for speed in rim_speeds(scene, imposed)]}
+        for imposed in cone.twists
+    ]
+    if cone.rays is None:
+        return {"from": None, "to": None, "twists": twists}
+    return {"from": Quantity(cone.rays[0]), "to": Quantity(cone.rays[1]), "twists": twists}

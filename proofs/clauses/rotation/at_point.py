@@ -1,0 +1,28 @@
+"""Clause 3 under a rule without cells: a spin at the point, or the rotation that the way home leaves behind."""
+
+from __future__ import annotations
+
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, drift_at_rest
+from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
+from nonsmooth.symbolic.formulas import brief_text
+
+
+def spin_of(point: EllipsePoint) -> RotationResult:
+    """Clause 3: a spin is drift; without one theta follows the translation and stays where it is left."""
+    if point.situation is Situation.OPEN and point.equilibrium is Equilibrium.HOLDS:
+        return RotationResult(Rotation.UNDECIDED, None, None, "the motion near the point is not determined")
+    if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
+        return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium is proved, so nothing rests there")
+    drift = drift_at_rest((point.twist,))
+    if point.twist.omega:
+        reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever"
+        return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+    if point.situation in (Situation.HELD, Situation.CARRIED):
+        reason = "near the point the body does not move at all"
+        return RotationResult(Rotation.NEUTRAL, drift, None, reason)
+    if point.translation is Translation.ASYMPTOTICALLY_STABLE and point.linearization is not None:
+        x, y = point.linearization.rotation_map
+        reason = f"theta_inf - theta_0 = ({brief_text(x)}) x_0 + ({brief_text(y)}) y_0 to first order"
+        return RotationResult(Rotation.NEUTRAL, drift, None, reason)
+    return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay bounds the rotation")

@@ -1,0 +1,76 @@
+"""Clause 3 of Theorem 4 as the check asks it, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.rotation.at_point import spin_of
+from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, bounds_rotation, decide_rotation
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.facts import Fact, Quantity, Record
+from nonsmooth.proofs.verdicts import Rotation, Theorem4
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+
+class RotationClause(Clause[RotationResult]):
+    """Stability of theta: the range of omega that leaves c at rest."""
+
+    name = "rotation"
+
+    def decide(self, work: Workspace) -> RotationResult:
+        """By two linear programs on cells; by the spin at the point without."""
+        translation = work.earlier["translation"]
+        if work.partition is None or not isinstance(translation, TranslationResult):
+            return spin_of(work.point)
+        return decide_rotation(work.partition, translation)
+
+    def is_about(self, result: RotationResult, check: Theorem4Result) -> bool:
+        """Whether the drift is that of all twists that meet at the point."""
+        translation, partition = check.results["translation"], check.partition
+        if isinstance(translation, EllipseTranslation):
+            return result == spin_of(translation.point)
+        if partition is None or not isinstance(translation, TranslationResult):
+            return False
+        zero, bound = check.scene.field.zero, result.rotation_per_distance
+        here = filippov_twists(partition, (zero, zero))
+        return (
+            (result.drift is None or result.drift.twists == here)
+            and (bound is None or bounds_rotation(bound, partition, translation))
+            and (result.fan is None or result.fan == translation.fan)
+        )
+
+    def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
+        """The theorem says that theta is unstable."""
+        if result.verdict is Rotation.NEUTRAL:
+            return Theorem4.FAILS, f"theta is stable: {result.reason}"
+        return None
+
+    def is_open(self, result: RotationResult) -> bool:
+        """Whether theta drifts is not known."""
+        return result.verdict is Rotation.UNDECIDED
+
+    def facts(self, result: RotationResult, check: Theorem4Result) -> Iterator[Fact]:
+        """The drift at rest with the weights that attain it, and what some solution can keep."""
+        yield Fact("weakly_stable", check.theta_is_weakly_stable)
+        drift = result.drift
+        if drift is None:
+            yield from (Fact("drift", Quantity(None)), Fact("weights"))
+            return
+        ends = tuple(f"{float(end):.6g}" for end in drift.interval)
+        yield Fact("drift", Quantity(drift.interval), "drift at rest: [{}, {}]", ends, explained=True)
+        yield Fact("weights", _weights(drift))
+
+
+def _weights(drift: Drift) -> Record:
+    """The convex weights that rest in (x, y) and turn at the lowest and highest rate."""
+    return {
+        end: [{"twist": Quantity(drift.twists[k]), "weight": Quantity(w)} for k, w in mixture.weights.items()]
+        for end, mixture in (("lowest", drift.lowest), ("highest", drift.highest))
+    }

@@ -1,0 +1,83 @@
+"""Clause 2 under a rule without cells: exact linearization at the point, or rest.
+
+V* over the square is exact only where the lemma on inward rims covers it; otherwise it is sampled with the numerical
+minimizer and said to be sampled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
+from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.numbers.number import Number
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.sampling import SampledDerivative
+
+
+@dataclass(frozen=True)
+class EllipseTranslation:
+    """Clause 2: stability of (x, y) by exact linearization, or by rest.
+
+    Attributes:
+        point: the situation at the equilibrium.
+        lemma: certificate of ``V* <= 0`` on the whole square, where the array meets its hypotheses.
+        sampled: V* at random points of the square, where it is not known exactly.
+    """
+
+    point: EllipsePoint
+    lemma: CocircularArray | None
+    sampled: SampledDerivative | None
+    witness: Witness | None = None
+    region_radius: Number | None = None
+
+    @property
+    def verdict(self) -> Translation:
+        """Strong stability of (x, y)."""
+        return self.point.translation
+
+    @property
+    def worst_rate(self) -> Number | None:
+        """Supremum of ``V*/|c|`` over the square: zero by the lemma (the field vanishes at the equilibrium)."""
+        return self.point.scene.field.zero if self.lemma is not None else None
+
+    @property
+    def quadratic(self) -> None:
+        """No other Lyapunov function is looked for."""
+
+    @property
+    def reason(self) -> str:
+        """One sentence for people."""
+        linear = self.point.linearization
+        if self.verdict is Translation.UNDECIDED or linear is None:
+            return self.point.summary
+        abscissa = linear.spectral_abscissa
+        return f"c' = A c to first order, and the eigenvalues of A have real parts up to {brief_text(abscissa)}"
+
+    def check(self) -> bool:
+        """Re-verify the situation and the lemma."""
+        return self.point.check() and (self.lemma is None or self.lemma.check())
+
+
+def decide_translation_at(
+    point: EllipsePoint, lemma: CocircularArray | None, *, samples: int = 0, always: bool = False
+) -> EllipseTranslation:
+    """Decide the clause from the motion at the point.
+
+    Args:
+        point: the exact motion there.
+        lemma: the certificate of ``V* <= 0`` on the square, where the array meets its hypotheses.
+        samples: random points at which V* is evaluated where the lemma does not apply; 0 for none.
+        always: sample also where the lemma applies.
+    """
+    sampled = None
+    if samples and (lemma is None or always):
+        from nonsmooth.analysis.fields.sampling import sample_ellipse_derivative
+
+        sampled = sample_ellipse_derivative(point.scene, samples)
+    return EllipseTranslation(point, lemma, sampled)

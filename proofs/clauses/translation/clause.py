@@ -1,0 +1,109 @@
+"""Clause 2 of Theorem 4 as the check asks it, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, TypeAlias
+
+from nonsmooth.analysis.partitions.support import limiting_support
+from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
+from nonsmooth.proofs.clauses.translation.cones import build_fan
+from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
+from nonsmooth.proofs.clauses.witness import witness_record
+from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
+from nonsmooth.proofs.facts import Fact, Quantity, number_fact, said
+from nonsmooth.proofs.verdicts import Theorem4, Translation
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.sampling import SampledDerivative
+    from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+AnyTranslation: TypeAlias = TranslationResult | EllipseTranslation
+
+SAMPLES = 2_000  # points at which V* is evaluated without cells, where no lemma covers the square
+
+
+class TranslationClause(Clause[AnyTranslation]):
+    """Strong stability of (x, y): of every Filippov solution."""
+
+    name = "translation"
+
+    def decide(self, work: Workspace) -> AnyTranslation:
+        """By ``|c|^2``, the fan of cones or a quadratic function on cells; by linearization without."""
+        if work.partition is not None:
+            return decide_translation(work.partition, work.lemma)
+        if work.lemma is not None and work.prune:
+            work.skip("samples of V*", SAMPLES, f"{LEMMA}: no solver is needed")
+        return decide_translation_at(work.point, work.lemma, samples=SAMPLES, always=not work.prune)
+
+    def is_about(self, result: AnyTranslation, check: Theorem4Result) -> bool:
+        """Whether V* was looked at on every cell of the array."""
+        scene, partition = check.scene.recentred(), check.partition
+        if isinstance(result, EllipseTranslation):
+            return result.point.scene == scene and (result.lemma is None or result.lemma.scene == scene)
+        if partition is None or not (partition.tiles if partition.complete else result.lemma is not None):
+            return False
+        every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
+        whole = [(derivative.cell, derivative.twist) for derivative in result.derivatives] == every
+        around = result.fan is None or result.fan.cones == build_fan(partition)
+        return whole and around and result.support == limiting_support(partition)
+
+    def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
+        """A body that is thrown out refutes the theorem."""
+        if result.verdict is Translation.UNSTABLE:
+            return Theorem4.FAILS, f"translation is unstable: {result.reason}"
+        return None
+
+    def is_open(self, result: AnyTranslation) -> bool:
+        """Without stability of (x, y) nothing is proved."""
+        return result.verdict is Translation.UNDECIDED
+
+    def facts(self, result: AnyTranslation, check: Theorem4Result) -> Iterator[Fact]:
+        """V with its largest rate, where it was sampled, the region and the witness."""
+        yield Fact("lyapunov", LYAPUNOV)
+        if result.sampled is None:
+            yield number_fact("worst_rate", result.worst_rate, "max V*/|c| = {} on the square", explained=True)
+        yield from _sampled(result.sampled)
+        yield from _quadratic(result)
+        radius = result.region_radius
+        region = None if radius is None else {"shape": "disc", "radius": Quantity(radius)}
+        yield Fact("region", region, "" if radius is None else "region: disc of radius {}", (radius,), explained=True)
+        yield from _support(result)
+        yield Fact("witness", witness_record(result.witness, "value"))
+
+
+def _sampled(sampled: SampledDerivative | None) -> Iterator[Fact]:
+    """What is said of V* where it is not known exactly."""
+    if sampled is None:
+        yield from (Fact("samples"), Fact("not_certified"))
+        return
+    rate = sampled.largest_relative
+    words = f"largest V*/|c| at {sampled.samples} sampled points of the square: {{}}"
+    shown = () if rate is None else (f"{rate:.6g}",)
+    yield Fact("worst_rate", Quantity(rate), words if shown else "", shown, explained=True)
+    yield Fact("samples", sampled.samples)
+    missing = sampled.not_certified
+    words = f"largest V*/|c| over the square not certified: {missing}" if missing else ""
+    yield Fact("not_certified", missing or None, words, explained=True)
+
+
+def _quadratic(result: AnyTranslation) -> Iterator[Fact]:
+    """The Lyapunov function ``c^T P c`` that serves where ``|c|^2`` does not."""
+    found = result.quadratic
+    if found is None:
+        yield Fact("quadratic")
+        return
+    decay = float(found.decay)
+    record = {"lyapunov": str(found), "decay": decay, "level": Quantity(found.level)}
+    yield Fact("quadratic", record, f"V = {found} decreases: V* <= -{decay:.4g} |c|")
+    yield said("region: V < {}", found.level)
+
+
+def _support(result: AnyTranslation) -> Iterator[Fact]:
+    """The support polygon, where the square leaves it."""
+    if isinstance(result, EllipseTranslation) or result.support is None:
+        yield Fact("support")
+        return
+    record = {"distance": Quantity(result.support.distance), "note": result.support_note}
+    yield Fact("support", record, result.support_note, explained=True)

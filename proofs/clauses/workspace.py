@@ -1,0 +1,101 @@
+"""What the clauses of one check decide from, each part built once, and what was left out on the way."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+
+from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
+from nonsmooth.analysis.partitions.loads import load_regions
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
+from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray, cocircular_array
+from nonsmooth.symbolic.scene import Scene
+
+LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """Work left out because no verdict needs it."""
+
+    what: str
+    count: int
+    why: str
+
+
+class Workspace:
+    """One check under way.
+
+    Attributes:
+        given: the array as it was given.
+        scene: the same, centred at the checked point.
+        prune: whether to leave out what no verdict needs.
+        earlier: the results of the clauses that are decided, by name.
+        skipped: what was left out, and why.
+        seconds: where the time went, by step.
+    """
+
+    def __init__(self, given: Scene, *, prune: bool = True) -> None:
+        self.given = given
+        self.scene = given.recentred()
+        self.prune = prune
+        self.earlier: dict[str, ClauseResult] = {}
+        self.skipped: list[Skipped] = []
+        self.seconds: dict[str, float] = {}
+
+    @property
+    def rule(self) -> ContactRule:
+        """The contact rule."""
+        return rule_of(self.scene)
+
+    @cached_property
+    def lemma(self) -> CocircularArray | None:
+        """The certificate of ``V* <= 0`` on the whole square, where the array meets its hypotheses."""
+        return cocircular_array(self.scene)
+
+    @cached_property
+    def partition(self) -> Partition | None:
+        """The cells of the square, or where the lemma covers it only those of rest at the point; None without cells.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+        """
+        rule = self.rule
+        if not isinstance(rule, CellRule):
+            return None
+        rest = rule.build_rest_partition(self.scene) if self.lemma is not None and self.prune else None
+        if rest is not None:
+            self.skip("cells away from the point", 1, f"{LEMMA}: no other cells are needed")
+            return rest
+        partition = rule.build_partition(self.scene, prune=self.prune)
+        idle = len(self.scene.wheels) - partition.wheels_considered
+        if idle:
+            in_pairs = all(state.is_of_a_pair for state in partition.states)
+            where = "to be among the two nearest" if in_pairs else "for any of their rows to be taken"
+            self.skip("wheels", idle, f"too far away {where} anywhere in the square")
+        return partition
+
+    @cached_property
+    def point(self) -> EllipsePoint:
+        """The exact motion at the point under a rule without cells.
+
+        Raises:
+            nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+        """
+        return ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
+
+    def skip(self, what: str, count: int, why: str) -> None:
+        """Say what is left out."""
+        self.skipped.append(Skipped(what, count, why))
+
+    @contextmanager
+    def timed(self, step: str) -> Iterator[None]:
+        """Note the time that a step takes."""
+        start = time.perf_counter()
+        yield
+        self.seconds[step] = time.perf_counter() - start

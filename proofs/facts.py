@@ -1,0 +1,57 @@
+"""Facts: what a result says, once, for the terminal, JSON and reports.
+
+A fact is a number, a record or a sentence with its words.  Renderers (:mod:`nonsmooth.reports.facts`) write the value
+under its key into JSON, and the words, with the numbers they show, on the terminal and into the report.  So a new
+number in a result is one fact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number or nested tuples of numbers, exact or sampled; None where there is none.
+
+    JSON holds them as floats, and beside them the exact text of those that are exact.
+    """
+
+    value: Any
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One thing that a result says.
+
+    Attributes:
+        key: in JSON; empty where it is only said in words.
+        value: what JSON holds: :class:`Quantity`, texts, lists, nested records, None.
+        words: a sentence with ``{}`` for every number shown; empty where it is only data.
+        shown: the numbers in the words: exact numbers, or texts.
+        explained: whether the report explains it by formulas, tables or sentences of its own; then the words stand on
+            the terminal only.
+    """
+
+    key: str = ""
+    value: Any = None
+    words: str = ""
+    shown: tuple[Any, ...] = ()
+    explained: bool = False
+
+
+def said(words: str, *shown: Any, explained: bool = False) -> Fact:
+    """A fact in words only."""
+    return Fact(words=words, shown=shown, explained=explained)
+
+
+def number_fact(key: str, value: Any, words: str, *, explained: bool = False) -> Fact:
+    """A number under a key, with words that show it where there is one."""
+    if value is None:
+        return Fact(key, Quantity(None))
+    return Fact(key, Quantity(value), words, (value,), explained)
+
+
+Record = Mapping[str, Any]

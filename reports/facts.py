@@ -1,0 +1,75 @@
+"""The facts of a result, written down: as a JSON record, as lines for a terminal, as sentences of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from flint import arb
+
+from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.reports.document import Bullets, Inline, number
+from nonsmooth.reports.exact_record import Record, exact_texts, floats
+from nonsmooth.reports.prose import prose
+from nonsmooth.symbolic.formulas import brief_text, decimal_text, real_text
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+
+SHORT = 24  # characters of exact text beyond which a decimal value is shown instead
+
+
+def fact_record(facts: Iterable[Fact]) -> Record:
+    """A JSON object of all facts that have a key."""
+    return as_record({fact.key: fact.value for fact in facts if fact.key})
+
+
+def as_record(values: Mapping[str, Any]) -> Record:
+    """A mapping as JSON: quantities as floats, and under ``exact`` the texts of those that are exact."""
+    record: Record = {}
+    exact: Record = {}
+    has_quantities = False
+    for key, value in values.items():
+        if isinstance(value, Quantity):
+            has_quantities = True
+            record[key] = floats(value.value)
+            texts = exact_texts(value.value)
+            if texts is not None:
+                exact[key] = texts
+        else:
+            record[key] = _as_json(value)
+    return {**record, "exact": exact} if has_quantities else record
+
+
+def _as_json(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return as_record(value)
+    if isinstance(value, list):
+        return [_as_json(entry) for entry in value]
+    return value
+
+
+def fact_lines(facts: Iterable[Fact]) -> list[str]:
+    """The sentences, with short numbers exact and long ones as decimals."""
+    said = [fact for fact in facts if fact.words]
+    return [fact.words.format(*map(short_text, fact.shown)) if fact.shown else fact.words for fact in said]
+
+
+def short_text(shown: Any) -> str:
+    """A number exactly where that is short, else to six digits; a text as it is."""
+    if not isinstance(shown, Number | Lazy | arb):
+        return str(shown)
+    text = real_text(shown)
+    return text if len(text) <= SHORT else f"~{decimal_text(shown, 6)}"
+
+
+def fact_list(facts: Iterable[Fact]) -> list[Bullets]:
+    """The sentences as a list of a report, with numbers as formulas; no list where there are none."""
+    told = [fact for fact in facts if fact.words and not fact.explained]
+    items = [prose(fact.words, *map(_entry, fact.shown)) for fact in told]
+    return [Bullets(tuple(items))] if items else []
+
+
+def _entry(shown: Any) -> Inline:
+    if isinstance(shown, Number):
+        return number(shown)
+    return brief_text(shown) if isinstance(shown, Lazy | arb) else str(shown)
