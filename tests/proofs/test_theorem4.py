@@ -190,6 +190,7 @@ def test_without_pruning_everything_is_counted(arrays: Arrays) -> None:
     assert set(result.seconds) == {
         "partition",
         "contact states",
+        "other equilibria",
         "equilibrium",
         "translation",
         "rotation",
