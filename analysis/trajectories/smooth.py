@@ -14,7 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, SmoothField, Surface, Vector
-from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices, largest
+from nonsmooth.analysis.trajectories.face_motion import largest
+from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
 from nonsmooth.analysis.trajectories.loops import LoopMemory
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import (
@@ -84,7 +85,7 @@ class _SmoothPath:
     ) -> None:
         self.field, self.until, self.watch, self.tolerances = field, until, watch, tolerances
         self.time, self.x, self.faces = 0.0, x, field.faces_at(x)
-        self.held: int | None = None
+        self.before: Face | None = None
         self.step: float | None = None
         self.stalled = 0
         self.events: list[Event] = []
@@ -112,7 +113,7 @@ class _SmoothPath:
 
     def _advance(self, choice: FaceChoice) -> None:
         """Follow a face to its end, and a loop of crossings to its limit."""
-        face = choice.motion.face
+        face = self.before = choice.motion.face
         stretch = follow_face(
             self.field, choice, (self.time, self.x), self.until, tolerances=self.tolerances, first_step=self.step
         )
@@ -152,13 +153,11 @@ class _SmoothPath:
     def _say(self, choices: Sequence[FaceChoice]) -> None:
         """Events of a switch: what the path does, then whether it had to."""
         choice = choices[0]
-        face, before = choice.motion.face, self.held
-        self.held = len(face.keep)
-        weights = choice.motion.weights(self.time, self.x)
-        if face.keep or (before is None and self._rests(choice)):
-            self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
-        elif before is not None:
-            self._event(EventKind.LEAVE if before else EventKind.CROSS, self.faces[0].name)
+        face, weights = choice.motion.face, choice.motion.weights(self.time, self.x)
+        if not self._goes_on(face):
+            self._say_switch(choice, weights)
+        elif not choice.motion.weights_open:
+            return
         notes = [f"keep to {c.motion.face.name}" for c in choices[1:]]
         if choice.free:
             notes.append("theta may drift at any rate of an interval" if choice.rates else "the weights are free")
@@ -175,6 +174,18 @@ class _SmoothPath:
             perhaps = [f"perhaps possible: {'; '.join(doubts)}"] if doubts else []
             note = "; ".join([*also, *perhaps, RULE])
             self._event(EventKind.NONUNIQUE, face.name, weights, choice.rates, note)
+
+    def _goes_on(self, face: Face) -> bool:
+        """Whether a slide goes on, with weights found in another way."""
+        return len(face.keep) == 1 and self.before is face
+
+    def _say_switch(self, choice: FaceChoice, weights: tuple[tuple[str, float], ...]) -> None:
+        """What the path does."""
+        face, before = choice.motion.face, self.before
+        if face.keep or (before is None and self._rests(choice)):
+            self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
+        elif before is not None:
+            self._event(EventKind.LEAVE if before.keep else EventKind.CROSS, self.faces[0].name)
 
     def _doubts(self, choice: FaceChoice) -> list[str]:
         """Continuations that are neither found nor excluded."""
