@@ -21,6 +21,7 @@ from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector,
 from nonsmooth.analysis.trajectories.face_motion import LOOK_AHEAD, SMALLEST_SPEED, TANGENT_SLACK, FaceMotion
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.two_fold import BECOMES_TANGENT, CLEAR_OF_TANGENCY, IS_TANGENT, tangency
+from nonsmooth.analysis.trajectories.whirls import WhirlMotion
 
 Interpolant: TypeAlias = Callable[[float], Vector]
 
@@ -74,6 +75,8 @@ class Step:
 def guards_of(field: SmoothField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
     """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
+    if isinstance(motion, WhirlMotion):
+        return [Guard(motion.lasts, GUARD_SLACK, _difference(motion.lasts, field.size))]
     guards = [_bound(surface, side, GUARD_SLACK * field.size, x) for surface, side in face.bounds]
     if motion.is_pair:
         guards.append(_tangent(field, motion))

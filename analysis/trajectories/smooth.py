@@ -4,11 +4,13 @@ The path keeps to one face (a cell, a sliding mode, a point of rest) until one o
 the face, a member's normal speed (tangential exit from sliding), or the existence of the mode itself
 (:mod:`nonsmooth.analysis.trajectories.stretch`, which turns implicit where that is stiff).  Then the state is moved
 onto the surfaces it met and all continuations are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).
-Switches that accumulate end at their limit (:mod:`nonsmooth.analysis.trajectories.loops`).
+Switches that accumulate end at their limit (:mod:`nonsmooth.analysis.trajectories.loops`), and turns that get ever
+faster without a limit in their mean (:mod:`nonsmooth.analysis.trajectories.whirls`).
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
@@ -30,6 +32,7 @@ from nonsmooth.analysis.trajectories.result import (
 )
 from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.stretch import Stretch, follow_face
+from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, Crossing, last_turn, whirl_around
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
 ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
@@ -93,6 +96,7 @@ class _SmoothPath:
         self.unique: bool | None = True
         self.method = EXPLICIT
         self.memory = LoopMemory()
+        self.crossings: deque[Crossing] = deque(maxlen=2 * WHIRL_LOOP + 1)
 
     def follow(self, max_events: int) -> Trajectory:
         """Face after face."""
@@ -124,15 +128,41 @@ class _SmoothPath:
             raise TrajectoryError(f"no progress at t = {self.time:.6g}, {self.x.tolist()}: please report this")
         self._add(_piece(stretch, face))
         self._arrive(float(stretch.times[-1]), stretch.end, [*face.keep, *stretch.met])
-        limit = None
         if stretch.met and not face.keep:
-            limit = self.memory.limit_after(self.time, self.x, face.name, self.until)
+            self._look_for_limits(face, stretch.met[0])
+
+    def _look_for_limits(self, face: Face, surface: Surface) -> None:
+        """After a crossing: whether a loop of crossings ends in a limit, or its turns in their mean."""
+        limit = self.memory.limit_after(self.time, self.x, face.name, self.until)
         if limit is not None:
             self._add(limit.piece)
             self._event(EventKind.CROSS, limit.piece.place, note="infinitely many switches accumulate here")
             around = [s for state in limit.states for other in self.field.faces_at(state) for s in other.keep]
-            self.memory = LoopMemory()
+            self._forget()
             self._arrive(limit.time, limit.x, around)
+            return
+        self.crossings.append(Crossing(self.time, self.x, face.name, surface))
+        turn = last_turn(self.crossings, self.field.size)
+        if turn and self.time < self.until:
+            self._whirl(turn)
+
+    def _whirl(self, turn: Sequence[Crossing]) -> None:
+        """Follow the mean of small turns, at their corner, for as long as they last."""
+        corner = onto(self.x, [crossing.surface for crossing in turn], self.field.size)
+        motion = whirl_around(self.field.faces_at(corner), turn, self.time, corner)
+        if motion is None:
+            return
+        self._forget()
+        away = largest(self.x - corner)
+        self.x = corner
+        note = f"turns around here without end, ever faster and nearer; drawn is their mean, within {away:.1g}"
+        self._event(EventKind.SLIDE, motion.face.name, motion.weights(self.time, self.x), note=note)
+        self._advance(FaceChoice(motion))
+
+    def _forget(self) -> None:
+        """Begin anew to look for loops of crossings."""
+        self.memory = LoopMemory()
+        self.crossings.clear()
 
     def _add(self, piece: Piece) -> None:
         self.pieces.append(piece)
