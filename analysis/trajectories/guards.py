@@ -118,13 +118,16 @@ def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Vecto
 
 
 def _tangent(field: SmoothField, motion: FaceMotion) -> Guard:
-    """Whether the weights of a slide follow from its speeds, or still do not: where that changes, so does its law."""
+    """Whether the weights of a slide follow from its speeds, or still do not: where that changes, so does its law.
+
+    A dip within a step needs no search: there the exits are met, at a state that is tangent too.
+    """
 
     def value(t: float, x: Vector) -> float:
         here = tangency(motion, t, x, field.size)
         return CLEAR_OF_TANGENCY - here if motion.weights_open else here - BECOMES_TANGENT
 
-    return Guard(value, GUARD_SLACK, _difference(value, field.size))
+    return Guard(value, GUARD_SLACK, lambda t, x, velocity: 0.0)
 
 
 def _difference(value: Callable[[float, Vector], float], size: float) -> Callable[[float, Vector, Vector], float]:
