@@ -16,103 +16,19 @@ from functools import cached_property
 
 import numpy as np
 
-from nonsmooth.analysis.fields.convex_weights import (
-    basic_weights,
-    central_weights,
-    least_mix,
-    least_norm_weights,
+from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, SmoothField, Vector, length, unit_normal
+from nonsmooth.analysis.trajectories.face_motion import (
+    BEND_SLACK,
+    LOOK_AHEAD,
+    SMALLEST_SPEED,
+    TANGENT_SLACK,
+    FaceMotion,
+    largest,
 )
-from nonsmooth.analysis.fields.smooth_field import (
-    SURFACE_SLACK,
-    Face,
-    SmoothField,
-    Vector,
-    Velocity,
-    length,
-    unit_normal,
-)
+from nonsmooth.analysis.trajectories.two_fold import IS_TANGENT, passing_weights, tangency
 
-# Relative to the fields around a point: normal speeds below are zero, since a state found on a surface is off by some
-# 1e-12 of its size and gradients by difference err by 1e-11.
-TANGENT_SLACK = 1e-9
-# Relative to the size of the states: step along a motion for the derivative of a speed; its error is of this order.
-LOOK_AHEAD = 1e-6
-# Relative to the fields around a point per unit of size: derivatives below are zero (ten times the error above).
-BEND_SLACK = 1e-5
-# Fall of the least weight within the step above that counts: its own error is the rounding error of the fields.
+# Fall of the least weight within the step ahead that counts: its own error is the rounding error of the fields.
 WEIGHT_CHANGE = 1e-12
-SMALLEST_SPEED = 1e-300  # only to divide by: where nothing moves, any step will do
-
-
-class FaceMotion:
-    """The motion on a face: velocity and weights as functions of time and state."""
-
-    def __init__(self, face: Face) -> None:
-        self.face = face
-        self._single = face.members[0].velocity if len(face.members) == 1 and not face.keep else None
-
-    def __call__(self, t: float, x: Vector) -> Vector:
-        """``sum l_k f_k``."""
-        if self._single is not None:
-            return self._single(t, x)
-        fields = self.fields(t, x)
-        return np.asarray(self.mix(fields, self.normal_speeds(x, fields)) @ fields)
-
-    def fields(self, t: float, x: Vector) -> Vector:
-        """Fields of the members, one per row."""
-        return np.array([member.velocity(t, x) for member in self.face.members], dtype=float)
-
-    def normal_speeds(self, x: Vector, fields: Vector) -> Vector:
-        """Speeds of the members along the unit normals held, (members, surfaces)."""
-        normals = np.array([unit_normal(surface, x) for surface in self.face.keep])
-        return np.asarray(fields @ normals.T)
-
-    def mix(self, fields: Vector, speeds: Vector) -> Vector:
-        """Weights of the members; outside the mode's region they are extrapolated: negative ones, still tangent."""
-        if self.is_pair:
-            first, second = speeds[0, 0], speeds[1, 0]
-            if abs(first) + abs(second) > TANGENT_SLACK * largest(fields):
-                share = second / (second - first) if second != first else 0.5
-            else:
-                share = least_mix(fields[0], fields[1])
-            return np.array([share, 1 - share])
-        possible = basic_weights(speeds)
-        if len(possible):
-            return np.asarray(least_norm_weights(possible @ fields) @ possible)
-        weights = central_weights(speeds)
-        return np.full(len(fields), 1.0 / len(fields)) if weights is None else weights
-
-    def least_weight(self, t: float, x: Vector) -> float:
-        """The least weight of the mode, as large as it can be: negative where the mode does not exist."""
-        weights = central_weights(self.normal_speeds(x, self.fields(t, x)))
-        return -1.0 if weights is None else float(weights.min())
-
-    @property
-    def velocity(self) -> Velocity:
-        """The cheapest callable form: a single member's own field."""
-        return self._single or self
-
-    @property
-    def is_pair(self) -> bool:
-        """Whether it slides on one surface between two fields."""
-        return len(self.face.members) == 2 and len(self.face.keep) == 1
-
-    def weights(self, t: float, x: Vector) -> tuple[tuple[str, float], ...]:
-        """Convex weights by member; none where a single field rules."""
-        if len(self.face.members) == 1:
-            return ()
-        fields = self.fields(t, x)
-        mix = self.mix(fields, self.normal_speeds(x, fields))
-        return tuple((m.name, float(w)) for m, w in zip(self.face.members, mix, strict=True) if w)
-
-    def extremes(self, t: float, x: Vector) -> Vector:
-        """Velocities whose hull are the possible motions; none where the mode is impossible."""
-        fields = self.fields(t, x)
-        if not self.face.keep:
-            return fields
-        speeds = self.normal_speeds(x, fields)
-        cleaned = np.where(np.abs(speeds) > TANGENT_SLACK * largest(fields), speeds, 0.0)
-        return np.asarray(basic_weights(cleaned) @ fields)
 
 
 @dataclass(frozen=True)
@@ -180,6 +96,13 @@ class _Trial:
             signs = [s or self.bend(float(a), float(b)) for s, a, b in zip(signs, now, later, strict=True)]
         return signs[0], signs[1]
 
+    @property
+    def only_rounding(self) -> bool:
+        """Whether it is rounding alone that leaves the weights of a slide open."""
+        return self.motion.weights_open and any(
+            self.clear(float(speed)) for speed in self.motion.normal_speeds(self.x, self.fields)[:, 0]
+        )
+
     def exists(self) -> bool:
         """Whether the surfaces held leave a motion here and just ahead: by its least weight, or where that is zero by
         whether it falls.
@@ -210,19 +133,27 @@ class _Trial:
 def face_choices(field: SmoothField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
     """Continuations at a state among the faces there, those that hold most surfaces first; sure ones where any is."""
     found: list[FaceChoice] = []
-    for face in faces:
-        motion = FaceMotion(face)
+    for motion in (motion for face in faces for motion in _motions(field, face, t, x)):
         trial, orders = _Trial(field, motion, t, x), None
         if motion.is_pair:
             orders = trial.pair_orders()
             if orders[0] * orders[1] > 0:
                 continue
-        elif face.keep and not trial.exists():
+        elif motion.face.keep and not trial.exists():
             continue
         verdict = trial.inward()
         if verdict >= 0:
             found.append(replace(_choice(field, trial, orders), sure=verdict > 0))
     return [choice for choice in found if choice.sure] or found
+
+
+def _motions(field: SmoothField, face: Face, t: float, x: Vector) -> list[FaceMotion]:
+    """The motion on a face; where both speeds of a slide vanish, those that keep to the surface."""
+    motion = FaceMotion(face)
+    if not motion.is_pair or tangency(motion, t, x, field.size) > IS_TANGENT:
+        return [motion]
+    weights = passing_weights(field, motion, t, x)
+    return [FaceMotion(face, open=True)] if weights is None else [FaceMotion(face, held) for held in weights[:1]]
 
 
 def _choice(field: SmoothField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:
@@ -233,14 +164,9 @@ def _choice(field: SmoothField, trial: _Trial, orders: tuple[int, int] | None) -
     extremes = motion.extremes(trial.t, trial.x)
     if not len(extremes):
         return FaceChoice(motion, orders=orders)
-    free = bool(np.ptp(extremes, axis=0).max() > TANGENT_SLACK * trial.scale)
+    free = bool(np.ptp(extremes, axis=0).max() > TANGENT_SLACK * trial.scale) and not trial.only_rounding
     rates = None
     if field.heading is not None and len(face.keep) > 1:
         drift = extremes[:, field.heading]
         rates = (float(drift.min()), float(drift.max()))
     return FaceChoice(motion, free, rates, orders)
-
-
-def largest(fields: Vector) -> float:
-    """Largest entry in absolute value."""
-    return float(np.abs(fields).max(initial=0.0))

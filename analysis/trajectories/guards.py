@@ -18,7 +18,10 @@ import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
 from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector, length, unit_normal
-from nonsmooth.analysis.trajectories.faces import LOOK_AHEAD, SMALLEST_SPEED, FaceChoice, FaceMotion
+from nonsmooth.analysis.trajectories.face_motion import LOOK_AHEAD, SMALLEST_SPEED, TANGENT_SLACK, FaceMotion
+from nonsmooth.analysis.trajectories.faces import FaceChoice
+from nonsmooth.analysis.trajectories.two_fold import BECOMES_TANGENT, CLEAR_OF_TANGENCY, IS_TANGENT, tangency
+from nonsmooth.analysis.trajectories.whirls import WhirlMotion
 
 Interpolant: TypeAlias = Callable[[float], Vector]
 
@@ -72,11 +75,15 @@ class Step:
 def guards_of(field: SmoothField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
     """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
+    if isinstance(motion, WhirlMotion):
+        return [Guard(motion.lasts, GUARD_SLACK, _difference(motion.lasts, field.size))]
     guards = [_bound(surface, side, GUARD_SLACK * field.size, x) for surface, side in face.bounds]
+    if motion.is_pair:
+        guards.append(_tangent(field, motion))
+    if motion.is_pair and motion.weights_open:
+        return guards
     if choice.orders is not None:
-        slack = GUARD_SLACK * float(np.abs(motion.fields(t, x)).max())
-        exits = [_exit(motion, k, order) for k, order in enumerate(choice.orders) if order]
-        guards += [Guard(value, slack, _difference(value, field.size)) for value in exits]
+        guards += _exits(field, choice, float(np.abs(motion.fields(t, x)).max()))
     elif face.keep and len(face.members) > 1:
         guards.append(Guard(motion.least_weight, WEIGHT_SLACK, _difference(motion.least_weight, field.size)))
     return guards
@@ -89,10 +96,38 @@ def _bound(surface: Surface, side: int, slack: float, x: Vector) -> Guard:
     return Guard(lambda t, x: side * surface.value(x), slack * length(surface.gradient(x)), slope, surface)
 
 
+def _exits(field: SmoothField, choice: FaceChoice, scale: float) -> list[Guard]:
+    """The members' normal speeds, with the signs they have inside the mode.
+
+    One that nothing decides has the other's opposite, and turns clearly before that is told.
+    """
+    first, second = choice.orders or (0, 0)
+    guards = []
+    for member, (order, other) in enumerate(((first, second), (second, first))):
+        if order or other:
+            value = _exit(choice.motion, member, order or -other)
+            slack = GUARD_SLACK if order else IS_TANGENT * TANGENT_SLACK
+            guards.append(Guard(value, slack * scale, _difference(value, field.size)))
+    return guards
+
+
 def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Vector], float]:
     """A member's normal speed, with the sign it has inside the mode."""
     surface, velocity = motion.face.keep[0], motion.face.members[member].velocity
     return lambda t, x: order * float(unit_normal(surface, x) @ velocity(t, x))
+
+
+def _tangent(field: SmoothField, motion: FaceMotion) -> Guard:
+    """Whether the weights of a slide follow from its speeds, or still do not: where that changes, so does its law.
+
+    A dip within a step needs no search: there the exits are met, at a state that is tangent too.
+    """
+
+    def value(t: float, x: Vector) -> float:
+        here = tangency(motion, t, x, field.size)
+        return CLEAR_OF_TANGENCY - here if motion.weights_open else here - BECOMES_TANGENT
+
+    return Guard(value, GUARD_SLACK, lambda t, x, velocity: 0.0)
 
 
 def _difference(value: Callable[[float, Vector], float], size: float) -> Callable[[float, Vector, Vector], float]:

@@ -4,17 +4,20 @@ The path keeps to one face (a cell, a sliding mode, a point of rest) until one o
 the face, a member's normal speed (tangential exit from sliding), or the existence of the mode itself
 (:mod:`nonsmooth.analysis.trajectories.stretch`, which turns implicit where that is stiff).  Then the state is moved
 onto the surfaces it met and all continuations are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).
-Switches that accumulate end at their limit (:mod:`nonsmooth.analysis.trajectories.loops`).
+Switches that accumulate end at their limit (:mod:`nonsmooth.analysis.trajectories.loops`), and turns that get ever
+faster without a limit in their mean (:mod:`nonsmooth.analysis.trajectories.whirls`).
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
 
 from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, SmoothField, Surface, Vector
-from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices, largest
+from nonsmooth.analysis.trajectories.face_motion import largest
+from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
 from nonsmooth.analysis.trajectories.loops import LoopMemory
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import (
@@ -29,6 +32,7 @@ from nonsmooth.analysis.trajectories.result import (
 )
 from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.stretch import Stretch, follow_face
+from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, Crossing, last_turn, whirl_around
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
 ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
@@ -84,7 +88,7 @@ class _SmoothPath:
     ) -> None:
         self.field, self.until, self.watch, self.tolerances = field, until, watch, tolerances
         self.time, self.x, self.faces = 0.0, x, field.faces_at(x)
-        self.held: int | None = None
+        self.before: Face | None = None
         self.step: float | None = None
         self.stalled = 0
         self.events: list[Event] = []
@@ -92,6 +96,7 @@ class _SmoothPath:
         self.unique: bool | None = True
         self.method = EXPLICIT
         self.memory = LoopMemory()
+        self.crossings: deque[Crossing] = deque(maxlen=2 * WHIRL_LOOP + 1)
 
     def follow(self, max_events: int) -> Trajectory:
         """Face after face."""
@@ -112,7 +117,7 @@ class _SmoothPath:
 
     def _advance(self, choice: FaceChoice) -> None:
         """Follow a face to its end, and a loop of crossings to its limit."""
-        face = choice.motion.face
+        face = self.before = choice.motion.face
         stretch = follow_face(
             self.field, choice, (self.time, self.x), self.until, tolerances=self.tolerances, first_step=self.step
         )
@@ -123,15 +128,41 @@ class _SmoothPath:
             raise TrajectoryError(f"no progress at t = {self.time:.6g}, {self.x.tolist()}: please report this")
         self._add(_piece(stretch, face))
         self._arrive(float(stretch.times[-1]), stretch.end, [*face.keep, *stretch.met])
-        limit = None
         if stretch.met and not face.keep:
-            limit = self.memory.limit_after(self.time, self.x, face.name, self.until)
+            self._look_for_limits(face, stretch.met[0])
+
+    def _look_for_limits(self, face: Face, surface: Surface) -> None:
+        """After a crossing: whether a loop of crossings ends in a limit, or its turns in their mean."""
+        limit = self.memory.limit_after(self.time, self.x, face.name, self.until)
         if limit is not None:
             self._add(limit.piece)
             self._event(EventKind.CROSS, limit.piece.place, note="infinitely many switches accumulate here")
             around = [s for state in limit.states for other in self.field.faces_at(state) for s in other.keep]
-            self.memory = LoopMemory()
+            self._forget()
             self._arrive(limit.time, limit.x, around)
+            return
+        self.crossings.append(Crossing(self.time, self.x, face.name, surface))
+        turn = last_turn(self.crossings, self.field.size)
+        if turn and self.time < self.until:
+            self._whirl(turn)
+
+    def _whirl(self, turn: Sequence[Crossing]) -> None:
+        """Follow the mean of small turns, at their corner, for as long as they last."""
+        corner = onto(self.x, [crossing.surface for crossing in turn], self.field.size)
+        motion = whirl_around(self.field.faces_at(corner), turn, self.time, corner)
+        if motion is None:
+            return
+        self._forget()
+        away = largest(self.x - corner)
+        self.x = corner
+        note = f"turns around here without end, ever faster and nearer; drawn is their mean, within {away:.1g}"
+        self._event(EventKind.SLIDE, motion.face.name, motion.weights(self.time, self.x), note=note)
+        self._advance(FaceChoice(motion))
+
+    def _forget(self) -> None:
+        """Begin anew to look for loops of crossings."""
+        self.memory = LoopMemory()
+        self.crossings.clear()
 
     def _add(self, piece: Piece) -> None:
         self.pieces.append(piece)
@@ -152,13 +183,11 @@ class _SmoothPath:
     def _say(self, choices: Sequence[FaceChoice]) -> None:
         """Events of a switch: what the path does, then whether it had to."""
         choice = choices[0]
-        face, before = choice.motion.face, self.held
-        self.held = len(face.keep)
-        weights = choice.motion.weights(self.time, self.x)
-        if face.keep or (before is None and self._rests(choice)):
-            self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
-        elif before is not None:
-            self._event(EventKind.LEAVE if before else EventKind.CROSS, self.faces[0].name)
+        face, weights = choice.motion.face, choice.motion.weights(self.time, self.x)
+        if not self._goes_on(face):
+            self._say_switch(choice, weights)
+        elif not choice.motion.weights_open:
+            return
         notes = [f"keep to {c.motion.face.name}" for c in choices[1:]]
         if choice.free:
             notes.append("theta may drift at any rate of an interval" if choice.rates else "the weights are free")
@@ -175,6 +204,18 @@ class _SmoothPath:
             perhaps = [f"perhaps possible: {'; '.join(doubts)}"] if doubts else []
             note = "; ".join([*also, *perhaps, RULE])
             self._event(EventKind.NONUNIQUE, face.name, weights, choice.rates, note)
+
+    def _goes_on(self, face: Face) -> bool:
+        """Whether a slide goes on, with weights found in another way."""
+        return len(face.keep) == 1 and self.before is face
+
+    def _say_switch(self, choice: FaceChoice, weights: tuple[tuple[str, float], ...]) -> None:
+        """What the path does."""
+        face, before = choice.motion.face, self.before
+        if face.keep or (before is None and self._rests(choice)):
+            self._event(EventKind.REST if self._rests(choice) else EventKind.SLIDE, face.name, weights, choice.rates)
+        elif before is not None:
+            self._event(EventKind.LEAVE if before.keep else EventKind.CROSS, self.faces[0].name)
 
     def _doubts(self, choice: FaceChoice) -> list[str]:
         """Continuations that are neither found nor excluded."""

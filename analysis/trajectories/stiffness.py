@@ -10,6 +10,7 @@ IV.8).  Oscillations without decay never count as stiff: an implicit method woul
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,15 @@ import numpy as np
 from nonsmooth.analysis.fields.smooth_field import Vector, Velocity
 
 PROBED = 50  # steps from one measurement to the next: four evaluations each, against 12 per step of DOP853
-HELD = 3.0  # step times rate: half of what is stable; at 1e-12 accuracy alone would keep the step well below
+# Step times rate: what is stable is 6, but two may cost steps that the fast motion spoils; at 1e-12 accuracy alone
+# keeps it well below.
+HELD = 1.5
 MANY = 500  # steps still to go at the present size: fewer are cheaper than an implicit method
 MOST_IMPLICIT = 50_000  # steps of a stretch; a hundred are usual, so many are a standstill
 DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the digits, plenty for a rate
+# Step of the differences for Radau, relative to the size of the states, however small a state is: SciPy's own shrinks
+# with each state, and finds but rounding once one of them is zero and others are not.
+JACOBIAN_STEP = 1e-11
 EXPLICIT, IMPLICIT = "events", "events, implicit (Radau) where stiff"
 
 
@@ -44,15 +50,28 @@ def comes_to_rest(velocity: Velocity, solver: Any, until: float, size: float, at
     return float(rates.max()) * left <= 1
 
 
+def jacobian_of(velocity: Velocity, size: float) -> Callable[[float, Vector], Vector]:
+    """``df/dx`` for an implicit solver, as a function of time and state."""
+
+    def jacobian(t: float, x: Vector) -> Vector:
+        return _differences(velocity, t, x, JACOBIAN_STEP * np.maximum(np.abs(x), size))
+
+    return jacobian
+
+
 def _rates(velocity: Velocity, t: float, x: Vector, steps: Vector) -> Vector:
     """Real parts of the eigenvalues of ``df/dx`` by forward differences; zeros where the field is not finite."""
-    here = velocity(t, x)
-    with np.errstate(invalid="ignore", over="ignore"):
-        columns = [(velocity(t, x + move) - here) / move[k] for k, move in enumerate(np.diag(steps))]
-    jacobian = np.column_stack(columns)
+    jacobian = _differences(velocity, t, x, steps)
     if not np.isfinite(jacobian).all():
         return np.zeros(len(x))
     return np.asarray(np.linalg.eigvals(jacobian).real)
+
+
+def _differences(velocity: Velocity, t: float, x: Vector, steps: Vector) -> Vector:
+    """``df/dx`` by forward differences."""
+    here = velocity(t, x)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.column_stack([(velocity(t, x + move) - here) / move[k] for k, move in enumerate(np.diag(steps))])
 
 
 def holds_the_step(velocity: Velocity, solver: Any, until: float, size: float) -> bool:

@@ -11,11 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector
-from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
+from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector, Velocity
+from nonsmooth.analysis.trajectories.face_motion import FaceMotion
+from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.stiffness import MOST_IMPLICIT, PROBED, comes_to_rest, holds_the_step
+from nonsmooth.analysis.trajectories.stiffness import (
+    MOST_IMPLICIT,
+    PROBED,
+    comes_to_rest,
+    holds_the_step,
+    jacobian_of,
+)
 
 # Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
 EASY_GROWTH = 4.0
@@ -90,7 +97,7 @@ def follow_face(
     Raises:
         TrajectoryError: where the integrator gives up.
     """
-    from scipy.integrate import DOP853, Radau
+    from scipy.integrate import DOP853
 
     t, x = start
     step = None if first_step is None else min(first_step, until - t)
@@ -103,7 +110,7 @@ def follow_face(
     while True:
         if not stiff and not len(times) % PROBED and holds_the_step(velocity, solver, until, field.size):
             stiff = True
-            solver = Radau(velocity, solver.t, solver.y, until, rtol=rtol, atol=atol, first_step=solver.step_size)
+            solver = _implicit(velocity, solver, until, (rtol, atol), field.size)
         before = (solver.t, solver.y, solver.f)
         with np.errstate(over="ignore", invalid="ignore"):  # a trial beyond floats is refused, and a shorter one made
             message = solver.step()
@@ -129,6 +136,15 @@ def follow_face(
             return _resting(Stretch(times, states, interpolants, (), size, stiff), until)
         if solver.status == "finished":
             return Stretch(times, states, interpolants, (), size, stiff)
+
+
+def _implicit(velocity: Velocity, solver: Any, until: float, tolerances: tuple[float, float], size: float) -> Any:
+    """Radau, from where an explicit solver is."""
+    from scipy.integrate import Radau
+
+    rtol, atol = tolerances
+    jacobian, step = jacobian_of(velocity, size), solver.step_size
+    return Radau(velocity, solver.t, solver.y, until, rtol=rtol, atol=atol, jac=jacobian, first_step=step)
 
 
 def _resting(stretch: Stretch, until: float) -> Stretch:

@@ -106,3 +106,17 @@ def test_a_trial_step_beyond_floats_is_shortened(arrays: Arrays, seed: int, star
     heights = (np.array(path.states) ** 2).sum(axis=1)
     assert (np.diff(heights) <= ACCURACY).all()
     assert heights[-1] < heights[0] / 2
+
+
+def test_a_slide_is_stiff_before_its_step_is_as_long_as_is_stable(arrays: Arrays) -> None:
+    """A rate of 820 holds the step at 1.8 of its inverse; along the edge little happens in 12 units of time."""
+    partition = build_nearest_partition(arrays.cocircular(57, ROLL))
+    shape = (49 / 64, 17 / 32)  # of the V that is certified for this array
+    field = feedback_field(partition, gradient_law(1.0, shape), Kinematics.EXACT)
+    path = simulate(field, (-0.31157103, 0.80144174, -0.25690855), 12.0)
+    assert path.method == IMPLICIT
+    assert len(path.times) < FEW  # 4,874 with DOP853
+    x, y, theta = path.array.T
+    values = (1 + shape[0]) * x**2 + 2 * shape[1] * x * y + (1 - shape[0]) * y**2 + theta**2
+    assert (np.diff(values) < 0).all()
+    assert np.abs(path.array[-1] - [-0.1200123462, 0.3360345692, 0.0270193447]).max() < 1e-6  # DOP853's, from nearby
