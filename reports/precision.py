@@ -10,15 +10,15 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from nonsmooth.analysis.studies.derivation import DERIVATION
-from nonsmooth.analysis.studies.masses import MASS
-from nonsmooth.analysis.studies.measurement import Limits, Measurement
-from nonsmooth.analysis.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
-from nonsmooth.analysis.studies.slopes import Slope, fitted_slopes
-from nonsmooth.analysis.studies.study import LeftOut, Plan, Row, Study
-from nonsmooth.analysis.studies.trajectories import TRAJECTORIES
-from nonsmooth.analysis.studies.upper_derivative import UPPER_DERIVATIVE
-from nonsmooth.proofs.pruning_study import PRUNING
+from nonsmooth.analysis.measurements.measurement import Limits, Measurement
+from nonsmooth.analysis.measurements.slopes import Slope, fitted_slopes
+from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
+from nonsmooth.analysis.measurements.studies.masses import MASS
+from nonsmooth.analysis.measurements.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
+from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES
+from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE
+from nonsmooth.analysis.measurements.study import LeftOut, Plan, Row, Study
+from nonsmooth.proofs.measurements.pruning import PRUNING
 from nonsmooth.reports.progress import Report
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line

@@ -11,10 +11,10 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from nonsmooth.analysis.studies.measurement import Limits
-from nonsmooth.analysis.studies.slopes import Slope
-from nonsmooth.analysis.studies.study import Row, Study
-from nonsmooth.proofs.pruning_study import PRUNED, PRUNING, WHOLE
+from nonsmooth.analysis.measurements.measurement import Limits
+from nonsmooth.analysis.measurements.slopes import Slope
+from nonsmooth.analysis.measurements.study import Row, Study
+from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
 from nonsmooth.reports.figures.precision import precision_figure
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.precision import STUDIES, Measured, Precision, measure, number_text, row_texts

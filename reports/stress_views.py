@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.extremes.row import StressRow
+from nonsmooth.analysis.measurements.cases.row import StressRow
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.terminal import header_table

@@ -11,7 +11,7 @@ from nonsmooth.reports.console import INTERRUPTED, RefusedError
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.studies.study import Study
+    from nonsmooth.analysis.measurements.study import Study
 
 
 def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -40,7 +40,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 
     Exit status: 0 done, 2 bad input, 130 interrupted (finished rows are kept).
     """
-    from nonsmooth.analysis.studies.measurement import Limits
+    from nonsmooth.analysis.measurements.measurement import Limits
     from nonsmooth.reports import precision as views
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.progress import progress

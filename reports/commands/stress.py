@@ -14,7 +14,7 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption
 if TYPE_CHECKING:
     from rich.status import Status
 
-    from nonsmooth.analysis.extremes.row import StressRow
+    from nonsmooth.analysis.measurements.cases.row import StressRow
     from nonsmooth.reports.stress_views import StressRun
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.system import SystemScene
@@ -52,7 +52,7 @@ def stress(
 
 def _run(scene: Scene | SystemScene) -> StressRun:
     """Row after row; an interrupt keeps those that are finished."""
-    from nonsmooth.proofs.extremes.stress import guarded, stress_cases
+    from nonsmooth.proofs.measurements.stress import guarded, stress_cases
     from nonsmooth.reports.stress_views import StressRun
 
     rows: list[StressRow] = []

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.studies.study import Row
+from nonsmooth.analysis.measurements.study import Row
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.precision import Measured, Precision

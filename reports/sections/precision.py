@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-from nonsmooth.analysis.studies.clock import Clock
-from nonsmooth.analysis.studies.slopes import fitted_slopes
-from nonsmooth.analysis.studies.study import LeftOut, Outcome, Plan, Row, Trial
-from nonsmooth.analysis.studies.trajectories import TRAJECTORIES
+from nonsmooth.analysis.measurements.clock import Clock
+from nonsmooth.analysis.measurements.slopes import fitted_slopes
+from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES
+from nonsmooth.analysis.measurements.study import LeftOut, Outcome, Plan, Row, Trial
 from nonsmooth.reports.document import Code, Entry, Math, Section, table
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.subject import Subject

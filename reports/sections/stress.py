@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.extremes.row import StressRow
-from nonsmooth.proofs.extremes.stress import guarded, stress_cases
+from nonsmooth.analysis.measurements.cases.row import StressRow
+from nonsmooth.proofs.measurements.stress import guarded, stress_cases
 from nonsmooth.reports.document import Code, Entry, Math, Section, table
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.subject import Subject

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.studies.measurement import Limits
-from nonsmooth.proofs.pruning_study import PRUNING
+from nonsmooth.analysis.measurements.measurement import Limits
+from nonsmooth.proofs.measurements.pruning import PRUNING
 from nonsmooth.reports.precision import STUDIES, Measured, Precision, measure
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.extremes.stress import stress_rows
+from nonsmooth.proofs.measurements.stress import stress_rows
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_any
 from nonsmooth.symbolic.rule import Rule

@@ -15,9 +15,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nonsmooth.analysis.studies.clock import Clock
-from nonsmooth.analysis.studies.measurement import Limits
-from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.measurements.clock import Clock
+from nonsmooth.analysis.measurements.measurement import Limits
+from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
 from nonsmooth.reports import precision as views
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run

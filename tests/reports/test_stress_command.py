@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.analysis.extremes.row import StressRow, measured, refused
-from nonsmooth.proofs.extremes import stress
+from nonsmooth.analysis.measurements.cases.row import StressRow, measured, refused
+from nonsmooth.proofs.measurements import stress
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import INTERRUPTED, run
 from nonsmooth.reports.stress_views import KEYS, SCHEMA

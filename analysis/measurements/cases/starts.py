@@ -1,0 +1,59 @@
+"""Starts next to a switching surface, and next to the checked point.
+
+A start closer than the slack is moved onto the surface, so paths may be off by the slack times their amplification.
+Beside a repelling surface that is another solution: then the path has to say that it is not unique.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, StressRow, brief, measured
+from nonsmooth.analysis.measurements.cases.subject import Subject
+from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
+from nonsmooth.analysis.trajectories.trajectory import simulate
+
+DISTANCES = (1e-9, 1e-12)  # in half-widths
+ANGLES = (0.3, 1.9, 3.7, 5.1)  # directions from the checked point, radians
+LEGS = 64  # roundings along a path
+RESOLVED = 1e-3  # in half-widths: a larger bound asks nothing
+WHY = "slack and rounding times amplification"
+SAID = "the start counts as on a surface, and the path says at once that others leave it"
+
+
+def start_rows(subject: Subject, case: str) -> Rows:
+    """Paths from beside every surface (some of them) and from beside the checked point."""
+    for number, (point, normal) in enumerate(subject.beside_surfaces(), 1):
+        for distance in DISTANCES:
+            side = 1 if number % 2 else -1
+            move = side * normal
+            parameter = f"surface {number}, {brief(distance)}"
+            yield _row(subject, case, parameter, point, distance * move)
+    for angle in ANGLES:
+        move = np.array([math.cos(angle), math.sin(angle)])
+        parameter = f"{brief(DISTANCES[-1])} at {angle} rad"
+        yield _row(subject, case, parameter, np.array(subject.centre), DISTANCES[-1] * move)
+
+
+def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Floats) -> StressRow:
+    position = point + subject.radius * move
+    start = (*position.tolist(), *subject.place(0, 0)[2:])
+    until, truth = subject.truth(start, subject.span)
+    if not until > 0:
+        until, truth = subject.span, start
+    path = simulate(subject.field, start, until)
+    error = subject.error(path, truth)
+    growth = subject.amplification(start, until, subject.slack)
+    bound = 2 * growth * (subject.slack / subject.radius + LEGS * EPSILON) + subject.step_error
+    row = measured(case, parameter, str(path.end.reason), error, bound, condition=growth, why=WHY)
+    if (row.ok and bound <= RESOLVED) or not _starts_on_a_surface(path):
+        return row
+    return StressRow(case, parameter, "not unique, as it says", error, growth, math.isfinite(error), SAID)
+
+
+def _starts_on_a_surface(path: Trajectory) -> bool:
+    """Whether the path says at its start that others leave it: the start counts as on a surface."""
+    return any(event.kind is EventKind.NONUNIQUE and not event.t for event in path.events)
