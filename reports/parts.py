@@ -19,8 +19,8 @@ from nonsmooth.reports.sections.contact import constraints_section, contact_stat
 from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
+from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
-from nonsmooth.reports.sections.precision import precision_section, without_precision
 from nonsmooth.reports.sections.rules import rules_section, without_rules
 from nonsmooth.reports.sections.sign_form import sign_form_section, without_sign_form
 from nonsmooth.reports.sections.stability import (
@@ -29,7 +29,6 @@ from nonsmooth.reports.sections.stability import (
     lyapunov_section,
     theorem_section,
 )
-from nonsmooth.reports.sections.stress import stress_section
 from nonsmooth.reports.sections.trajectories import trajectories_section
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.rule import Rule

@@ -11,15 +11,18 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from nonsmooth.analysis.measurements.measurement import Limits
+from nonsmooth.analysis.measurements.harness import Measured, Run, Study, measure
+from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.analysis.measurements.slopes import Slope
-from nonsmooth.analysis.measurements.study import Row, Study
+from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
-from nonsmooth.reports.figures.precision import precision_figure
+from nonsmooth.proofs.measurements.registry import STUDIES
+from nonsmooth.reports.figures.measurements import measurement_figure
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.precision import STUDIES, Measured, Precision, measure, number_text, row_texts
+from nonsmooth.reports.measurements import Precision, error_text, number_text, setting_text, slopes_of, study_of
 from nonsmooth.reports.progress import Report, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.scene import Scene
 
 SHOWN = "four-wheel"
 LIMITS = Limits()
@@ -77,29 +80,29 @@ def write_page(folder: Path, report: Report) -> Path:
     pruned = [_whole(name, [PRUNING], PRUNING_LIMITS, report) for name in builtin_scenes()]
     figure, page = folder / "precision" / f"{SHOWN}.svg", folder / "precision.md"
     figure.parent.mkdir(exist_ok=True)
-    write_whole(output_path(str(figure), (".svg",)), precision_figure(shown, ".svg"))
+    write_whole(output_path(str(figure), (".svg",)), measurement_figure(Precision(shown), ".svg"))
     write_whole(output_path(str(page), (".md",)), page_text(shown, pruned).encode())
     return page
 
 
-def _whole(name: str, studies: Sequence[Study], limits: Limits, report: Report) -> Precision:
+def _whole(name: str, studies: Sequence[Study], limits: Limits, report: Report) -> Run[Scene]:
     found = measure(load_scene(name), studies, limits, report)
     if not found.complete:
         raise KeyboardInterrupt
     return found
 
 
-def page_text(shown: Precision, pruned: Sequence[Precision]) -> str:
+def page_text(shown: Run[Scene], pruned: Sequence[Run[Scene]]) -> str:
     """The page as Markdown."""
     scene = shown.scene.name
     parts = [INTRODUCTION, _machine(shown), ADVICE, f"## The array `{scene}`\n"]
     parts.append(f"![error against run time for {scene}](precision/{SHOWN}.svg)\n")
-    parts += [part for measured in shown.studies for part in _study(measured)]
+    parts += [part for measured in shown.measured for part in _study(measured)]
     parts += ["## What pruning saves\n", PRUNING_NOTE, _pruning(pruned)]
     return "\n".join(parts)
 
 
-def _machine(shown: Precision) -> str:
+def _machine(shown: Run[Scene]) -> str:
     limits = shown.limits
     return (
         f"Times: processor time, the shortest of at most {limits.runs} runs within {limits.seconds:g} s, on "
@@ -108,21 +111,28 @@ def _machine(shown: Precision) -> str:
     )
 
 
-def _study(measured: Measured) -> Iterator[str]:
-    title = measured.study.title
+def _study(measured: Measured[Scene]) -> Iterator[str]:
+    study = study_of(measured)
+    title = study.title
     yield f"### {_escaped(title[0].upper() + title[1:])}\n"
     if measured.plan is None:
         yield f"Left out: {_escaped(measured.left_out)}.\n"
         return
-    yield f"Error: {_escaped(measured.study.quantity)}. Yardstick: {_escaped(measured.plan.reference)}.\n"
+    yield f"Error: {_escaped(study.quantity)}. Yardstick: {_escaped(measured.plan.reference)}.\n"
     header = ("method", "setting", "error", "time [s]", "other errors, work, remarks")
-    yield _table(header, ((*row_texts(row), _remarks(row)) for row in measured.rows))
-    if measured.slopes:
+    yield _table(header, map(_row, measured.rows))
+    slopes = slopes_of(measured)
+    if slopes:
         header = ("method", "slope in", "seen", "predicted", "why")
-        yield _table(header, (_slope(slope) for slope in measured.slopes))
+        yield _table(header, (_slope(slope) for slope in slopes))
 
 
-def _remarks(row: Row) -> str:
+def _row(row: ResultRow) -> tuple[str, ...]:
+    seconds = "" if row.seconds is None else number_text(row.seconds)
+    return row.method, setting_text(row), error_text(row), seconds, _remarks(row)
+
+
+def _remarks(row: ResultRow) -> str:
     errors = [f"{what} {number_text(error)}" for what, error in row.details.items()]
     work = [f"{count} {what}" for what, count in row.work.items()]
     return "; ".join([*errors, *work, *([row.note] if row.note else [])])
@@ -137,13 +147,13 @@ def _slope(slope: Slope) -> tuple[str, ...]:
 # ---- pruning -------------------------------------------------------------------------------------
 
 
-def _pruning(pruned: Iterable[Precision]) -> str:
+def _pruning(pruned: Iterable[Run[Scene]]) -> str:
     header = ("array", "rule", "pruned [s]", "whole [s]", "ratio", "cells", "left out", "verdicts that differ")
-    return _table(header, (row for precision in pruned for row in _pruning_rows(precision)))
+    return _table(header, (row for run in pruned for row in _pruning_rows(run)))
 
 
-def _pruning_rows(precision: Precision) -> Iterator[tuple[str, ...]]:
-    rows = {row.method: row for row in precision.rows}
+def _pruning_rows(run: Run[Scene]) -> Iterator[tuple[str, ...]]:
+    rows = {row.method: row for row in run.rows}
     for method, row in rows.items():
         rule, _, kind = method.partition(", ")
         if kind != PRUNED:
@@ -154,8 +164,8 @@ def _pruning_rows(precision: Precision) -> Iterator[tuple[str, ...]]:
             f"{row.work['cells']} of {whole.work['cells']}" if "cells" in row.work and "cells" in whole.work else "-"
         )
         times = ["-" if r.seconds is None else f"{r.seconds:.3f}" for r in (row, whole)]
-        differ = row.outcome.value if row.error is None else number_text(row.error)
-        yield precision.scene.name, rule, *times, ratio, cells, row.note or "nothing", differ
+        differ = error_text(row)
+        yield run.scene.name, rule, *times, ratio, cells, row.note or "nothing", differ
 
 
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -10,7 +10,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from nonsmooth.analysis.measurements.study import Order, Plan, Row
+from nonsmooth.analysis.measurements.plan import Order, Plan
+from nonsmooth.analysis.measurements.rows import ResultRow
 
 FEWEST = 4  # settings: fewer make no line
 
@@ -42,9 +43,9 @@ def log_slope(settings: Sequence[float], errors: Sequence[float]) -> float:
     return sum((x - middle) * (y - height) for x, y in zip(xs, ys, strict=True)) / spread
 
 
-def fitted_slopes(study: str, plan: Plan, rows: Iterable[Row]) -> list[Slope]:
+def fitted_slopes(study: str, plan: Plan, rows: Iterable[ResultRow]) -> list[Slope]:
     """The slope of every method of a study that has a setting."""
-    known = [row for row in rows if row.study == study]
+    known = [row for row in rows if row.name == study]
     slopes = []
     for method, order in plan.orders.items():
         own = [row for row in known if row.method == method]

@@ -14,8 +14,9 @@ from fractions import Fraction
 
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
 from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, nearly_in_line
-from nonsmooth.analysis.measurements.cases.row import Rows, StressRow
 from nonsmooth.analysis.measurements.cases.scales import OFFSETS, POWERS
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import ResultRow, Rows, asserted
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.theorem4 import check_theorem4
@@ -50,18 +51,18 @@ class ArrayVerdict:
     clauses: tuple[str, ...]
     numbers: tuple[Number, ...]
 
-    def row(self, case: str, parameter: str, other: ArrayVerdict, factors: Sequence[Fraction], name: str) -> StressRow:
+    def row(self, case: str, parameter: str, other: ArrayVerdict, factors: Sequence[Fraction], name: str) -> ResultRow:
         """Compared with another verdict, whose numbers are multiplied by factors first."""
         pairs = list(zip(self.numbers, other.numbers, factors, strict=False))
         error = max((_relative(own, reference, factor) for own, reference, factor in pairs), default=0.0)
         same = self.clauses == other.clauses and len(self.numbers) == len(other.numbers)
         ok = self.genuine and same and not error
-        return StressRow(case, parameter, self.text, error, None, ok, SAME.format(name))
+        return asserted(case, parameter, self.text, SAME.format(name), ok=ok, error=error)
 
-    def alone(self, case: str, parameter: str) -> StressRow:
+    def alone(self, case: str, parameter: str) -> ResultRow:
         """Evidence that verifies; nothing to compare with."""
         error = 0.0 if self.genuine else None
-        return StressRow(case, parameter, self.text, error, None, self.genuine, "evidence that verifies")
+        return asserted(case, parameter, self.text, "evidence that verifies", ok=self.genuine, error=error)
 
 
 def array_verdict_rows(scene: Scene) -> Rows:
@@ -107,3 +108,6 @@ def _relative(own: Number, reference: Number, factor: Fraction) -> float:
     if own == wanted:
         return 0.0
     return abs(float(own - wanted)) / (abs(float(wanted)) or 1.0)
+
+
+ARRAY_VERDICTS = Case("verdicts", array=array_verdict_rows)

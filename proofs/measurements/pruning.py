@@ -8,8 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.analysis.measurements.study import Finding, Plan, Study, Trial
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, Plan, Trial
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, EllipseCheck
 from nonsmooth.symbolic.contact_states import possible_triples

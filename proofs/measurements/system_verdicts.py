@@ -9,8 +9,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
-from nonsmooth.analysis.measurements.cases.row import Rows, StressRow
 from nonsmooth.analysis.measurements.cases.scales import POWERS
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import ResultRow, Rows, asserted
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.system import SystemScene
@@ -32,10 +33,13 @@ def system_verdict_rows(scene: SystemScene) -> Rows:
         found = system_check(with_rate_ratio(scene, ratio))
         ok = found.check()
         error = 0.0 if ok else None
-        yield StressRow(RATES, name, str(found.verdict), error, None, ok, "evidence that verifies")
+        yield asserted(RATES, name, str(found.verdict), "evidence that verifies", ok=ok, error=error)
 
 
-def _row(case: str, parameter: str, found: SystemResult, unit: SystemResult) -> StressRow:
+def _row(case: str, parameter: str, found: SystemResult, unit: SystemResult) -> ResultRow:
     same = (found.verdict, found.method, found.equilibrium) == (unit.verdict, unit.method, unit.equilibrium)
     error = 0.0 if same else None
-    return StressRow(case, parameter, str(found.verdict), error, None, same and found.check(), SAME)
+    return asserted(case, parameter, str(found.verdict), SAME, ok=same and found.check(), error=error)
+
+
+SYSTEM_VERDICTS = Case("verdicts", system=system_verdict_rows)

@@ -15,14 +15,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.analysis.measurements.measurement import Limits
-from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
-from nonsmooth.reports import precision as views
+from nonsmooth.analysis.measurements.harness import Study, measure
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.timing import Clock, Limits
+from nonsmooth.proofs.measurements import registry
+from nonsmooth.proofs.measurements.registry import STUDIES
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
-from nonsmooth.reports.figures.precision import build_figure
-from nonsmooth.reports.precision import STUDIES, Precision, measure
+from nonsmooth.reports.figures.measurements import build_figure
+from nonsmooth.reports.measurements import Precision
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -62,7 +63,7 @@ def proportional(setting: float) -> Callable[[Clock], float]:
 
 
 def measured(*studies: Study) -> Precision:
-    return measure(load_scene("four-wheel"), studies, Limits(1, LIMIT), silent)
+    return Precision(measure(load_scene("four-wheel"), studies, Limits(1, LIMIT), silent))
 
 
 # ---- contract ------------------------------------------------------------------------------------
@@ -84,7 +85,7 @@ def test_json_of_a_study(invoke: Invoke) -> None:
 
 
 def test_csv_and_json_files_hold_the_same_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}),))
+    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}),))
     assert all(invoke("precision", "four-wheel", "-o", f"rows.{kind}").status == 0 for kind in ("csv", "json"))
     with Path("rows.csv").open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(file))
@@ -130,7 +131,7 @@ def test_bad_input_is_one_line(arguments: list[str], words: str, capsys: pytest.
 
 def test_an_interrupt_keeps_the_finished_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     broken = study({"exact": proportional, "broken": lambda s: interrupted if s < 1e-2 else proportional(s)}, "second")
-    monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
+    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
     status, out, _ = invoke("precision", "four-wheel", "--json", "-o", "rows.csv")
     record = json.loads(out)
     assert status == INTERRUPTED
@@ -145,8 +146,8 @@ def test_an_interrupt_while_building_keeps_earlier_studies() -> None:
         raise KeyboardInterrupt
 
     found = measured(study({"exact": proportional}, "first"), Study("second", "second", "error [1]", build))
-    assert not found.complete
-    assert [one.study.name for one in found.studies] == ["first"]
+    assert not found.run.complete
+    assert [one.of.name for one in found.run.measured] == ["first"]
 
 
 def test_a_study_that_is_left_out_says_why() -> None:
@@ -157,7 +158,7 @@ def test_a_study_that_is_left_out_says_why() -> None:
     absent, present = found.record()["studies"]
     assert (absent["left_out"], absent["reference"]) == ("there is no yardstick", None)
     assert present["left_out"] is None
-    assert found.complete
+    assert found.run.complete
 
 
 def test_scenes_of_rule_ellipse_leave_out_what_has_no_cells() -> None:
@@ -229,7 +230,7 @@ def test_legends_and_panels_do_not_overlap() -> None:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}),))
+    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}),))
     assert invoke("precision", "four-wheel", "-o", f"precision{suffix}")[0] == 0
     starts = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
     assert Path(f"precision{suffix}").read_bytes().startswith(starts[suffix])

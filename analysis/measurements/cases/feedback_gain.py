@@ -12,13 +12,16 @@ import numpy as np
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.cases.row import Rows, StressRow, brief, counted, measured, refused
+from nonsmooth.analysis.measurements.cases.subject import cells_of
+from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.reference_pieces import gradient_pieces
 from nonsmooth.analysis.measurements.references.taylor import reference_path
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.measurements.rows import ResultRow, Rows, brief, counted, judged, refused
+from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.scene import Scene
 
 GRADIENT, CORRECTED = "feedback gain, gradient law", "feedback gain, corrected law"
 GAINS = (1e-6, 1e-3, 1.0, 1e3, 1e6, 1e8)
@@ -52,14 +55,14 @@ def _size(partition: Partition) -> float:
     return max(abs(x) for x in _start(partition))
 
 
-def _gradient_row(partition: Partition, gain: float) -> StressRow:
+def _gradient_row(partition: Partition, gain: float) -> ResultRow:
     start = _start(partition)
     reference = reference_path(gradient_pieces(partition, gain), start, TURNS / gain)
     path = simulate(feedback_field(partition, gradient_law(gain), Kinematics.LEADING), start, reference.time)
     gaps = [abs(float(a) - b) for a, b in zip(path.end.state, reference.state, strict=True)]
     verdict = f"{counted(reference.crossings, 'crossing')}: {path.end.reason}"
     error = max(gaps) / _size(partition)
-    return measured(GRADIENT, brief(gain), verdict, error, ACCURACY, why="a hundred steps of the integrator")
+    return judged(GRADIENT, brief(gain), verdict, error, ACCURACY, why="a hundred steps of the integrator")
 
 
 def _corrected(partition: Partition, gain: float, until: float) -> Trajectory:
@@ -67,7 +70,7 @@ def _corrected(partition: Partition, gain: float, until: float) -> Trajectory:
     return follow_smooth(field, _start(partition), until, max_events=MOST_EVENTS)
 
 
-def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> StressRow:
+def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> ResultRow:
     """Compared as long as both last; later the pose must not have grown."""
     path = _corrected(partition, gain, UNTIL)
     verdict = f"{counted(len(path.times), 'step')}, {path.method}: {path.end.reason}"
@@ -78,6 +81,15 @@ def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> Stres
         x, y = (float(value) for value in partition.scene.check.equilibrium)
         last, before = (np.hypot(*(np.array(p.end.state[:2]) - (x, y))) + abs(p.end.state[2]) for p in (path, slow))
         error = max(error, float(last - before))
-    return measured(
-        CORRECTED, brief(gain), verdict, error / _size(partition), ACCURACY, why="gain one, k times as long"
-    )
+    return judged(CORRECTED, brief(gain), verdict, error / _size(partition), ACCURACY, why="gain one, k times as long")
+
+
+def _array_rows(scene: Scene) -> Rows:
+    cells = cells_of(scene)
+    if isinstance(cells, RefusalError):
+        yield refused("feedback gain", f"rule {scene.contact.rule}", cells, expected=True)
+    else:
+        yield from feedback_rows(cells)
+
+
+FEEDBACK = Case("feedback", array=_array_rows)

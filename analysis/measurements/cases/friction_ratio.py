@@ -11,8 +11,9 @@ from fractions import Fraction
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, measured, refused
+from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.least_dissipation import LeastDissipation
+from nonsmooth.analysis.measurements.rows import EPSILON, Rows, judged, refused
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -57,7 +58,10 @@ def friction_rows(scene: Scene) -> Rows:
             verdict = "certified by its forces"
             case = f"friction ratio, {minimizer.functional} minimizer"
             if found.check()[0]:
-                yield measured(case, name, verdict, error, GAP, why="the gap that certifies a minimum, of D at rest")
+                yield judged(case, name, verdict, error, GAP, why="the gap that certifies a minimum, of D at rest")
             else:
                 outweighed = float(max(ratio, 1 / ratio)) * EPSILON * float(rest.mid()) > GAP * float(least.mid())
                 yield refused(case, name, UNPROVEN, expected=outweighed)
+
+
+FRICTION = Case("minimizers", array=friction_rows)

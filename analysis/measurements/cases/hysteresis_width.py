@@ -7,11 +7,15 @@ minutes and show nothing more.  Widths that floats do not resolve must be refuse
 
 from __future__ import annotations
 
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, brief, counted, measured, refused
-from nonsmooth.analysis.measurements.cases.subject import START, Subject
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subjects, system_subject
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import EPSILON, Rows, brief, counted, judged, refused
 from nonsmooth.analysis.trajectories.hysteresis import RELATIVE_TOLERANCE, simulate_hysteresis
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.system import SystemScene
 
 CASE = "hysteresis width"
 WIDTHS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9)  # in half-widths of the square
@@ -34,7 +38,7 @@ def hysteresis_rows(subject: Subject) -> Rows:
         error = subject.error(path, exact.end.state)
         bound = LATE * growth * (width + RELATIVE_TOLERANCE * until / subject.span + EPSILON)
         verdict = counted(len(path.events), "switch")
-        yield measured(CASE, brief(width), verdict, error, bound, condition=growth, why="late by the width")
+        yield judged(CASE, brief(width), verdict, error, bound, condition=growth, why="late by the width")
     try:
         path = simulate_hysteresis(subject.field, on_surface, subject.span, UNRESOLVED * subject.radius)
     except ValueError as refusal:
@@ -42,7 +46,7 @@ def hysteresis_rows(subject: Subject) -> Rows:
     else:
         error = subject.error(path, simulate(subject.field, on_surface, subject.span).end.state)
         verdict = counted(len(path.events), "switch")
-        yield measured(CASE, brief(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
+        yield judged(CASE, brief(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
 
 
 def _surface_start(subject: Subject) -> tuple[float, ...]:
@@ -56,3 +60,15 @@ def _surface_start(subject: Subject) -> tuple[float, ...]:
         if not any(event.kind is EventKind.NONUNIQUE and not event.t for event in events):
             return start
     return subject.place(*START)
+
+
+def _array_rows(scene: Scene) -> Rows:
+    for subject in array_subjects(scene, Kinematics.EXACT):
+        yield from hysteresis_rows(subject)
+
+
+def _system_rows(scene: SystemScene) -> Rows:
+    return hysteresis_rows(system_subject(scene))
+
+
+HYSTERESIS = Case("hysteresis", array=_array_rows, system=_system_rows)

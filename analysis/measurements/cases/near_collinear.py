@@ -14,9 +14,10 @@ import numpy as np
 from flint import arb_mat
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, StressRow, measured
+from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.reference_pieces import ball
 from nonsmooth.analysis.measurements.references.taylor import precision
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, judged
 from nonsmooth.symbolic.constraints import Row, roll_row, side_row
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -50,7 +51,7 @@ def collinear_rows(scene: Scene) -> Rows:
         yield _row(f"1e-{power}", (roll_row(first), side_row(first), roll_row(second)))
 
 
-def _row(parameter: str, rows: tuple[Row, Row, Row]) -> StressRow:
+def _row(parameter: str, rows: tuple[Row, Row, Row]) -> ResultRow:
     state = solve_rows(rows)
     if state is None:
         raise ValueError("required independent rows, received dependent ones")
@@ -60,7 +61,7 @@ def _row(parameter: str, rows: tuple[Row, Row, Row]) -> StressRow:
     error = float(np.abs(found - truth).max()) / largest
     verdict = f"omega = {found[2]:.6g}"
     why = "exact and rounded once, whatever the condition"
-    return measured(CASE, parameter, verdict, error, ROUNDINGS * EPSILON, condition=condition, why=why)
+    return judged(CASE, parameter, verdict, error, ROUNDINGS * EPSILON, condition=condition, why=why)
 
 
 def _by_elimination(rows: tuple[Row, Row, Row]) -> tuple[Floats, float]:
@@ -74,3 +75,6 @@ def _by_elimination(rows: tuple[Row, Row, Row]) -> tuple[Floats, float]:
         entries = np.array([[float(entry.mid()) for entry in row] for row in matrix])
     scale = np.abs(entries).max(axis=0)
     return twist, float(np.linalg.cond(entries / np.where(scale > 0, scale, 1.0)))
+
+
+COLLINEAR = Case("contact states", array=collinear_rows)

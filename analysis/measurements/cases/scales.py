@@ -9,9 +9,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, StressRow, brief, measured, refused
-from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subject, system_subject
+from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subject, cells_of, system_subject
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
 from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system
@@ -24,12 +26,16 @@ BEYOND = 1e6  # half-widths: a start far outside
 
 
 def array_scale_rows(scene: Scene) -> Rows:
-    """An array in other units of length, and far from the origin."""
+    """An array in other units of length, and far from the origin; one refusal for all paths without cells."""
+    cells = cells_of(scene)
+    if isinstance(cells, RefusalError):
+        yield refused("paths", f"rule {scene.contact.rule}", cells, expected=True)
+        return
     for power in POWERS:
         yield _row("geometry scale, path", f"1e{power}", _array(scaled(scene, Fraction(10) ** power)))
     for power in OFFSETS:
         yield _row("far from the origin, path", f"1e{power}", _array(moved(scene, Fraction(10) ** power, Fraction(0))))
-    yield outside_row(_array(scene))
+    yield outside_row(array_subject(cells, Kinematics.LEADING))
 
 
 def system_scale_rows(scene: SystemScene) -> Rows:
@@ -43,21 +49,21 @@ def system_scale_rows(scene: SystemScene) -> Rows:
         yield _row("time scale, path", f"1e{power}", system_subject(faster))
 
 
-def outside_row(subject: Subject) -> StressRow:
+def outside_row(subject: Subject) -> ResultRow:
     """A start far outside the checked square has to be refused."""
     case, parameter = "start far outside", brief(BEYOND)
     try:
         path = simulate(subject.field, subject.place(BEYOND, 0.0), subject.span)
     except ValueError as refusal:
         return refused(case, parameter, refusal, expected=True)
-    return StressRow(case, parameter, str(path.end.reason), None, None, False, "required a refusal")
+    return asserted(case, parameter, str(path.end.reason), "required a refusal", ok=False)
 
 
 def _array(scene: Scene) -> Subject:
     return array_subject(build_partition(scene), Kinematics.LEADING)
 
 
-def _row(case: str, parameter: str, subject: Subject) -> StressRow:
+def _row(case: str, parameter: str, subject: Subject) -> ResultRow:
     start = subject.place(*START)
     until, truth = subject.truth(start, subject.span)
     path = simulate(subject.field, start, until)
@@ -65,4 +71,7 @@ def _row(case: str, parameter: str, subject: Subject) -> StressRow:
     growth = offset * subject.amplification(start, until, max(subject.slack, 1e-7 * subject.radius))
     bound = 2 * growth * (ROUNDINGS * EPSILON + subject.slack / subject.radius / offset) + subject.step_error
     why = "rounding and slack times amplification"
-    return measured(case, parameter, str(path.end.reason), subject.error(path, truth), bound, condition=growth, why=why)
+    return judged(case, parameter, str(path.end.reason), subject.error(path, truth), bound, condition=growth, why=why)
+
+
+SCALES = Case("scales", array=array_scale_rows, system=system_scale_rows)

@@ -11,10 +11,14 @@ import math
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, StressRow, brief, measured
-from nonsmooth.analysis.measurements.cases.subject import Subject
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.measurements.cases.subject import Subject, array_subjects, system_subject
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.system import SystemScene
 
 DISTANCES = (1e-9, 1e-12)  # in half-widths
 ANGLES = (0.3, 1.9, 3.7, 5.1)  # directions from the checked point, radians
@@ -38,7 +42,7 @@ def start_rows(subject: Subject, case: str) -> Rows:
         yield _row(subject, case, parameter, np.array(subject.centre), DISTANCES[-1] * move)
 
 
-def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Floats) -> StressRow:
+def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Floats) -> ResultRow:
     position = point + subject.radius * move
     start = (*position.tolist(), *subject.place(0, 0)[2:])
     until, truth = subject.truth(start, subject.span)
@@ -48,12 +52,26 @@ def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Float
     error = subject.error(path, truth)
     growth = subject.amplification(start, until, subject.slack)
     bound = 2 * growth * (subject.slack / subject.radius + LEGS * EPSILON) + subject.step_error
-    row = measured(case, parameter, str(path.end.reason), error, bound, condition=growth, why=WHY)
+    row = judged(case, parameter, str(path.end.reason), error, bound, condition=growth, why=WHY)
     if (row.ok and bound <= RESOLVED) or not _starts_on_a_surface(path):
         return row
-    return StressRow(case, parameter, "not unique, as it says", error, growth, math.isfinite(error), SAID)
+    said = "not unique, as it says"
+    return asserted(case, parameter, said, SAID, ok=math.isfinite(error), error=error, condition=growth)
 
 
 def _starts_on_a_surface(path: Trajectory) -> bool:
     """Whether the path says at its start that others leave it: the start counts as on a surface."""
     return any(event.kind is EventKind.NONUNIQUE and not event.t for event in path.events)
+
+
+def _array_rows(scene: Scene) -> Rows:
+    for kinematics, case in ((Kinematics.LEADING, "start, leading order"), (Kinematics.EXACT, "start, exact pose")):
+        for subject in array_subjects(scene, kinematics):
+            yield from start_rows(subject, case)
+
+
+def _system_rows(scene: SystemScene) -> Rows:
+    return start_rows(system_subject(scene), "start")
+
+
+STARTS = Case("starts", array=_array_rows, system=_system_rows)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,12 @@ from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.measurements.references.reference_pieces import partition_pieces, system_pieces
 from nonsmooth.analysis.measurements.references.taylor import ReferencePiece, reference_path
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth import onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.system import SystemScene
 
 START = (0.6171, 0.3443)  # in units of the square's half-width: a place of no symmetry
@@ -114,6 +117,21 @@ class Subject:
             found = [point for point in _surface_points(self) if point is not None]
         step = max(1, len(found) // MOST_SURFACES)
         return found[::step][:MOST_SURFACES]
+
+
+@lru_cache(maxsize=1)
+def cells_of(scene: Scene) -> Partition | RefusalError:
+    """The cells of an array, or why there are none; several cases ask for them one after the other."""
+    try:
+        return build_partition(scene)
+    except RefusalError as refusal:
+        return refusal
+
+
+def array_subjects(scene: Scene, kinematics: Kinematics) -> tuple[Subject, ...]:
+    """The array's field; none where its rule has no cells, which the case of scales says once."""
+    cells = cells_of(scene)
+    return () if isinstance(cells, RefusalError) else (array_subject(cells, kinematics),)
 
 
 def array_subject(partition: Partition, kinematics: Kinematics) -> Subject:

@@ -12,7 +12,8 @@ from fractions import Fraction
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, StressRow, brief, measured, refused
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
 from nonsmooth.analysis.minimizers.float_loads import RESIDUAL, elastic_loads
 from nonsmooth.analysis.partitions.loads import LoadError, elastic_loads_at, support_polygon
 from nonsmooth.symbolic.scene import Scene
@@ -46,7 +47,7 @@ def support_rows(scene: Scene) -> Rows:
         except LoadError as refusal:
             yield refused(EDGE, parameter, refusal, expected=True)
         else:
-            yield StressRow(EDGE, parameter, f"loads {loads[0]}", None, None, False, "required a refusal")
+            yield asserted(EDGE, parameter, f"loads {loads[0]}", "required a refusal", ok=False)
 
 
 def scale_rows(scene: Scene) -> Rows:
@@ -69,7 +70,7 @@ def _longest_edge(hull: Floats, model: ContactModel) -> tuple[Floats, Floats]:
     return point, model.positions.mean(axis=0) - point
 
 
-def _row(case: str, parameter: str, scene: Scene, model: ContactModel, point: Floats) -> StressRow:
+def _row(case: str, parameter: str, scene: Scene, model: ContactModel, point: Floats) -> ResultRow:
     x, y = (scene.field(Fraction(float(value))) for value in point)
     try:
         truth = elastic_loads_at(scene, (x, y))
@@ -80,7 +81,7 @@ def _row(case: str, parameter: str, scene: Scene, model: ContactModel, point: Fl
     condition = _condition(model, loads)
     verdict = f"{int((loads > 0).sum())} wheels loaded, smallest load {loads[loads > 0].min():.2g}"
     bound = RESIDUAL + ROUNDINGS * EPSILON * condition
-    return measured(case, parameter, verdict, error, bound, condition=condition, why="stated residual, rounding")
+    return judged(case, parameter, verdict, error, bound, condition=condition, why="stated residual, rounding")
 
 
 def _condition(model: ContactModel, loads: Floats) -> float:
@@ -89,3 +90,11 @@ def _condition(model: ContactModel, loads: Floats) -> float:
     arms = (model.positions - middle) / np.abs(model.positions - middle).max()
     moments = np.column_stack([np.ones(len(arms)), arms])[loads > 0]
     return float(np.linalg.cond(moments)) if len(moments) > 2 else 1.0
+
+
+def _array_rows(scene: Scene) -> Rows:
+    yield from support_rows(scene)
+    yield from scale_rows(scene)
+
+
+LOADS = Case("loads", array=_array_rows)

@@ -16,15 +16,20 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
-from nonsmooth.analysis.measurements.cases.row import EPSILON, Rows, StressRow, brief, counted, measured
-from nonsmooth.analysis.measurements.cases.subject import START, Subject
+from nonsmooth.analysis.fields.system_field import constant_system
+from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subjects, system_subject
+from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.taylor import precision
+from nonsmooth.analysis.measurements.rows import EPSILON, Rows, asserted, brief, counted, judged
 from nonsmooth.analysis.partitions.cell_complex import AtCorner
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.system import SystemScene
 
 SPIRAL, LONG = "spiral of many switches", "path followed for long"
 LOSSES = (1e-3, 1e-5, 1e-8, 1e-11)  # share of the distance lost per turn
@@ -52,15 +57,15 @@ def spiral_rows(field: ConstantField) -> Rows:
         if loss == UNTOLD:
             ok = path.end.reason in {EndReason.EVENTS, EndReason.CIRCLES}
             note = "a gain not told from one must not be summed"
-            yield StressRow(SPIRAL, parameter, verdict, None, 1 / abs(lost) if lost else None, ok, note)
+            yield asserted(SPIRAL, parameter, verdict, note, ok=ok, condition=1 / abs(lost) if lost else None)
             continue
         limit = float((time / (1 - gain)).mid())
         error = max(abs(float(path.end.t) / limit - 1), abs(path.end.state[0] - x), abs(path.end.state[1] - y))
         bound = ROUNDINGS * EPSILON / lost
-        yield measured(SPIRAL, parameter, verdict, error, bound, condition=1 / lost, why="rounding of a gain near one")
+        yield judged(SPIRAL, parameter, verdict, error, bound, condition=1 / lost, why="rounding of a gain near one")
 
 
-def long_rows(subject: Subject, case: str = LONG) -> Rows:
+def long_rows(subject: Subject) -> Rows:
     """The scene's own path for a million crossings of the square, or as long as there are events left."""
     closed = isinstance(subject.field, ConstantField)
     spans = SPANS if closed else SMOOTH_SPANS
@@ -69,7 +74,7 @@ def long_rows(subject: Subject, case: str = LONG) -> Rows:
     verdict, parameter = f"{path.end.reason}, {counted(len(path.events), 'event')}", f"{brief(spans)} crossings"
     if path.end.reason is EndReason.EVENTS:
         ok = all(math.isfinite(float(value)) for value in path.end.state)
-        yield StressRow(case, parameter, verdict, None, None, ok, "a clear end: no endless loop, no invented limit")
+        yield asserted(LONG, parameter, verdict, "a clear end: no endless loop, no invented limit", ok=ok)
         return
     reached, truth, why = float(path.end.t), path.end.state, "it ends"
     if subject.exact is not None:
@@ -78,7 +83,7 @@ def long_rows(subject: Subject, case: str = LONG) -> Rows:
     growth = max(1.0, reached / subject.span)
     bound = 64 * EPSILON * growth + subject.slack / subject.radius + subject.step_error
     error = subject.distance(path.at(reached), truth)
-    yield measured(case, parameter, verdict, error, bound, condition=growth, why=why)
+    yield judged(LONG, parameter, verdict, error, bound, condition=growth, why=why)
 
 
 def _inner_corner(field: ConstantField) -> int | None:
@@ -118,3 +123,20 @@ def _turn_at_60_digits(field: ConstantField, rays: Sequence[Ray], distance: floa
             s = (x * b[0] + y * b[1]) / (b[0] * b[0] + b[1] * b[1])
             time += lasts
         return (s / distance).mid(), time.mid()
+
+
+def _array_rows(scene: Scene) -> Rows:
+    for subject in array_subjects(scene, Kinematics.LEADING):
+        if isinstance(subject.field, ConstantField):
+            yield from spiral_rows(subject.field)
+        yield from long_rows(subject)
+
+
+def _system_rows(scene: SystemScene) -> Rows:
+    constant = constant_system(scene)
+    if constant is not None:
+        yield from spiral_rows(constant)
+    yield from long_rows(system_subject(scene))
+
+
+SWITCHES = Case("switches", array=_array_rows, system=_system_rows)

@@ -17,8 +17,9 @@ import numpy as np
 import sympy
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.symbolic.constraints import Row, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.scene import Scene

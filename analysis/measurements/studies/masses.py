@@ -14,8 +14,9 @@ from nonsmooth.analysis.dynamics.ellipse_path import RELATIVE_TOLERANCE
 from nonsmooth.analysis.dynamics.mass_study import path_distance, rule_path
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.symbolic.rule import Rule

@@ -17,14 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.measurements.clock import Clock
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_twists import (
     DIGITS,
     ReferenceTwist,
     box_references,
     ellipse_references,
 )
-from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer

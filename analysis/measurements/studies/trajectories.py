@@ -24,9 +24,10 @@ from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
 from nonsmooth.analysis.fields.smooth_field import Member, Vector, Velocity
 from nonsmooth.analysis.fields.switched_field import ConstantField
 from nonsmooth.analysis.fields.switching_modes import CellModes
-from nonsmooth.analysis.measurements.clock import Clock
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_paths import ReferencePath, reference_paths
-from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed

@@ -19,8 +19,9 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.fields.hulls import hull_upper_derivative_on
 from nonsmooth.analysis.fields.sampling import literal_twists
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.analysis.measurements.study import Finding, LeftOut, Order, Plan, Study, Trial
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.analysis.minimizers.float_loads import loads_at

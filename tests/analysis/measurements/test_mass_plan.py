@@ -11,10 +11,10 @@ import pytest
 from nonsmooth.analysis.dynamics.mass_study import mass_study
 from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.clock import Clock
+from nonsmooth.analysis.measurements.plan import LeftOut, Plan
 from nonsmooth.analysis.measurements.slopes import log_slope
 from nonsmooth.analysis.measurements.studies.masses import MASS, MASSES
-from nonsmooth.analysis.measurements.study import LeftOut, Plan
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.symbolic.rule import Rule
 
 if TYPE_CHECKING:

@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.analysis.measurements.clock import Clock, OutOfTime
-from nonsmooth.analysis.measurements.measurement import REPEATED, Limits, Measurement
+from nonsmooth.analysis.measurements.harness import Study, measure
+from nonsmooth.analysis.measurements.plan import Finding, Order, Plan, Trial
+from nonsmooth.analysis.measurements.rows import Outcome, ResultRow
 from nonsmooth.analysis.measurements.slopes import FEWEST, fitted_slopes, log_slope
-from nonsmooth.analysis.measurements.study import Finding, Order, Outcome, Plan, Row, Study, Trial
+from nonsmooth.analysis.measurements.timing import REPEATED, Clock, Limits, OutOfTime
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 LIMITS = Limits(runs=3, seconds=0.2)
@@ -26,11 +27,10 @@ def trial(method: str, work: Callable[[Clock], Any], setting: float | None = Non
     return Trial(method, work, judged, None if setting is None else "width", setting, repeats)
 
 
-def measured(*trials: Trial, limits: Limits = LIMITS) -> list[Row]:
+def measured(*trials: Trial, limits: Limits = LIMITS) -> list[ResultRow]:
     plan = Plan("what is known", trials)
     study = Study("test", "a test", "error [1]", lambda scene: plan)
-    measurement = Measurement(study, study.build(load_scene("four-wheel")), limits)
-    return [measurement.measure(one) for one in trials]
+    return measure(load_scene("four-wheel"), [study], limits).rows
 
 
 def endless(clock: Clock) -> float:
@@ -52,7 +52,7 @@ def test_a_row_holds_error_time_and_yardstick() -> None:
         return 0.25
 
     (row,) = measured(trial("busy", work, 1e-3, repeats=2))
-    assert (row.study, row.method, row.parameter, row.setting) == ("test", "busy", "width", 1e-3)
+    assert (row.name, row.method, row.parameter, row.setting) == ("test", "busy", "width", 1e-3)
     assert (row.error, row.reference, row.outcome) == (0.25, "what is known", Outcome.DONE)
     assert row.seconds is not None
     assert row.seconds >= PAUSE / 2
@@ -153,7 +153,7 @@ def test_errors_at_rounding_level_are_left_out_of_a_slope() -> None:
     order = Order(1.0, "a test")
     settings = [10.0**-k for k in range(1, 9)]
     errors = [max(s**2, 3e-15) for s in settings]
-    rows = [Row("test", "square", "width", s, e, 1.0, "known") for s, e in zip(settings, errors, strict=True)]
+    rows = [ResultRow("test", "square", "width", s, error=e) for s, e in zip(settings, errors, strict=True)]
     plan = Plan("known", (), {"square": order})
     (slope,) = fitted_slopes("test", plan, rows)
     assert slope.value == pytest.approx(2, abs=1e-12)

@@ -18,14 +18,15 @@ from nonsmooth.analysis.fields.cellwise_field import smooth_form
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
 from nonsmooth.analysis.fields.switching_modes import CellModes
-from nonsmooth.analysis.measurements.clock import Clock
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Plan
 from nonsmooth.analysis.measurements.references.reference_paths import ReferencePath
 from nonsmooth.analysis.measurements.slopes import log_slope
 from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
 from nonsmooth.analysis.measurements.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
 from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES, follow_without_events
 from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE, codimension_of_largest
-from nonsmooth.analysis.measurements.study import Plan, Study
+from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.trajectories.result import EventKind

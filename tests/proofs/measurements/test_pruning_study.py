@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.analysis.measurements.measurement import Limits, Measurement
-from nonsmooth.analysis.measurements.study import Outcome
+from nonsmooth.analysis.measurements.rows import Outcome
+from nonsmooth.analysis.measurements.timing import Clock, Limits
 from nonsmooth.proofs.measurements.pruning import PRUNING, verdicts
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Rotation, Theorem4
@@ -38,7 +37,7 @@ def test_differing_verdicts_are_counted() -> None:
 
 def test_a_rule_that_refuses_the_array_fails_and_says_why() -> None:
     plan = PRUNING.build(load_scene("four-wheel", radius="2"))
-    measurement = Measurement(PRUNING, plan, Limits(1, SECONDS))
-    rows = [measurement.measure(trial) for trial in plan.trials if trial.method.startswith("box")]
+    trials = [trial for trial in plan.trials if trial.method.startswith("box")]
+    rows = [PRUNING.measure(trial, plan, Limits(1, SECONDS)) for trial in trials]
     assert [row.outcome for row in rows] == [Outcome.FAILED] * 2
     assert "check.radius: required at most" in rows[0].note

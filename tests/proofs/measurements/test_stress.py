@@ -12,17 +12,21 @@ import pytest
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.measurements.cases import near_collinear, support_edge
-from nonsmooth.analysis.measurements.cases.feedback_gain import feedback_rows
+from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
+from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
 from nonsmooth.analysis.measurements.cases.near_collinear import collinear_rows
-from nonsmooth.analysis.measurements.cases.row import REFUSED, StressRow, measured
-from nonsmooth.analysis.measurements.cases.scales import array_scale_rows, system_scale_rows
+from nonsmooth.analysis.measurements.cases.scales import SCALES, array_scale_rows, system_scale_rows
+from nonsmooth.analysis.measurements.cases.starts import STARTS
 from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, support_rows
+from nonsmooth.analysis.measurements.cases.switches import SWITCHES
+from nonsmooth.analysis.measurements.harness import Case, measure
+from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, judged
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories import guards
 from nonsmooth.analysis.trajectories.motion import Free
 from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
-from nonsmooth.proofs.measurements.array_verdicts import array_verdict_rows
-from nonsmooth.proofs.measurements.stress import guarded, stress_cases, stress_rows
+from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS
+from nonsmooth.proofs.measurements.registry import CASES
 from nonsmooth.symbolic.constraints import Row, Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -36,7 +40,7 @@ if TYPE_CHECKING:
 LEAST_ROWS = 30
 
 
-def failed(rows: Iterator[StressRow]) -> list[StressRow]:
+def failed(rows: Iterator[ResultRow]) -> list[ResultRow]:
     return [row for row in rows if not row.ok]
 
 
@@ -45,34 +49,35 @@ def failed(rows: Iterator[StressRow]) -> list[StressRow]:
 
 @pytest.mark.parametrize("name", ["ring-3", "line-of-equilibria", "relay-oscillator-damped"])
 def test_a_built_in_scene_holds(name: str) -> None:
-    rows = list(stress_rows(load_any(name)))
+    rows = measure(load_any(name), CASES).rows
     assert len(rows) >= LEAST_ROWS
     assert [row for row in rows if not row.ok] == []
     for row in rows:
         assert row.note
-        assert row.verdict
+        assert row.outcome
         assert row.error is None or math.isfinite(row.error)
 
 
 def test_other_arrays_hold(arrays: Arrays) -> None:
     """An array at random, whose checked point is no equilibrium; and one refused by rule box."""
-    rows = list(stress_rows(arrays.random(4, 4)))
+    rows = measure(arrays.random(4, 4), CASES).rows
     assert len(rows) >= LEAST_ROWS
     assert [row for row in rows if not row.ok] == []
 
 
 def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
-    cases = stress_cases(load_scene("ring-3", rule=Rule.ELLIPSE))
-    for name in ("paths", "feedback"):
-        (row,) = guarded(name, cases[name])
-        assert (row.verdict, row.ok) == (REFUSED, True)
+    scene = load_scene("ring-3", rule=Rule.ELLIPSE)
+    for case, name in ((SCALES, "paths"), (FEEDBACK, "feedback gain")):
+        (row,) = case.rows(scene)
+        assert (row.name, row.outcome, row.ok) == (name, Outcome.REFUSED, True)
         assert "its field is continuous" in row.note
+    assert measure(scene, (STARTS, HYSTERESIS, SWITCHES)).rows == []
 
 
 def test_stiff_loops_say_that_they_are() -> None:
     rows = list(feedback_rows(build_nearest_partition(load_scene("grid-4x4"))))
     assert failed(iter(rows)) == []
-    stiff = {row.parameter for row in rows if IMPLICIT in row.verdict}
+    stiff = {row.parameter for row in rows if IMPLICIT in row.outcome}
     assert {"1e6", "1e8"} <= stiff
     assert not stiff & {"1e-6", "1e-3", "1e0"}
 
@@ -81,19 +86,18 @@ def test_stiff_loops_say_that_they_are() -> None:
 
 
 def test_a_number_that_is_none_is_not_ok() -> None:
-    assert not measured("case", "1", "verdict", math.nan, 1.0, why="").ok
-    assert not measured("case", "1", "verdict", math.inf, math.inf, why="").ok
-    assert measured("case", "1", "verdict", math.nan, 1.0, why="").record()["error"] is None
+    assert not judged("case", "1", "verdict", math.nan, 1.0, why="").ok
+    assert not judged("case", "1", "verdict", math.inf, math.inf, why="").ok
 
 
 def test_a_case_that_raises_is_a_row_that_is_not_ok() -> None:
-    def case() -> Iterator[StressRow]:
-        yield measured("case", "1", "verdict", 0.0, 1.0, why="")
+    def case(scene: object) -> Rows:
+        yield judged("case", "1", "verdict", 0.0, 1.0, why="")
         raise ZeroDivisionError("of a careless method")
 
-    first, last = guarded("family", case)
+    first, last = Case("family", array=case).rows(load_scene("four-wheel"))
     assert first.ok
-    assert (last.verdict, last.ok, last.note) == ("fault", False, "ZeroDivisionError: of a careless method")
+    assert (last.outcome, last.ok, last.note) == ("fault", False, "ZeroDivisionError: of a careless method")
 
 
 def test_float_elimination_fails_for_wheels_in_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,7 +132,7 @@ def test_a_tolerance_in_signs_fails_at_small_sizes(monkeypatch: pytest.MonkeyPat
         return 0 if abs(value) < 1e-9 else (value > 0) - (value < 0)
 
     monkeypatch.setattr(Number, "sign", careless)
-    bad = failed(guarded("verdicts", lambda: array_verdict_rows(load_scene("four-wheel"))))
+    bad = failed(ARRAY_VERDICTS.rows(load_scene("four-wheel")))
     assert bad != []
 
 
@@ -141,9 +145,9 @@ def test_paths_in_single_precision_fail(monkeypatch: pytest.MonkeyPatch) -> None
 
     assert failed(array_scale_rows(scene)) == []
     monkeypatch.setattr(Free, "state", careless)
-    bad = failed(guarded("paths", lambda: array_scale_rows(scene)))
+    bad = failed(SCALES.rows(scene))
     assert bad != []
-    assert {row.case for row in bad} <= {"geometry scale, path", "far from the origin, path", "paths"}
+    assert {row.name for row in bad} <= {"geometry scale, path", "far from the origin, path", "scales"}
 
 
 def test_events_located_to_an_absolute_time_fail_in_fast_systems(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -155,4 +159,4 @@ def test_events_located_to_an_absolute_time_fail_in_fast_systems(monkeypatch: py
     scene = load_system("relay-oscillator")
     assert failed(system_scale_rows(scene)) == []
     monkeypatch.setattr(guards, "find_root", careless)
-    assert [(row.case, row.parameter) for row in failed(system_scale_rows(scene))][-1] == ("time scale, path", "1e9")
+    assert [(row.name, row.parameter) for row in failed(system_scale_rows(scene))][-1] == ("time scale, path", "1e9")

@@ -1,27 +1,12 @@
-"""A study: methods at their settings, each with its error against a yardstick and its processor time.
-
-A study is first built (:class:`Plan`: the yardstick and a list of trials, nothing timed yet) and then measured trial by
-trial, so that a caller can show progress and keep what is finished when it is interrupted.  Work-precision diagrams in
-this manner: Hairer, Norsett & Wanner 1993, sec. II.10.
-"""
+"""A plan: methods at their settings, what they are compared with, and what theory says of their errors."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Any
 
-from nonsmooth.analysis.measurements.clock import Clock
-from nonsmooth.symbolic.scene import Scene
-
-
-class Outcome(StrEnum):
-    """How a trial ended."""
-
-    DONE = "done"
-    TIME_OUT = "time-out"
-    FAILED = "failed"
+from nonsmooth.analysis.measurements.timing import Clock
 
 
 class LeftOut(Exception):
@@ -33,7 +18,7 @@ class Finding:
     """What a result is worth.
 
     Attributes:
-        error: distance from the yardstick, in the study's quantity; 0 only where they are equal exactly.
+        error: distance from the reference, in the study's quantity; 0 only where they are equal exactly.
         details: other errors by name.
         work: counts of what was done, by name.
         note: what else there is to say.
@@ -86,52 +71,18 @@ class Order:
 
 @dataclass(frozen=True)
 class Plan:
-    """The trials of a study for one scene.
+    """What a study does for one scene.
 
     Attributes:
-        reference: the yardstick.
+        reference: what results are compared with.
         trials: by method, settings from easy to hard.
         orders: what theory says of the methods that have a setting.
         note: what there is to say of the scene.
-        rounding: errors below this are rounding, or beyond the digits of the yardstick, and tell no order.
+        rounding: errors below this are rounding, or beyond the digits of the reference, and tell no order.
     """
 
-    reference: str
-    trials: tuple[Trial, ...]
+    reference: str = ""
+    trials: tuple[Trial, ...] = ()
     orders: Mapping[str, Order] = field(default_factory=dict)
     note: str = ""
     rounding: float = 1e-13
-
-
-@dataclass(frozen=True)
-class Study:
-    """A question that several methods answer.
-
-    Attributes:
-        name: what the command line calls it.
-        title: what is compared.
-        quantity: the error with its unit.
-        build: the plan for a scene; raises :class:`LeftOut` where there is none.
-    """
-
-    name: str
-    title: str
-    quantity: str
-    build: Callable[[Scene], Plan]
-
-
-@dataclass(frozen=True)
-class Row:
-    """One measured trial: its error and time are None unless it is done."""
-
-    study: str
-    method: str
-    parameter: str | None
-    setting: float | None
-    error: float | None
-    seconds: float | None
-    reference: str
-    outcome: Outcome = Outcome.DONE
-    details: Mapping[str, float] = field(default_factory=dict)
-    work: Mapping[str, int] = field(default_factory=dict)
-    note: str = ""
