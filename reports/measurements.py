@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -26,31 +25,16 @@ LEGEND = (
 
 
 @dataclass(frozen=True)
-class MeasurementView(ABC):
-    """A run of measurements in every form that its command offers (:class:`nonsmooth.reports.shown.Shown`).
+class MeasurementView:
+    """A run of measurements in the forms that both commands offer (:class:`nonsmooth.reports.shown.Shown`)."""
 
-    ``keys`` maps the keys of a row in JSON and CSV to the attributes of a :class:`ResultRow`.
-    """
-
-    run: Run[Any]
-    keys: ClassVar[Mapping[str, str]]
-
-    @abstractmethod
-    def record(self) -> dict[str, Any]:
-        """JSON with stable keys."""
+    run: Run
+    keys: ClassVar[Mapping[str, str]]  # key of a row in JSON and CSV: attribute of a ResultRow
 
     @property
-    @abstractmethod
     def head(self) -> str:
         """What was measured, in one line."""
-
-    @abstractmethod
-    def summary(self) -> str:
-        """How many rows, and of what."""
-
-    @abstractmethod
-    def view(self) -> RenderableType:
-        """What a terminal shows."""
+        raise NotImplementedError
 
     def row_records(self) -> list[dict[str, Any]]:
         """The rows; numbers that are none become null."""
@@ -73,8 +57,11 @@ class MeasurementView(ABC):
 class Precision(MeasurementView):
     """Studies of error against run time."""
 
-    names = ("method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note", "details", "work")
-    keys = {"study": "name"} | dict(zip(names, names, strict=True))
+    keys: ClassVar[Mapping[str, str]] = {
+        "study": "name",
+        **{key: key for key in ("method", "parameter", "setting", "error", "seconds")},
+        **{key: key for key in ("outcome", "reference", "note", "details", "work")},
+    }
 
     @property
     def head(self) -> str:
@@ -115,10 +102,7 @@ class Stress(MeasurementView):
         "case": "name",
         "parameter": "parameter",
         "verdict": "outcome",
-        "error": "error",
-        "condition": "condition",
-        "ok": "ok",
-        "note": "note",
+        **{key: key for key in ("error", "condition", "ok", "note")},
     }
 
     @property
@@ -209,19 +193,17 @@ def number_text(value: float | None) -> str:
 # ---- studies -------------------------------------------------------------------------------------
 
 
-def slopes_of(measured: Measured[Any]) -> list[Slope]:
+def slopes_of(measured: Measured) -> list[Slope]:
     """The slope of every method with a setting."""
     return [] if measured.plan is None else fitted_slopes(measured.of.name, measured.plan, measured.rows)
 
 
-def study_of(measured: Measured[Any]) -> Study:
+def study_of(measured: Measured) -> Study:
     """The study that was measured."""
-    if not isinstance(measured.of, Study):
-        raise TypeError(f"required a study, received {measured.of.name}")
-    return measured.of
+    return cast(Study, measured.of)
 
 
-def _study_view(measured: Measured[Any]) -> RenderableType:
+def _study_view(measured: Measured) -> RenderableType:
     study = study_of(measured)
     title = Text(study.title, "bold")
     if measured.plan is None:
@@ -240,7 +222,7 @@ def _slope_text(slope: Slope) -> str:
     return f"{slope.method}: {seen}, {expected}: {slope.order.why}"
 
 
-def _study_record(measured: Measured[Any]) -> dict[str, Any]:
+def _study_record(measured: Measured) -> dict[str, Any]:
     study, plan = study_of(measured), measured.plan
     entry: dict[str, Any] = {"study": study.name, "title": study.title, "quantity": study.quantity}
     if plan is None:

@@ -22,7 +22,6 @@ from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.measurements import Precision, error_text, number_text, setting_text, slopes_of, study_of
 from nonsmooth.reports.progress import Report, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.scene import Scene
 
 SHOWN = "four-wheel"
 LIMITS = Limits()
@@ -85,14 +84,14 @@ def write_page(folder: Path, report: Report) -> Path:
     return page
 
 
-def _whole(name: str, studies: Sequence[Study], limits: Limits, report: Report) -> Run[Scene]:
+def _whole(name: str, studies: Sequence[Study], limits: Limits, report: Report) -> Run:
     found = measure(load_scene(name), studies, limits, report)
     if not found.complete:
         raise KeyboardInterrupt
     return found
 
 
-def page_text(shown: Run[Scene], pruned: Sequence[Run[Scene]]) -> str:
+def page_text(shown: Run, pruned: Sequence[Run]) -> str:
     """The page as Markdown."""
     scene = shown.scene.name
     parts = [INTRODUCTION, _machine(shown), ADVICE, f"## The array `{scene}`\n"]
@@ -102,7 +101,7 @@ def page_text(shown: Run[Scene], pruned: Sequence[Run[Scene]]) -> str:
     return "\n".join(parts)
 
 
-def _machine(shown: Run[Scene]) -> str:
+def _machine(shown: Run) -> str:
     limits = shown.limits
     return (
         f"Times: processor time, the shortest of at most {limits.runs} runs within {limits.seconds:g} s, on "
@@ -111,7 +110,7 @@ def _machine(shown: Run[Scene]) -> str:
     )
 
 
-def _study(measured: Measured[Scene]) -> Iterator[str]:
+def _study(measured: Measured) -> Iterator[str]:
     study = study_of(measured)
     title = study.title
     yield f"### {_escaped(title[0].upper() + title[1:])}\n"
@@ -147,12 +146,12 @@ def _slope(slope: Slope) -> tuple[str, ...]:
 # ---- pruning -------------------------------------------------------------------------------------
 
 
-def _pruning(pruned: Iterable[Run[Scene]]) -> str:
+def _pruning(pruned: Iterable[Run]) -> str:
     header = ("array", "rule", "pruned [s]", "whole [s]", "ratio", "cells", "left out", "verdicts that differ")
     return _table(header, (row for run in pruned for row in _pruning_rows(run)))
 
 
-def _pruning_rows(run: Run[Scene]) -> Iterator[tuple[str, ...]]:
+def _pruning_rows(run: Run) -> Iterator[tuple[str, ...]]:
     rows = {row.method: row for row in run.rows}
     for method, row in rows.items():
         rule, _, kind = method.partition(", ")

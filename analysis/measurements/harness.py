@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from typing import Generic, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from nonsmooth.analysis.measurements.plan import LeftOut, Plan, Trial
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, asserted
@@ -19,38 +19,35 @@ from nonsmooth.analysis.measurements.timing import Limits, OutOfTime, timed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.system import SystemScene
 
+Report: TypeAlias = Callable[[int, int, str], None]  # steps done, steps in all (0: not known), and what is done now
 NO_PLAN, USUAL = Plan(), Limits()
 LONGEST_NOTE = 100  # characters of a solver's own message
-
-AnyScene = TypeVar("AnyScene")
-Report: TypeAlias = Callable[[int, int, str], None]  # steps done, steps in all (0: not known), and what is done now
 
 
 def _silent(done: int, total: int, what: str) -> None:
     """Where nobody watches."""
 
 
-class Measurement(ABC, Generic[AnyScene]):
+class Measurement(ABC):
     """Something that is measured of a scene, row by row.
 
-    A new one is one file that holds a :class:`Study` or a :class:`Case`, and one line in
-    :mod:`nonsmooth.proofs.measurements.registry`.  The commands, their files and figures and the sections of the
-    derivation report then know it.
+    A new one is one file that ends in a :class:`Study` or a :class:`Case`, and one line in
+    :mod:`nonsmooth.proofs.measurements.registry`.  The commands, their files and figures then know it.
     """
 
     name: str
 
-    @abstractmethod
-    def build(self, scene: AnyScene) -> Plan:
+    def build(self, scene: Any) -> Plan:
         """What is known before anything is measured; raises :class:`LeftOut` where the scene does not allow it."""
+        return NO_PLAN
 
     @abstractmethod
-    def rows(self, scene: AnyScene, plan: Plan, limits: Limits, report: Report = _silent) -> Rows:
+    def rows(self, scene: Any, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent) -> Rows:
         """Measure; a row is yielded as soon as it is finished."""
 
 
 @dataclass(frozen=True)
-class Study(Measurement[Scene]):
+class Study(Measurement):
     """A question that several methods answer, each with an error and a processor time.
 
     Once a setting of a method runs out of time the harder ones after it are not tried.  What methods raise that give
@@ -72,7 +69,7 @@ class Study(Measurement[Scene]):
         """The reference and the trials; nothing is timed yet."""
         return self.plan(scene)
 
-    def rows(self, scene: Scene, plan: Plan, limits: Limits, report: Report = _silent) -> Rows:
+    def rows(self, scene: Scene, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent) -> Rows:
         """One row for each trial, in the order of the plan."""
         out_of_time: set[str] = set()
         for number, trial in enumerate(plan.trials):
@@ -106,8 +103,8 @@ class Study(Measurement[Scene]):
 
 
 @dataclass(frozen=True)
-class Case(Measurement[Scene | SystemScene]):
-    """A family of stiff or extreme cases, each row with a criterion and its reason.
+class Case(Measurement):
+    """A family of stiff or extreme cases, each row with a reference of its own, a criterion and its reason.
 
     Attributes:
         name: what the family is called where it runs, and where it raises.
@@ -119,28 +116,20 @@ class Case(Measurement[Scene | SystemScene]):
     array: Callable[[Scene], Rows] | None = None
     system: Callable[[SystemScene], Rows] | None = None
 
-    def build(self, scene: Scene | SystemScene) -> Plan:
-        """Every row brings its own reference."""
-        if (self.array if isinstance(scene, Scene) else self.system) is None:
-            raise LeftOut("not about such scenes")
-        return NO_PLAN
-
     def rows(
         self, scene: Scene | SystemScene, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent
     ) -> Rows:
-        """The rows of a scene; whatever a family raises becomes a last row that is not ok, and later ones still run."""
+        """The rows of a scene; whatever the family raises becomes a last row that is not ok."""
+        family: Callable[[Any], Rows] | None = self.array if isinstance(scene, Scene) else self.system
+        if family is None:
+            return
         try:
-            for number, row in enumerate(self._rows(scene), 1):
+            for number, row in enumerate(family(scene), 1):
                 report(number, 0, f"{self.name}: {row.name}, {row.parameter}")
                 yield row
         except Exception as fault:
             reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
             yield asserted(self.name, "", Outcome.FAULT, reason, ok=False)
-
-    def _rows(self, scene: Scene | SystemScene) -> Iterable[ResultRow]:
-        if isinstance(scene, Scene):
-            return () if self.array is None else self.array(scene)
-        return () if self.system is None else self.system(scene)
 
 
 def _first_sentence(message: str) -> str:
@@ -150,29 +139,22 @@ def _first_sentence(message: str) -> str:
 
 
 @dataclass
-class Measured(Generic[AnyScene]):
-    """A measurement with the rows that are finished.
+class Measured:
+    """A measurement with its finished rows; the plan is None where the scene does not allow it, for a reason."""
 
-    Attributes:
-        of: the measurement.
-        plan: its plan for the scene; None where the scene does not allow it.
-        rows: one for each finished result.
-        left_out: why there is no plan.
-    """
-
-    of: Measurement[AnyScene]
+    of: Measurement
     plan: Plan | None = None
     rows: list[ResultRow] = field(default_factory=list)
     left_out: str = ""
 
 
 @dataclass(frozen=True)
-class Run(Generic[AnyScene]):
+class Run:
     """Measurements of one scene, in their order; ``complete`` is False where the work was interrupted."""
 
-    scene: AnyScene
+    scene: Any
     limits: Limits
-    measured: tuple[Measured[AnyScene], ...]
+    measured: tuple[Measured, ...]
     complete: bool
 
     @property
@@ -186,21 +168,16 @@ class Run(Generic[AnyScene]):
         return self.complete and all(row.ok for row in self.rows)
 
 
-def measure(
-    scene: AnyScene,
-    measurements: Iterable[Measurement[AnyScene]],
-    limits: Limits = USUAL,
-    report: Report = _silent,
-) -> Run[AnyScene]:
+def measure(scene: Any, measurements: Iterable[Measurement], limits: Limits = USUAL, report: Report = _silent) -> Run:
     """Measure one after the other; an interrupt keeps every finished row."""
-    finished: list[Measured[AnyScene]] = []
+    finished: list[Measured] = []
     for measurement in measurements:
         measured = Measured(measurement)
         try:
             report(0, 0, measurement.name)
             measured.plan = measurement.build(scene)
             for row in measurement.rows(scene, measured.plan, limits, report):
-                measured.rows.append(row)
+                measured.rows.append(row)  # one by one: an interrupt keeps them
         except LeftOut as reason:
             measured.left_out = str(reason)
         except KeyboardInterrupt:

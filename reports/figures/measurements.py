@@ -1,16 +1,14 @@
-"""Errors of measurements on logarithmic axes: work-precision diagrams of studies, and lines of points for cases.
+"""Errors of measurements across a logarithmic axis: work-precision diagrams of studies, and a line for each case.
 
-The error is drawn across.  A study has one panel each with the processor time upwards, a stress test one panel with a
-line for each case.  Errors at or below a floor, exact zeros among them, stand as stars on a dotted line at the floor: a
-logarithm has no place for them.  Results without an error stand open: at the time limit, above a method's last error,
-or at the floor of a case.
+Errors at or below a floor, exact zeros among them, stand as stars on a dotted line at the floor: a logarithm has no
+place for them.  Results without an error stand open: those of a study at its time limit, above the method's last error,
+those of a case at the floor.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.measurements.harness import Measured
@@ -34,142 +32,105 @@ CASE_HEIGHT = 0.24  # inches
 Points = list[tuple[float, float]]
 
 
-@dataclass(frozen=True)
-class Series:
-    """Points of errors and heights: of one method, or of the cases that are ok; ``open`` are those without error."""
-
-    label: str
-    points: Points
-    open: Points
-    joined: bool = False
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One pair of axes; heights are processor times with a limit, or places of the cases that are named."""
-
-    title: str
-    quantity: str
-    floor: float
-    series: tuple[Series, ...]
-    limit: float | None = None
-    cases: tuple[str, ...] = ()
-
-    @property
-    def height(self) -> float:
-        """Inches."""
-        return 1.0 + CASE_HEIGHT * len(self.cases) if self.cases else PANEL[1]
-
-
 def measurement_figure(view: MeasurementView, suffix: str) -> bytes:
     """The picture as the bytes of a file; ``suffix`` as for the cell map."""
     return figure_bytes(lambda: build_figure(view), suffix)
 
 
 def build_figure(view: MeasurementView) -> Figure:
-    """The picture as a Matplotlib figure."""
+    """The picture as a Matplotlib figure: one panel for each study, or one for all cases."""
     from matplotlib.figure import Figure
 
-    panels = _study_panels(view) if isinstance(view, Precision) else [_case_panel(view.run.rows)]
-    columns = min(COLUMNS, max(1, len(panels)))
-    rows = max(1, math.ceil(len(panels) / columns))
-    height = max((panel.height for panel in panels), default=PANEL[1])
+    studies = [measured for measured in view.run.measured if any(row.setting is not None for row in measured.rows)]
+    of_studies = isinstance(view, Precision)
+    panels = len(studies) if of_studies else 1
+    columns, rows = min(COLUMNS, max(1, panels)), max(1, math.ceil(panels / COLUMNS))
+    cases = list(dict.fromkeys(row.name for row in view.run.rows))
+    height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
     figure = Figure(figsize=(PANEL[0] * columns, height * rows + 0.8), layout="constrained")
     figure.suptitle(view.head, fontsize="large", parse_math=False)
-    for k, panel in enumerate(panels):
-        _draw(figure.add_subplot(rows, columns, k + 1), panel)
-    if not panels:
+    if not of_studies:
+        _draw_cases(figure.add_subplot(), view.run.rows, cases)
+    elif not studies:
         figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
-    _explain(figure, timed=isinstance(view, Precision))
+    else:
+        for k, measured in enumerate(studies):
+            _draw_study(figure.add_subplot(rows, columns, k + 1), measured, view.run.limits.seconds)
+    _explain(figure, "out of time or failed" if of_studies else "without an error, such as a refusal", of_studies)
     return figure
 
 
-# ---- what is drawn -------------------------------------------------------------------------------
-
-
-def _study_panels(view: MeasurementView) -> list[Panel]:
-    drawn = [measured for measured in view.run.measured if any(row.setting is not None for row in measured.rows)]
-    return [_study_panel(measured, view.run.limits.seconds) for measured in drawn]
-
-
-def _study_panel(measured: Measured[Any], limit: float) -> Panel:
+def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
+    """Error and processor time; the settings of a method are joined in their order."""
     study, floor = study_of(measured), _floor(measured)
+    axes.set(xlabel=study.quantity, ylabel="processor time [s]", yscale="log")
+    axes.set_title(study.title, fontsize="medium", loc="left")
     largest = max((row.error for row in measured.rows if row.error), default=1.0)
-    methods = dict.fromkeys(row.method for row in measured.rows)
-    series = []
-    for method in methods:
+    for k, method in enumerate(dict.fromkeys(row.method for row in measured.rows)):
         own = [row for row in measured.rows if row.method == method]
-        points = [(row.error, row.seconds) for row in own if row.error is not None and row.seconds]
-        last = max(points[-1][0], floor) if points else max(largest, floor)
-        series.append(Series(method, points, [(last, limit)] if len(points) < len(own) else [], joined=True))
-    return Panel(study.title, study.quantity, floor, tuple(series), limit)
+        points = [(max(row.error, floor), row.seconds) for row in own if row.error is not None and row.seconds]
+        _draw_points(axes, points, floor, k, label=method, linewidth=1.2)
+        if len(points) < len(own):
+            x, y = points[-1] if points else (max(largest, floor), limit)
+            axes.plot([x, x], [y, limit], color=COLORS[k % len(COLORS)], linewidth=0.8, linestyle=":")
+            _draw_open(axes, [(x, limit)], k)
+    axes.axhline(limit, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
+    _finish(axes, floor)
 
 
-def _floor(measured: Measured[Any]) -> float:
-    """Where zero is drawn: a decade below the smallest error that is told from it."""
-    rounding = measured.plan.rounding if measured.plan is not None else 1.0
-    told = [row.error for row in measured.rows if row.error and row.error > rounding * BELOW_ROUNDING]
-    return max(10.0 ** (math.floor(math.log10(min(told, default=1.0))) - 1), rounding * BELOW_ROUNDING)
-
-
-def _case_panel(rows: Sequence[ResultRow]) -> Panel:
-    cases = tuple(dict.fromkeys(row.name for row in rows))
-    series = []
-    for label, ok in (("ok", True), ("not ok", False)):
+def _draw_cases(axes: Axes, rows: Sequence[ResultRow], cases: Sequence[str]) -> None:
+    """Error and case."""
+    axes.set(xlabel="relative error against exact or 60-digit arithmetic")
+    axes.set_yticks(range(len(cases)), cases)
+    for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):
         own = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
-        points = [(min(x, LARGEST) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None]
-        series.append(Series(label, points, [(NOTHING, y) for x, y in own if x is None]))
-    return Panel("", "relative error against exact or 60-digit arithmetic", NOTHING, tuple(series), cases=cases)
+        points = [(max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None]
+        _draw_points(axes, points, NOTHING, k, label=label, linestyle="none")
+        _draw_open(axes, [(NOTHING, y) for x, y in own if x is None], k)
+    axes.invert_yaxis()
+    _finish(axes, NOTHING)
 
 
-# ---- drawing -------------------------------------------------------------------------------------
+def _draw_points(axes: Axes, points: Points, floor: float, k: int, **style: Any) -> None:
+    color = COLORS[k % len(COLORS)]
+    axes.plot(*_columns(points), marker=MARKERS[k % len(MARKERS)], color=color, markersize=5, **style)
+    zero = [point for point in points if point[0] <= floor]
+    if zero:
+        axes.plot(*_columns(zero), marker="*", color=color, markersize=11, linestyle="none")
 
 
-def _draw(axes: Axes, panel: Panel) -> None:
-    axes.set(xscale="log", xlabel=panel.quantity)
-    axes.set_title(panel.title, fontsize="medium", loc="left")
+def _draw_open(axes: Axes, points: Points, k: int) -> None:
+    style: dict[str, Any] = {"color": COLORS[k % len(COLORS)], "marker": MARKERS[k % len(MARKERS)]}
+    axes.plot(*_columns(points), markersize=7, fillstyle="none", linestyle="none", **style)
+
+
+def _finish(axes: Axes, floor: float) -> None:
+    axes.set_xscale("log")
     axes.grid(color="0.9", linewidth=0.6)
-    for k, series in enumerate(panel.series):
-        style = {"color": COLORS[k % len(COLORS)], "marker": MARKERS[k % len(MARKERS)]}
-        _draw_series(axes, series, panel.floor, style)
-    axes.axvline(panel.floor, color="0.5", linewidth=0.8, linestyle=":", zorder=1)
-    if panel.limit is not None:
-        axes.set(yscale="log", ylabel="processor time [s]")
-        axes.axhline(panel.limit, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
-    else:
-        axes.set_yticks(range(len(panel.cases)), panel.cases)
-        axes.invert_yaxis()
+    axes.axvline(floor, color="0.5", linewidth=0.8, linestyle=":", zorder=1)
     axes.margins(0.06)
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small", borderaxespad=0)
-
-
-def _draw_series(axes: Axes, series: Series, floor: float, style: dict[str, Any]) -> None:
-    points = [(max(x, floor), y) for x, y in series.points]
-    exact = [point for point in points if point[0] <= floor]
-    line = {"linewidth": 1.2} if series.joined else {"linestyle": "none"}
-    axes.plot(*_columns(points), markersize=5, label=series.label, **line, **style)
-    if exact:
-        axes.plot(*_columns(exact), marker="*", color=style["color"], markersize=11, linestyle="none")
-    if series.open:
-        if series.joined:
-            stem = [points[-1] if points else series.open[0], series.open[0]]
-            axes.plot(*_columns(stem), color=style["color"], linewidth=0.8, linestyle=":")
-        axes.plot(*_columns(series.open), markersize=7, fillstyle="none", linestyle="none", **style)
 
 
 def _columns(points: Points) -> tuple[list[float], list[float]]:
     return [x for x, _ in points], [y for _, y in points]
 
 
-def _explain(figure: Figure, *, timed: bool) -> None:
+def _floor(measured: Measured) -> float:
+    """Where zero is drawn: a decade below the smallest error that is told from it."""
+    rounding = measured.plan.rounding if measured.plan is not None else 1.0
+    told = [row.error for row in measured.rows if row.error and row.error > rounding * BELOW_ROUNDING]
+    return max(10.0 ** (math.floor(math.log10(min(told, default=1.0))) - 1), rounding * BELOW_ROUNDING)
+
+
+def _explain(figure: Figure, without_error: str, timed: bool) -> None:
     """What the marks mean that no panel explains."""
     from matplotlib.lines import Line2D
 
     zero = "error 0, or below what is told from 0"
-    without = "out of time or failed" if timed else "no error to measure, such as a refusal"
     entries = [
         Line2D([], [], marker="*", color=INK, linestyle=":", markersize=10, label=zero),
-        Line2D([], [], marker="o", color=INK, linestyle="none", fillstyle="none", label=without),
+        Line2D([], [], marker="o", color=INK, linestyle="none", fillstyle="none", label=without_error),
     ]
     if timed:
         entries.append(Line2D([], [], color="0.5", linestyle="--", label="time limit"))

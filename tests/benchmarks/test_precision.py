@@ -15,7 +15,6 @@ from nonsmooth.proofs.measurements.registry import STUDIES
 from nonsmooth.reports.measurements import slopes_of
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch
@@ -29,11 +28,11 @@ WITHIN = 0.2  # of a predicted slope
 SLOPES = {"hysteresis", "smoothed", "random samples", "grid of samples", "RK45", "DOP853"}
 
 
-def measured(name: str, runs: int = 3) -> Run[Scene]:
+def measured(name: str, runs: int = 3) -> Run:
     return measure(load_scene(name), STUDIES, Limits(runs, 5.0), silent)
 
 
-def methods_of(one: Measured[Scene]) -> dict[str, int]:
+def methods_of(one: Measured) -> dict[str, int]:
     """Number of settings by method."""
     counts: dict[str, int] = {}
     for row in one.rows:
@@ -60,7 +59,7 @@ def test_every_built_in_array(name: str, stopwatch: Stopwatch) -> None:
             assert all(row.error == 0 for row in one.rows if row.error is not None)
 
 
-def fastest(one: Measured[Scene]) -> dict[str, float]:
+def fastest(one: Measured) -> dict[str, float]:
     """The shortest time of each method that has a result."""
     times: dict[str, float] = {}
     for row in one.rows:

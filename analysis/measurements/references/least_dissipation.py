@@ -8,12 +8,11 @@ independent of all minimizers: it knows no linear program, no cone and no face. 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.measurements.references.ball_dissipation import derivatives, value
 from nonsmooth.analysis.minimizers.dissipation import Functional
 
 BITS = 420  # 126 digits: the Hessian's condition grows like 1/delta
@@ -22,8 +21,6 @@ FALL = 4  # factor from one delta to the next
 NEWTON = 60  # steps per delta; five are usual
 HALVINGS = 200  # of a step: where minimizers are many the first ones are long
 DECREMENT = 1e-60  # squared Newton decrement, relative to D_delta: beside a kink a larger one says little
-
-Group = tuple[Any, list[Any], Any]  # weight, row, target
 
 
 class LeastDissipation:
@@ -36,84 +33,56 @@ class LeastDissipation:
     """
 
     def __init__(self, functional: Functional, model: ContactRows, loads: Floats) -> None:
-        self.functional = functional
-        self._length = float(np.abs(model.rows[:, 2]).max()) or 1.0
-        weights = model.limits(loads).reshape(-1)
-        self._rows: list[Group] = [
-            (arb(float(w)), [arb(float(a)), arb(float(b)), arb(float(m)) / self._length], arb(float(t)))
-            for w, (a, b, m), t in zip(weights, model.rows, model.targets, strict=True)
-        ]
+        self._length = arb(float(np.abs(model.rows[:, 2]).max()) or 1.0)
+        weights = [arb(float(w)) for w in model.limits(loads).reshape(-1)]
         size = 1 if functional is Functional.BOX else 2
-        self._groups = [self._rows[k : k + size] for k in range(0, len(self._rows), size)]
+        with ctx.workprec(BITS):
+            rows = [
+                [w * float(a), w * float(b), w * float(m) / self._length]
+                for w, (a, b, m) in zip(weights, model.rows, strict=True)
+            ]
+            right = [[w * float(target)] for w, target in zip(weights, model.targets, strict=True)]
+            starts = range(0, len(rows), size)
+            self._groups = [(arb_mat(rows[k : k + size]), arb_mat(right[k : k + size])) for k in starts]
 
-    def at(self, twist: Floats) -> Any:
+    def at(self, twist: Floats) -> arb:
         """``D`` at a twist of floats."""
-        before, ctx.prec = ctx.prec, BITS
-        try:
+        with ctx.workprec(BITS):
             vx, vy, omega = (arb(float(x)) for x in twist)
-            return self._value([vx, vy, omega * self._length], arb(0))
-        finally:
-            ctx.prec = before
+            return self._value(arb_mat([[vx], [vy], [omega * self._length]]), arb(0))
 
-    def least(self) -> Any:
+    def least(self) -> arb:
         """The least ``D``."""
-        before, ctx.prec = ctx.prec, BITS
-        try:
-            x = [arb(0)] * 3
-            scale = self._value(x, arb(0))
+        with ctx.workprec(BITS):
+            twist = arb_mat(3, 1)
+            scale = self._value(twist, arb(0))
             if not float(scale.mid()):
                 return scale
             delta = scale / len(self._groups)
             while float((delta / scale).mid()) > 10.0**-SMOOTHED:
-                x = self._newton(x, delta)
+                twist = self._newton(twist, delta)
                 delta = (delta / FALL).mid()
-            return self._value(x, arb(0))
-        finally:
-            ctx.prec = before
+            return self._value(twist, arb(0))
 
-    def _slips(self, group: list[Group], x: list[Any]) -> list[Any]:
-        return [w * (a[0] * x[0] + a[1] * x[1] + a[2] * x[2] - b) for w, a, b in group]
-
-    def _value(self, x: list[Any], delta: Any) -> Any:
+    def _value(self, twist: arb_mat, delta: arb) -> arb:
         """``D_delta``, without its ball."""
-        total = arb(0)
-        for group in self._groups:
-            total += sum((s * s for s in self._slips(group, x)), delta * delta).mid().sqrt()
-        return total.mid()
+        return value(self._groups, twist, delta).mid()
 
-    def _derivatives(self, x: list[Any], delta: Any) -> tuple[list[Any], list[list[Any]]]:
-        """Gradient and Hessian of ``D_delta``."""
-        gradient, hessian = [arb(0)] * 3, [[arb(0)] * 3 for _ in range(3)]
-        for group in self._groups:
-            slips = self._slips(group, x)
-            length = sum((s * s for s in slips), delta * delta).mid().sqrt()
-            rows = [[w * entry for entry in a] for w, a, _ in group]
-            pull = [sum((s * row[k] for s, row in zip(slips, rows, strict=True)), arb(0)) / length for k in range(3)]
-            for k in range(3):
-                gradient[k] = (gradient[k] + pull[k]).mid()
-                for j in range(3):
-                    product = sum((row[k] * row[j] for row in rows), arb(0))
-                    hessian[k][j] = (hessian[k][j] + (product - pull[k] * pull[j]) / length).mid()
-        return gradient, hessian
-
-    def _newton(self, x: list[Any], delta: Any) -> list[Any]:
+    def _newton(self, twist: arb_mat, delta: arb) -> arb_mat:
         """Damped Newton steps to the minimum of ``D_delta``."""
-        value = self._value(x, delta)
+        here = self._value(twist, delta)
         for _ in range(NEWTON):
-            gradient, hessian = self._derivatives(x, delta)
-            solved = arb_mat(hessian).solve(arb_mat([[-g] for g in gradient]))
-            step = [solved[k, 0].mid() for k in range(3)]
-            decrement = -float(sum((g * s for g, s in zip(gradient, step, strict=True)), arb(0)).mid() / value)
-            if decrement <= DECREMENT:
+            gradient, hessian = derivatives(self._groups, twist, delta)
+            step = hessian.solve(gradient)
+            decrement = (gradient.transpose() * step)[0, 0]
+            if float(decrement.mid() / here) <= DECREMENT:
                 break
-            share = arb(1)
-            for _ in range(HALVINGS):
-                tried = [(a + share * s).mid() for a, s in zip(x, step, strict=True)]
+            for halvings in range(HALVINGS):
+                tried = arb_mat([[x.mid()] for x in (twist - step * arb(2) ** -halvings).entries()])
                 following = self._value(tried, delta)
-                if following < value:
+                if following < here:
                     break
-                share = share / 2
             else:
                 break  # nothing falls any more
-            x, value = tried, following
-        return x
+            twist, here = tried, following
+        return twist

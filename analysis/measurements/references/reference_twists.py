@@ -17,6 +17,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.measurements.references.ball_dissipation import Group, derivatives
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
@@ -106,10 +107,10 @@ def _stationary(scene: Scene, loads: list[arb], guess: Floats) -> Exact | None:
 
     None where D has no curvature in some direction, as without friction across the rims: it has a kink then.
     """
-    forms = _weighted_rows(scene, loads)
+    groups = _weighted_rows(scene, loads)
     twist = arb_mat([[arb(float(value))] for value in guess])
     for _ in range(NEWTON_STEPS):
-        gradient, hessian = _derivatives(forms, twist)
+        gradient, hessian = derivatives(groups, twist, arb(0))
         if all(abs(entry) < RESIDUAL for entry in gradient.entries()):
             return tuple(twist.entries())  # type: ignore[return-value]  # three entries
         try:
@@ -120,7 +121,7 @@ def _stationary(scene: Scene, loads: list[arb], guess: Floats) -> Exact | None:
     raise ArithmeticError("required a stationary point of D near the float answer, received none")
 
 
-def _weighted_rows(scene: Scene, loads: list[arb]) -> list[tuple[arb_mat, arb_mat]]:
+def _weighted_rows(scene: Scene, loads: list[arb]) -> list[Group]:
     """For each loaded wheel the matrix A (2, 3) and the vector b (2, 1) of ``w = A xi - b``."""
     forms = []
     for wheel, rows in zip(scene.wheels, zip(*[iter(scene_rows(scene))] * 2, strict=True), strict=True):
@@ -130,16 +131,3 @@ def _weighted_rows(scene: Scene, loads: list[arb]) -> list[tuple[arb_mat, arb_ma
             matrix = [[w * entry.ball() for entry in row.normal] for w, row in zip(weights, rows, strict=True)]
             forms.append((arb_mat(matrix), arb_mat([[w * r.rhs.ball()] for w, r in zip(weights, rows, strict=True)])))
     return forms
-
-
-def _derivatives(forms: list[tuple[arb_mat, arb_mat]], twist: arb_mat) -> tuple[arb_mat, arb_mat]:
-    """Gradient ``sum A^T w/|w|`` and Hessian ``sum A^T (1 - w w^T/|w|^2) A/|w|``."""
-    gradient, hessian = arb_mat(3, 1), arb_mat(3, 3)
-    one = arb_mat([[1, 0], [0, 1]])
-    for matrix, shift in forms:
-        w = matrix * twist - shift
-        size = sum((entry * entry for entry in w.entries()), arb(0)).sqrt()
-        unit = w * (1 / size)
-        gradient += matrix.transpose() * unit
-        hessian += matrix.transpose() * (one - unit * unit.transpose()) * matrix * (1 / size)
-    return gradient, hessian
