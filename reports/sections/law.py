@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.document import Block, Code, Section, display
 from nonsmooth.reports.feedback_loop import certified_law
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
 from nonsmooth.reports.subject import Subject

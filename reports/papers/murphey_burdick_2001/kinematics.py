@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.partitions.partition import Cell
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Entry, Math, display, point, table
-from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.symbolic.pair_equations import pair_equations
-from nonsmooth.symbolic.printed_equations import (
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.pair_equations import pair_equations
+from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
     equation_3,
     equation_4,
     plane_symbols,
     theorem_4_kinematics,
     theorem_4_rate,
 )
+from nonsmooth.reports.prose import paragraph, prose
 
 if TYPE_CHECKING:
     import sympy

@@ -18,15 +18,26 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.audit import functional, kinematics, stability
-from nonsmooth.reports.audit.feedback import CorrectedLaw, audit_feedback, corrected_law
-from nonsmooth.reports.audit.finding import Outcome
-from nonsmooth.reports.audit.kinematics import audit_equations_3_and_4, compare_cells, theorem_4_identities
-from nonsmooth.reports.audit.paper import audit_paper, is_paper_array
-from nonsmooth.reports.audit.stability import audit_translation, missing_factor, rate_is, rays, rests, sign_sets
 from nonsmooth.reports.document import Inline, Math, Table
+from nonsmooth.reports.papers.murphey_burdick_2001 import functional, kinematics, stability
+from nonsmooth.reports.papers.murphey_burdick_2001.feedback import CorrectedLaw, audit_feedback, corrected_law
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.kinematics import (
+    audit_equations_3_and_4,
+    compare_cells,
+    theorem_4_identities,
+)
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_paper, is_paper_array
+from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import equation_3, equation_4, theorem_4_kinematics
+from nonsmooth.reports.papers.murphey_burdick_2001.stability import (
+    audit_translation,
+    missing_factor,
+    rate_is,
+    rays,
+    rests,
+    sign_sets,
+)
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.printed_equations import equation_3, equation_4, theorem_4_kinematics
 from tests.hulls import hull_holds_zero
 
 if TYPE_CHECKING:

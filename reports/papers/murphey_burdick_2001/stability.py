@@ -10,10 +10,14 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation
-from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, point, table
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
+    equation_3,
+    plane_symbols,
+    rate_of_section_3_2,
+)
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.symbolic.printed_equations import equation_3, plane_symbols, rate_of_section_3_2
 from nonsmooth.symbolic.scene import dot
 
 if TYPE_CHECKING:

@@ -11,11 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.reports.sections.sign_form import partition_forms
+from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import equation_3, equation_4, plane_symbols
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
+    MOST_FACTORS,
+    Direction,
+    find_sign_form,
+    line_factors,
+    multiplied,
+)
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import partition_forms
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.printed_equations import equation_3, equation_4, plane_symbols
-from nonsmooth.symbolic.sign_form import MOST_FACTORS, Direction, find_sign_form, line_factors, multiplied
 
 FIELD = NumberField()
 RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)

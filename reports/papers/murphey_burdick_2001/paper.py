@@ -7,17 +7,17 @@ none is a stored sentence about a result.
 from __future__ import annotations
 
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.reports.audit.feedback import audit_feedback
-from nonsmooth.reports.audit.finding import Finding
-from nonsmooth.reports.audit.functional import (
+from nonsmooth.reports.document import Bullets, Section, Text
+from nonsmooth.reports.papers.murphey_burdick_2001.feedback import audit_feedback
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding
+from nonsmooth.reports.papers.murphey_burdick_2001.functional import (
     audit_every_array,
     audit_friction_ellipse,
     audit_largest_weights,
     audit_uniqueness,
 )
-from nonsmooth.reports.audit.kinematics import audit_equations_3_and_4, audit_theorem_4_displays
-from nonsmooth.reports.audit.stability import audit_rotation, audit_translation
-from nonsmooth.reports.document import Bullets, Section, Text
+from nonsmooth.reports.papers.murphey_burdick_2001.kinematics import audit_equations_3_and_4, audit_theorem_4_displays
+from nonsmooth.reports.papers.murphey_burdick_2001.stability import audit_rotation, audit_translation
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number

@@ -16,8 +16,8 @@ from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.theorem4 import check_cells, check_ellipse
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, table
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number

@@ -8,8 +8,8 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, table
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import dot, turned
