@@ -14,8 +14,7 @@ from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.cases.subject import cells_of
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.references.reference_pieces import gradient_pieces
-from nonsmooth.analysis.measurements.references.taylor import reference_path
+from nonsmooth.analysis.measurements.references.reference_fields import gradient_reference
 from nonsmooth.analysis.measurements.rows import ResultRow, Rows, brief, counted, judged, refused
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
@@ -57,7 +56,7 @@ def _size(partition: Partition) -> float:
 
 def _gradient_row(partition: Partition, gain: float) -> ResultRow:
     start = _start(partition)
-    reference = reference_path(gradient_pieces(partition, gain), start, TURNS / gain)
+    reference = gradient_reference(partition, gain).reached(start, TURNS / gain)
     path = simulate(feedback_field(partition, gradient_law(gain), Kinematics.LEADING), start, reference.time)
     gaps = [abs(float(a) - b) for a, b in zip(path.end.state, reference.state, strict=True)]
     verdict = f"{counted(reference.crossings, 'crossing')}: {path.end.reason}"

@@ -15,7 +15,7 @@ from flint import arb_mat
 
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.references.reference_pieces import ball
+from nonsmooth.analysis.measurements.references.reference_fields import ball
 from nonsmooth.analysis.measurements.references.taylor import precision
 from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, judged
 from nonsmooth.symbolic.constraints import Row, roll_row, side_row

@@ -65,13 +65,15 @@ def _array(scene: Scene) -> Subject:
 
 def _row(case: str, parameter: str, subject: Subject) -> ResultRow:
     start = subject.place(*START)
-    until, truth = subject.truth(start, subject.span)
+    reached = subject.reference.reached(start, subject.span)
+    until = reached.time
     path = simulate(subject.field, start, until)
     offset = max(abs(x) for x in subject.centre) / subject.radius + 1
     growth = offset * subject.amplification(start, until, max(subject.slack, 1e-7 * subject.radius))
     bound = 2 * growth * (ROUNDINGS * EPSILON + subject.slack / subject.radius / offset) + subject.step_error
     why = "rounding and slack times amplification"
-    return judged(case, parameter, str(path.end.reason), subject.error(path, truth), bound, condition=growth, why=why)
+    error = subject.error(path, reached.state)
+    return judged(case, parameter, str(path.end.reason), error, bound, condition=growth, why=why)
 
 
 SCALES = Case("scales", array=array_scale_rows, system=system_scale_rows)

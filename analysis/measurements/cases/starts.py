@@ -45,9 +45,8 @@ def start_rows(subject: Subject, case: str) -> Rows:
 def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Floats) -> ResultRow:
     position = point + subject.radius * move
     start = (*position.tolist(), *subject.place(0, 0)[2:])
-    until, truth = subject.truth(start, subject.span)
-    if not until > 0:
-        until, truth = subject.span, start
+    reached = subject.reference.reached(start, subject.span)
+    until, truth = (reached.time, reached.state) if reached.time > 0 else (subject.span, start)
     path = simulate(subject.field, start, until)
     error = subject.error(path, truth)
     growth = subject.amplification(start, until, subject.slack)

@@ -14,9 +14,12 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK
 from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
-from nonsmooth.analysis.fields.system_field import constant_system, system_field
-from nonsmooth.analysis.measurements.references.reference_pieces import partition_pieces, system_pieces
-from nonsmooth.analysis.measurements.references.taylor import ReferencePiece, reference_path
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.measurements.references.reference_fields import (
+    ReferenceField,
+    array_reference,
+    system_reference,
+)
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.result import Trajectory
@@ -37,16 +40,14 @@ class Subject:
 
     Attributes:
         field: what the product simulates, in floats.
-        exact: the same field over exact numbers; None where it is not constant on polygons.
-        pieces: the same field for the reference at 60 digits.
+        reference: the same field without rounding.
         radius: half-width of the checked square (length).
         centre: its centre.
         slack: distance within which a start counts as on a surface (length).
     """
 
     field: ConstantField | SignField
-    exact: ConstantField | None
-    pieces: tuple[ReferencePiece, ...]
+    reference: ReferenceField
     radius: float
     centre: tuple[float, float]
     slack: float
@@ -83,18 +84,6 @@ class Subject:
         """Distance of two states, as for :meth:`error`."""
         gaps = [abs(float(a) - float(b)) for a, b in zip(first, second, strict=True)]
         return max(gaps[0] / self.radius, gaps[1] / self.radius, *gaps[2:])
-
-    def truth(self, start: Sequence[float], until: float) -> tuple[float, tuple[Any, ...]]:
-        """Time and state that a path has to reach: exact where the field allows it, else at 60 digits.
-
-        Raises:
-            ValueError: for a start on a surface where only the reference at 60 digits is at hand.
-        """
-        if self.exact is not None:
-            end = simulate(self.exact, (*start, 0)[:3], until).end
-            return min(float(end.t), until), end.state[: len(start)]
-        reached = reference_path(self.pieces, start, until)
-        return reached.time, reached.state
 
     def amplification(self, start: Sequence[float], until: float, probe: float) -> float:
         """Largest growth, at least one, of a displacement of the start by ``probe`` (length) along an axis."""
@@ -136,19 +125,16 @@ def array_subjects(scene: Scene, kinematics: Kinematics) -> tuple[Subject, ...]:
 
 def array_subject(partition: Partition, kinematics: Kinematics) -> Subject:
     """An array with its own speeds."""
-    exact = array_field(partition, kinematics, exact=True) if kinematics is Kinematics.LEADING else None
     x, y = partition.scene.check.equilibrium
     field = array_field(partition, kinematics)
     radius = float(partition.scene.check.radius)
-    pieces = partition_pieces(partition, kinematics)
-    return Subject(field, exact, pieces, radius, (float(x), float(y)), field.cells.slack)
+    return Subject(field, array_reference(partition, kinematics), radius, (float(x), float(y)), field.cells.slack)
 
 
 def system_subject(scene: SystemScene) -> Subject:
     """A plain system, followed by the general integrator."""
     field, radius = system_field(scene), float(scene.check.radius)
-    exact = constant_system(scene, exact=True)
-    return Subject(field, exact, system_pieces(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
+    return Subject(field, system_reference(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
 
 
 def _edge_middles(field: ConstantField) -> list[tuple[Floats, Floats]]:

@@ -21,7 +21,7 @@ from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subjects, system_subject
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.references.taylor import precision
+from nonsmooth.analysis.measurements.references.taylor import Reached, precision
 from nonsmooth.analysis.measurements.rows import EPSILON, Rows, asserted, brief, counted, judged
 from nonsmooth.analysis.partitions.cell_complex import AtCorner
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
@@ -76,13 +76,15 @@ def long_rows(subject: Subject) -> Rows:
         ok = all(math.isfinite(float(value)) for value in path.end.state)
         yield asserted(LONG, parameter, verdict, "a clear end: no endless loop, no invented limit", ok=ok)
         return
-    reached, truth, why = float(path.end.t), path.end.state, "it ends"
-    if subject.exact is not None:
-        reached, truth = subject.truth(start, min(float(until), reached))
-        why = "rounding of the time times the speed"
-    growth = max(1.0, reached / subject.span)
+    reached, why = Reached(float(path.end.t), path.end.state), "it ends"
+    if subject.reference.exact is not None:
+        reached, why = (
+            subject.reference.reached(start, min(until, reached.time)),
+            "rounding of the time times the speed",
+        )
+    growth = max(1.0, reached.time / subject.span)
     bound = 64 * EPSILON * growth + subject.slack / subject.radius + subject.step_error
-    error = subject.distance(path.at(reached), truth)
+    error = subject.distance(path.at(reached.time), reached.state)
     yield judged(LONG, parameter, verdict, error, bound, condition=growth, why=why)
 
 

@@ -1,4 +1,4 @@
-"""Exact trajectories as a yardstick: leading-order kinematics over the scene's own number field.
+"""Exact trajectories to compare whole paths with: leading-order kinematics over the scene's own number field.
 
 Between events such a path is a straight line, so state and event times are numbers of the field and every error is a
 difference of exact numbers, rounded once.  A path is compared as long as it is the only solution: it ends shortly
@@ -31,7 +31,7 @@ FIRST_CROSSINGS = {EventKind.CROSS, EventKind.SLIDE, EventKind.REST}  # events a
 
 
 @dataclass(frozen=True)
-class ReferencePath:
+class ExactPath:
     """The exact solution from one start.
 
     Attributes:
@@ -73,7 +73,7 @@ class ReferencePath:
         return max(errors, default=None)
 
 
-def reference_paths(partition: Partition) -> tuple[ConstantField, tuple[ReferencePath, ...]]:
+def reference_paths(partition: Partition) -> tuple[ConstantField, tuple[ExactPath, ...]]:
     """The exact field of a partition and its exact solutions from all starts."""
     field = array_field(partition, Kinematics.LEADING, exact=True)
     return field, tuple(_reference_path(field, start) for start in _starts(partition))
@@ -86,7 +86,7 @@ def _starts(partition: Partition) -> Iterator[tuple[float, float, float]]:
         yield float(x + check.radius * a * START_UNIT), float(y + check.radius * b * START_UNIT), 0.0
 
 
-def _reference_path(field: ConstantField, start: tuple[float, float, float]) -> ReferencePath:
+def _reference_path(field: ConstantField, start: tuple[float, float, float]) -> ExactPath:
     path = simulate(field, start, None)
     branching = next((float(event.t) for event in path.events if event.kind is EventKind.NONUNIQUE), None)
     ends = float(path.end.t)
@@ -96,7 +96,7 @@ def _reference_path(field: ConstantField, start: tuple[float, float, float]) -> 
         until = float(AFTER) * ends
     else:
         until = float(BEFORE) * ends if 0 < ends < math.inf else 1.0
-    return ReferencePath(start, until, path)
+    return ExactPath(start, until, path)
 
 
 def _exact(value: Any) -> Any:

@@ -25,24 +25,26 @@ HALVINGS = 260  # of an interval, in search of a root: beyond, it is a point of 
 Series: TypeAlias = Any  # arb_series
 Ball: TypeAlias = Any  # arb
 State: TypeAlias = list[Ball]
+Form: TypeAlias = Callable[[Sequence[Series]], Series]
+Velocity: TypeAlias = Callable[[Sequence[Series]], list[Series]]
 
 
 @dataclass(frozen=True)
 class ReferencePiece:
     """A piece: functions that are positive inside, and the velocity, both callable on series."""
 
-    sides: tuple[Callable[[Sequence[Series]], Series], ...]
-    velocity: Callable[[Sequence[Series]], list[Series]]
+    sides: tuple[Form, ...]
+    velocity: Velocity
 
 
 @dataclass(frozen=True)
-class ReferencePath:
-    """Where a reference ends: time, state as floats, crossings passed, and why (empty: the time is over)."""
+class Reached:
+    """Where a reference path ends: time, state, crossings passed, and why (empty: the time is over)."""
 
     time: float
-    state: tuple[float, ...]
-    crossings: int
-    reason: str
+    state: tuple[Any, ...]
+    crossings: int = 0
+    reason: str = ""
 
 
 @contextmanager
@@ -56,7 +58,7 @@ def precision() -> Iterator[None]:
         ctx.prec, ctx.cap = before
 
 
-def reference_path(pieces: Sequence[ReferencePiece], start: Sequence[float], until: float) -> ReferencePath:
+def follow_series(pieces: Sequence[ReferencePiece], start: Sequence[float], until: float) -> Reached:
     """Follow a path over crossings, in steps of Taylor series.
 
     Args:
@@ -80,7 +82,7 @@ def reference_path(pieces: Sequence[ReferencePiece], start: Sequence[float], unt
             if met is None:
                 state, time, entered = [_value(s, step) for s in series], (time + step).mid(), None
                 if step is left:
-                    return _path(last, state, crossings, "")
+                    return _path(last, state, crossings)
                 continue
             side, root = met
             state, time = [_value(s, root) for s in series], (time + root).mid()
@@ -91,8 +93,8 @@ def reference_path(pieces: Sequence[ReferencePiece], start: Sequence[float], unt
         return _path(time, state, crossings, f"{MAX_STEPS} steps")
 
 
-def _path(time: Ball, state: State, crossings: int, reason: str) -> ReferencePath:
-    return ReferencePath(float(time.mid()), tuple(float(x.mid()) for x in state), crossings, reason)
+def _path(time: Ball, state: State, crossings: int, reason: str = "") -> Reached:
+    return Reached(float(time.mid()), tuple(float(x.mid()) for x in state), crossings, reason)
 
 
 def _expand(piece: ReferencePiece, state: State) -> list[Series]:

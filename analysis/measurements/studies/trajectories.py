@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.switched_field import ConstantField
 from nonsmooth.analysis.fields.switching_modes import CellModes
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
-from nonsmooth.analysis.measurements.references.reference_paths import ReferencePath, reference_paths
+from nonsmooth.analysis.measurements.references.reference_paths import ExactPath, reference_paths
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
@@ -57,7 +57,7 @@ class Followed:
     steps: int = 0
 
 
-Follow = Callable[[ReferencePath, Clock], Followed]
+Follow = Callable[[ExactPath, Clock], Followed]
 
 
 def build_trajectories(scene: Scene) -> Plan:
@@ -95,11 +95,11 @@ TRAJECTORIES = Study(
 Entrant = tuple[str, Follow, tuple[str | None, float | None]]
 
 
-def _follow_all(follow: Follow, paths: Sequence[ReferencePath], clock: Clock) -> list[Followed]:
+def _follow_all(follow: Follow, paths: Sequence[ExactPath], clock: Clock) -> list[Followed]:
     return [follow(path, clock) for path in paths]
 
 
-def _judge(paths: Sequence[ReferencePath], method: str, results: Sequence[Followed]) -> Finding:
+def _judge(paths: Sequence[ExactPath], method: str, results: Sequence[Followed]) -> Finding:
     """The largest errors over all starts."""
     pairs = list(zip(paths, results, strict=True))
     errors = [path.path_error(r.times, r.states) for path, r in pairs]
@@ -118,12 +118,12 @@ def _judge(paths: Sequence[ReferencePath], method: str, results: Sequence[Follow
 def _with_events(field: ConstantField, radius: float) -> list[Entrant]:
     rounded, smooth = field.floats(), smooth_form(field)
 
-    def closed(own: ConstantField, path: ReferencePath, clock: Clock) -> Followed:
+    def closed(own: ConstantField, path: ExactPath, clock: Clock) -> Followed:
         clock.check()
         found = simulate(own, path.start, path.until)
         return Followed(found.times, found.states, found.events, len(found.pieces))
 
-    def integrated(tolerance: float, path: ReferencePath, clock: Clock) -> Followed:
+    def integrated(tolerance: float, path: ExactPath, clock: Clock) -> Followed:
         watched = _watched(smooth, clock)
         found = follow_smooth(watched, path.start, path.until, rtol=tolerance, atol=tolerance * radius)
         return Followed(found.times, found.states, found.events, len(found.times))
@@ -139,15 +139,15 @@ def _with_events(field: ConstantField, radius: float) -> list[Entrant]:
 def _with_layers(field: ConstantField, radius: float) -> list[Entrant]:
     smooth = smooth_form(field)
 
-    def relay(width: float, path: ReferencePath, clock: Clock) -> Followed:
+    def relay(width: float, path: ExactPath, clock: Clock) -> Followed:
         found = simulate_hysteresis(_watched(smooth, clock), path.start, path.until, width)
         return Followed(found.times, found.states, found.events, len(found.times))
 
-    def layer(width: float, path: ReferencePath, clock: Clock) -> Followed:
+    def layer(width: float, path: ExactPath, clock: Clock) -> Followed:
         found = simulate_smoothed(_watched(smooth, clock), path.start, path.until, width)
         return Followed(found.times, found.states, None, len(found.times))
 
-    methods: list[tuple[str, Callable[[float, ReferencePath, Clock], Followed]]] = [
+    methods: list[tuple[str, Callable[[float, ExactPath, Clock], Followed]]] = [
         ("hysteresis", relay),
         ("smoothed", layer),
     ]
@@ -164,7 +164,7 @@ def _without_events(field: ConstantField, radius: float) -> list[Entrant]:
 
 
 def follow_without_events(
-    modes: CellModes, method: str, tolerances: tuple[float, float], path: ReferencePath, clock: Clock
+    modes: CellModes, method: str, tolerances: tuple[float, float], path: ExactPath, clock: Clock
 ) -> Followed:
     """SciPy's ``solve_ivp`` on the field as it stands, jumps and all.
 

@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
 from nonsmooth.analysis.fields.switching_modes import CellModes
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Plan
-from nonsmooth.analysis.measurements.references.reference_paths import ReferencePath
+from nonsmooth.analysis.measurements.references.reference_paths import ExactPath
 from nonsmooth.analysis.measurements.slopes import log_slope
 from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
 from nonsmooth.analysis.measurements.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
@@ -70,14 +70,14 @@ def test_layers_err_by_their_width(name: str, method: str) -> None:
     assert seen == pytest.approx(1, abs=WITHIN)
 
 
-def crossing_path(field: ConstantField, start: tuple[float, float, float]) -> ReferencePath | None:
+def crossing_path(field: ConstantField, start: tuple[float, float, float]) -> ExactPath | None:
     """The exact path up to the middle of its first cell after a crossing; None where it slides or leaves first."""
     path = simulate(field, start, None)
     if len(path.pieces) < 2 or path.events[0].kind is not EventKind.CROSS:
         return None
     second = path.pieces[1]
     ends = second.start if second.end is None else second.end
-    return ReferencePath(start, (float(second.start) + float(ends)) / 2, path)
+    return ExactPath(start, (float(second.start) + float(ends)) / 2, path)
 
 
 @pytest.mark.parametrize("method", ["RK45", "DOP853"])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.references.reference_paths import STARTS, ReferencePath, reference_paths
+from nonsmooth.analysis.measurements.references.reference_paths import STARTS, ExactPath, reference_paths
 from nonsmooth.analysis.measurements.references.reference_twists import (
     DIGITS,
     POINTS,
@@ -33,7 +33,7 @@ BESIDE = mpmath.mpf(10) ** -50  # from the minimizer: too far for sixty digits
 WORKING = 150  # digits
 
 
-def four_wheel_paths() -> tuple[ReferencePath, ...]:
+def four_wheel_paths() -> tuple[ExactPath, ...]:
     return reference_paths(build_partition(load_scene("four-wheel")))[1]
 
 
