@@ -1,12 +1,14 @@
-"""The page ``docs/precision.md`` with its figure: ``python -m nonsmooth.reports.precision_page docs``.
+"""The measured parts of ``docs/precision.md`` and its figure: ``python -m nonsmooth.reports.precision_page docs``.
 
-Errors, slopes and verdicts on the page are the same on every machine up to rounding; times are those of the machine
-that wrote it, and the page says so.
+The page keeps its text; what stands between ``<!-- machine -->``, ``<!-- studies -->`` or ``<!-- pruning -->`` and the
+next ``<!-- end -->`` is measured anew.  Errors, slopes and verdicts are the same on every machine up to rounding; times
+are those of the machine that wrote them, and the page says so.
 """
 
 from __future__ import annotations
 
 import platform
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -27,46 +29,7 @@ SHOWN = "four-wheel"
 LIMITS = Limits()
 PRUNING_LIMITS = Limits(runs=2, seconds=10.0)  # a whole check is one long trial
 
-INTRODUCTION = """\
-# Error against run time
-
-This page is written by `make precision`; the same for any array: `nonsmooth precision SCENE`. Every error is the
-distance from an exact answer, or from one that holds to sixty digits; the yardstick stands above each table. No method
-is measured against a finer run of itself.
-"""
-ADVICE = """\
-## How to read the figure
-
-Each panel is a work-precision diagram: the error across, the processor time upwards, both logarithmic, so that a better
-method lies further to the left and further down. A line joins the settings of one method, from easy to hard. Stars on
-the dotted line are errors of exactly zero, or too small to be told from it; open marks at the dashed line ran out of
-time or failed, and stand above the last setting that did not. Times of a factor of two mean little, since they change
-with the machine and with what else it does; slopes and the order of methods that lie a decade apart do not. Under each
-table stands the slope of log(error) over log(setting) beside the one that theory predicts, or the reason why it
-predicts none. Errors of event times are given where a method looks for events, at the edges that a path meets first.
-The panel on full dynamics compares models, not methods: what a contact rule misses, and what a mass costs.
-
-## Which method to choose
-
-For trajectories take the event-driven method: its error is rounding, no setting has to be chosen, and no other method
-is as fast at any of its settings; with exact numbers it takes five to ten times as long and has no error at all.
-Hysteresis, smoothing and plain SciPy solvers are for comparison, or for fields of which only values are known:
-smoothing with a stiff solver is then the cheapest, since hysteresis pays for its width with switches and a
-Runge-Kutta method for its tolerance with rejected steps along every slide. To decide the sign of V\\* take the exact
-cells: samples always come out too small, a hundred times more of them gain one digit where the largest value sits at
-a vertex, and none of them proves anything. For minimizers take the explicit cells where many points are asked for,
-HiGHS or the enumeration for a few (box), and the interior point with its Newton steps (ellipse), where a tolerance on
-the duality gap leaves an error of its square root in the twist. Derive contact states in the number field: it is as
-exact as naive SymPy in less than a hundredth of its time; balls are faster still, but cannot tell that a triple is
-singular.
-"""
-PRUNING_NOTE = """\
-Every built-in array under every contact rule: the check that leaves out what no verdict needs against the whole one
-(`--no-prune`). The last column counts the verdicts that differ. The built-in arrays are small: under rule `nearest` all
-wheels matter, and only large arrays gain (a grid of 7 x 7 wheels in `make bench`: more than tenfold). Under `box` and
-`ellipse` the lemma on inward rims spares cells and samples of V\\*, and the feedback clause, decided exactly, spares
-the samples of two laws.
-"""
+MEASURED = re.compile(r"(?s)(<!-- (machine|studies|pruning) -->\n).*?(?=<!-- end -->)")
 
 
 def write_page(folder: Path, report: Report) -> Path:
@@ -80,7 +43,8 @@ def write_page(folder: Path, report: Report) -> Path:
     figure, page = folder / "precision" / f"{SHOWN}.svg", folder / "precision.md"
     figure.parent.mkdir(exist_ok=True)
     write_whole(output_path(str(figure), (".svg",)), measurement_figure(Precision(shown), ".svg"))
-    write_whole(output_path(str(page), (".md",)), page_text(shown, pruned).encode())
+    text = page_text(page.read_text(encoding="utf-8"), shown, pruned)
+    write_whole(output_path(str(page), (".md",)), text.encode())
     return page
 
 
@@ -91,14 +55,11 @@ def _whole(name: str, studies: Sequence[Study], limits: Limits, report: Report) 
     return found
 
 
-def page_text(shown: Run, pruned: Sequence[Run]) -> str:
-    """The page as Markdown."""
-    scene = shown.scene.name
-    parts = [INTRODUCTION, _machine(shown), ADVICE, f"## The array `{scene}`\n"]
-    parts.append(f"![error against run time for {scene}](precision/{SHOWN}.svg)\n")
-    parts += [part for measured in shown.measured for part in _study(measured)]
-    parts += ["## What pruning saves\n", PRUNING_NOTE, _pruning(pruned)]
-    return "\n".join(parts)
+def page_text(page: str, shown: Run, pruned: Sequence[Run]) -> str:
+    """The page with its measured parts replaced."""
+    studies = "\n".join(part for measured in shown.measured for part in _study(measured))
+    parts = {"machine": _machine(shown), "studies": studies, "pruning": _pruning(pruned)}
+    return MEASURED.sub(lambda found: found[1] + parts[found[2]], page)
 
 
 def _machine(shown: Run) -> str:

@@ -24,6 +24,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
 from nonsmooth.reports.figures.measurements import build_figure
 from nonsmooth.reports.measurements import Precision
+from nonsmooth.reports.precision_page import page_text
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 ROW_KEYS = [
     "study", "method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note", "details", "work",
 ]  # fmt: skip
+ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 LIMIT = 0.05  # seconds
 
@@ -238,3 +240,14 @@ def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.Mo
 
 def test_nothing_to_draw_is_said() -> None:
     assert [text.get_text() for text in build_figure(measured()).texts][1:] == ["no rows with a setting to draw"]
+
+
+def test_the_page_keeps_its_text_and_measures_the_rest_anew() -> None:
+    shown = measured(study({"exact": proportional})).run
+    old = (ROOT / "docs" / "precision.md").read_text(encoding="utf-8")
+    new = page_text(old, shown, [])
+    assert "### Test: a title\n\nError: error [length]. Yardstick: what is known.\n\n| method | setting |" in new
+    assert [line for line in new.splitlines() if line.startswith("## ")] == [
+        line for line in old.splitlines() if line.startswith("## ")
+    ]
+    assert page_text(new, shown, []) == new
