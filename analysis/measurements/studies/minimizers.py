@@ -9,12 +9,11 @@ rounding.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Study
@@ -34,15 +33,14 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.partition import Partition, RefusalError
+from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.symbolic.rule import Rule
 from nonsmooth.symbolic.scene import Scene
 
-Twists = Callable[[Clock], NDArray[np.float64]]
+Entrant = tuple[str, float | None, Minimizer]  # method, tolerance, minimizer
 
-TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))
-HIGHS_TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))  # HiGHS accepts none below 1e-10
+TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))  # HiGHS accepts none below 1e-10
 VERTEX = Order(None, "the simplex method ends at a vertex: right to rounding, whatever the tolerance")
 GAP_BOX = Order(1.0, "the tolerance bounds the gap, which grows linearly with the distance from a vertex")
 GAP_ELLIPSE = Order(0.5, "the tolerance bounds the gap, which grows with the square of the distance from the minimizer")
@@ -65,18 +63,17 @@ def build_box(scene: Scene) -> Plan:
         raise LeftOut(str(error)) from None
     references = _enough(box_references(partition), "inside a cell with one twist")
     import_solvers()
-    points = np.array([reference.point for reference in references])
-    model = contact_model(boxed)
+    points, model = _points(references), contact_model(boxed)
     judge = partial(_judge, references)
     trials = [
         Trial("explicit cells, with building them", partial(_build_and_look_up, boxed, points), judge),
         Trial("explicit cells, built before", partial(_look_up, PointLocator(partition), points), judge),
     ]
-    trials += _ladder("HiGHS", [(t, BoxHighs(t)) for t in HIGHS_TOLERANCES], model, references)
+    named: list[Entrant] = [("HiGHS", tolerance, BoxHighs(tolerance)) for tolerance in TOLERANCES]
     if model.wheels <= MAX_WHEELS:
-        trials.append(Trial("enumeration", partial(_minimized, BoxEnumeration(), model, points), judge))
-    for solver in ConeSolver:
-        trials += _ladder(*_by_cvxpy(Functional.BOX, solver), model, references)
+        named.append(("enumeration", None, BoxEnumeration()))
+    named += _by_cvxpy(Functional.BOX, ConeSolver)
+    trials += _minimizing(named, model, references)
     orders = {"HiGHS": VERTEX} | _cvxpy_orders(ConeSolver, GAP_BOX)
     return Plan(f"exact twist of the cell at {len(points)} points", tuple(trials), orders)
 
@@ -92,12 +89,9 @@ def build_ellipse(scene: Scene) -> Plan:
     except RefusalError as error:
         raise LeftOut(str(error)) from None
     import_solvers()
-    points = np.array([reference.point for reference in references])
-    model = contact_model(scene)
-    interior = partial(_minimized, EllipseInterior(), model, points)
-    trials = [Trial("interior point", interior, partial(_judge, references))]
-    for solver in CONIC:
-        trials += _ladder(*_by_cvxpy(Functional.ELLIPSE, solver), model, references)
+    points, model = _points(references), contact_model(scene)
+    named: list[Entrant] = [("interior point", None, EllipseInterior()), *_by_cvxpy(Functional.ELLIPSE, CONIC)]
+    trials = _minimizing(named, model, references)
     judge = partial(_judge, references)
     trials += [Trial("BFGS", partial(_by_bfgs, model, points, t), judge, "tolerance", t) for t in TOLERANCES]
     orders = _cvxpy_orders(CONIC, GAP_ELLIPSE) | {"BFGS": DIFFERENCES}
@@ -117,27 +111,29 @@ def _enough(references: tuple[ReferenceTwist, ...], where: str) -> tuple[Referen
     return references
 
 
-def _by_cvxpy(functional: Functional, solver: ConeSolver) -> tuple[str, list[tuple[float, Minimizer]]]:
-    settings = [(t, CvxpyMinimizer(functional, solver=solver, tolerance=t)) for t in TOLERANCES]
-    return f"CVXPY, {solver.label}", list(settings)
+def _points(references: Sequence[ReferenceTwist]) -> Floats:
+    return np.array([reference.point for reference in references])
+
+
+def _by_cvxpy(functional: Functional, solvers: Iterable[ConeSolver]) -> list[Entrant]:
+    return [
+        (f"CVXPY, {solver.label}", tolerance, CvxpyMinimizer(functional, solver=solver, tolerance=tolerance))
+        for solver in solvers
+        for tolerance in TOLERANCES
+    ]
 
 
 def _cvxpy_orders(solvers: Iterable[ConeSolver], gap: Order) -> dict[str, Order]:
     return {f"CVXPY, {solver.label}": gap if solver is ConeSolver.CLARABEL else RESIDUALS for solver in solvers}
 
 
-def _ladder(
-    method: str,
-    settings: Sequence[tuple[float, Minimizer]],
-    model: ContactModel,
-    references: Sequence[ReferenceTwist],
-) -> list[Trial]:
-    points = np.array([reference.point for reference in references])
-    judge = partial(_judge, references)
-    return [
-        Trial(method, partial(_minimized, minimizer, model, points), judge, "tolerance", setting)
-        for setting, minimizer in settings
-    ]
+def _minimizing(entrants: Iterable[Entrant], model: ContactModel, references: Sequence[ReferenceTwist]) -> list[Trial]:
+    points, judge = _points(references), partial(_judge, references)
+    trials = []
+    for method, tolerance, minimizer in entrants:
+        setting = () if tolerance is None else ("tolerance", tolerance)
+        trials.append(Trial(method, partial(_minimized, minimizer, model, points), judge, *setting))
+    return trials
 
 
 # ---- methods -------------------------------------------------------------------------------------
@@ -149,9 +145,9 @@ def _minimized(minimizer: Minimizer, model: ContactModel, points: Floats, clock:
 
 
 def _build_and_look_up(scene: Scene, points: Floats, clock: Clock) -> Floats:
-    partition: Partition = build_box_partition(scene)
+    locator = PointLocator(build_box_partition(scene))
     clock.check()
-    return PointLocator(partition).twists(points)
+    return locator.twists(points)
 
 
 def _look_up(locator: PointLocator, points: Floats, clock: Clock) -> Floats:

@@ -71,11 +71,9 @@ def build_trajectories(scene: Scene) -> Plan:
     except RefusalError as error:
         raise LeftOut(f"no exact paths: {error}") from None
     field, paths = reference_paths(partition)
-    radius = float(scene.check.radius)
-    entrants = _with_events(field, radius) + _with_layers(field, radius) + _without_events(field, radius)
     trials = tuple(
-        Trial(method, partial(_follow_all, follow, paths), partial(_judge, paths, method), *setting)
-        for method, follow, setting in entrants
+        Trial(method, partial(_follow_all, follow, paths), partial(_judge, paths, method), parameter, setting)
+        for method, follow, parameter, setting in _entrants(field, float(scene.check.radius))
     )
     orders = {"hysteresis": LAYER, "smoothed": LAYER, "DOP853 with events": NO_STEPS}
     orders |= {name: IMPLICIT if name in {"LSODA", "Radau"} else STRADDLED for name in SOLVERS}
@@ -92,7 +90,23 @@ TRAJECTORIES = Study(
     build_trajectories,
 )
 
-Entrant = tuple[str, Follow, tuple[str | None, float | None]]
+
+def _entrants(field: ConstantField, radius: float) -> Iterator[tuple[str, Follow, str | None, float | None]]:
+    """Methods with their settings, from easy to hard."""
+    smooth = smooth_form(field)
+    yield EXACT, partial(_closed, field), None, None
+    yield "events, closed form", partial(_closed, field.floats()), None, None
+    for tolerance in EVENT_TOLERANCES:
+        yield "DOP853 with events", partial(_by_events, smooth, tolerance, radius), "tolerance", tolerance
+    for width in (share * radius for share in WIDTHS):
+        yield "hysteresis", partial(_by_hysteresis, smooth, width), "width", width
+    for width in (share * radius for share in WIDTHS):
+        yield "smoothed", partial(_by_smoothing, smooth, width), "width", width
+    modes = CellModes(smooth)
+    for name in SOLVERS:
+        for tolerance in TOLERANCES:
+            both = (tolerance, tolerance * radius)
+            yield name, partial(follow_without_events, modes, name, both), "tolerance", tolerance
 
 
 def _follow_all(follow: Follow, paths: Sequence[ExactPath], clock: Clock) -> list[Followed]:
@@ -115,52 +129,26 @@ def _judge(paths: Sequence[ExactPath], method: str, results: Sequence[Followed])
 # ---- methods -------------------------------------------------------------------------------------
 
 
-def _with_events(field: ConstantField, radius: float) -> list[Entrant]:
-    rounded, smooth = field.floats(), smooth_form(field)
-
-    def closed(own: ConstantField, path: ExactPath, clock: Clock) -> Followed:
-        clock.check()
-        found = simulate(own, path.start, path.until)
-        return Followed(found.times, found.states, found.events, len(found.pieces))
-
-    def integrated(tolerance: float, path: ExactPath, clock: Clock) -> Followed:
-        watched = _watched(smooth, clock)
-        found = follow_smooth(watched, path.start, path.until, rtol=tolerance, atol=tolerance * radius)
-        return Followed(found.times, found.states, found.events, len(found.times))
-
-    entrants: list[Entrant] = [
-        (EXACT, partial(closed, field), (None, None)),
-        ("events, closed form", partial(closed, rounded), (None, None)),
-    ]
-    settings = [("tolerance", tolerance) for tolerance in EVENT_TOLERANCES]
-    return entrants + [("DOP853 with events", partial(integrated, s), (name, s)) for name, s in settings]
+def _closed(field: ConstantField, path: ExactPath, clock: Clock) -> Followed:
+    clock.check()
+    found = simulate(field, path.start, path.until)
+    return Followed(found.times, found.states, found.events, len(found.pieces))
 
 
-def _with_layers(field: ConstantField, radius: float) -> list[Entrant]:
-    smooth = smooth_form(field)
-
-    def relay(width: float, path: ExactPath, clock: Clock) -> Followed:
-        found = simulate_hysteresis(_watched(smooth, clock), path.start, path.until, width)
-        return Followed(found.times, found.states, found.events, len(found.times))
-
-    def layer(width: float, path: ExactPath, clock: Clock) -> Followed:
-        found = simulate_smoothed(_watched(smooth, clock), path.start, path.until, width)
-        return Followed(found.times, found.states, None, len(found.times))
-
-    methods: list[tuple[str, Callable[[float, ExactPath, Clock], Followed]]] = [
-        ("hysteresis", relay),
-        ("smoothed", layer),
-    ]
-    return [(name, partial(method, w * radius), ("width", w * radius)) for name, method in methods for w in WIDTHS]
+def _by_events(field: CellwiseField, tolerance: float, radius: float, path: ExactPath, clock: Clock) -> Followed:
+    watched = _watched(field, clock)
+    found = follow_smooth(watched, path.start, path.until, rtol=tolerance, atol=tolerance * radius)
+    return Followed(found.times, found.states, found.events, len(found.times))
 
 
-def _without_events(field: ConstantField, radius: float) -> list[Entrant]:
-    modes = CellModes(smooth_form(field))
-    return [
-        (name, partial(follow_without_events, modes, name, (t, t * radius)), ("tolerance", t))
-        for name in SOLVERS
-        for t in TOLERANCES
-    ]
+def _by_hysteresis(field: CellwiseField, width: float, path: ExactPath, clock: Clock) -> Followed:
+    found = simulate_hysteresis(_watched(field, clock), path.start, path.until, width)
+    return Followed(found.times, found.states, found.events, len(found.times))
+
+
+def _by_smoothing(field: CellwiseField, width: float, path: ExactPath, clock: Clock) -> Followed:
+    found = simulate_smoothed(_watched(field, clock), path.start, path.until, width)
+    return Followed(found.times, found.states, None, len(found.times))
 
 
 def follow_without_events(
@@ -192,12 +180,8 @@ def follow_without_events(
 
 def _watched(field: CellwiseField, clock: Clock) -> CellwiseField:
     """The same field, which looks at the clock at every evaluation."""
-    return replace(field, members=tuple(_members(field, clock)))
-
-
-def _members(field: CellwiseField, clock: Clock) -> Iterator[Member]:
-    for member in field.members:
-        yield Member(member.name, partial(_checked, member.velocity, clock))
+    members = [Member(member.name, partial(_checked, member.velocity, clock)) for member in field.members]
+    return replace(field, members=tuple(members))
 
 
 def _checked(velocity: Velocity, clock: Clock, t: float, x: Vector) -> Vector:
