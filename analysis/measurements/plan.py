@@ -36,7 +36,7 @@ class Trial:
 
     Attributes:
         method: name of the method.
-        work: what is timed; it looks at the clock where it loops.
+        work: what is timed; it looks at the clock where it loops, and leaves it alone where it does not.
         judge: the error of its result; not timed.
         parameter: what the setting is called; None for a method without one.
         setting: value of the parameter.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -100,10 +100,8 @@ class Subject:
 
     def beside_surfaces(self) -> list[tuple[Floats, Floats]]:
         """Points on surfaces with unit normals: middles of edges, or points of plain systems' surfaces."""
-        if isinstance(self.field, ConstantField):
-            found = list(_edge_middles(self.field))
-        else:
-            found = [point for point in _surface_points(self) if point is not None]
+        field = self.field
+        found = list(_edge_middles(field) if isinstance(field, ConstantField) else _surface_points(self))
         step = max(1, len(found) // MOST_SURFACES)
         return found[::step][:MOST_SURFACES]
 
@@ -137,25 +135,19 @@ def system_subject(scene: SystemScene) -> Subject:
     return Subject(field, system_reference(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
 
 
-def _edge_middles(field: ConstantField) -> list[tuple[Floats, Floats]]:
-    found = []
+def _edge_middles(field: ConstantField) -> Iterator[tuple[Floats, Floats]]:
     for number, edge in enumerate(field.cells.edges):
         if edge.left is not None and edge.right is not None:
             a, b = field.cells.direction(number)
             start, end = (np.array(field.cells.points[k]) for k in (edge.start, edge.end))
-            found.append(((0.55 * start + 0.45 * end), np.array([-b, a])))
-    return found
+            yield 0.55 * start + 0.45 * end, np.array([-b, a])
 
 
-def _surface_points(subject: Subject) -> list[tuple[Floats, Floats] | None]:
-    if not isinstance(subject.field, SignField):
-        return []
-    found: list[tuple[Floats, Floats] | None] = []
-    for surface in subject.field.surfaces:
+def _surface_points(subject: Subject) -> Iterator[tuple[Floats, Floats]]:
+    for surface in subject.field.surfaces if isinstance(subject.field, SignField) else ():
         for seed in ((0.6171, 0.3443), (-0.5317, 0.4129)):
             point = onto(np.array(subject.place(*seed)), [surface], subject.radius)
             if np.abs(point).max() <= subject.radius:
                 gradient = surface.gradient(point)
-                found.append((point, gradient / np.hypot(*gradient)))
+                yield point, gradient / np.hypot(*gradient)
                 break
-    return found

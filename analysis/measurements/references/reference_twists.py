@@ -1,4 +1,4 @@
-"""Exact and 60-digit minimizers of the dissipation at single points: the yardsticks of the numerical ones.
+"""Exact and 60-digit minimizers of the dissipation at single points: references for the numerical ones.
 
 Box: the twist of the exact cell that holds the point.  Ellipse: where no loaded wheel sticks, D is smooth and convex
 around its minimizer, so Newton's method in balls (python-flint) from a float answer ends at the only stationary point;

@@ -29,7 +29,7 @@ Exact: TypeAlias = tuple[Any, ...]
 
 TRIPLES = 40  # of an array, evenly spread over all of them: four wheels have no more regular ones
 BITS = (53, 80, 107, 134, 161)
-PRECISION = 320  # bits of the yardstick, 96 digits
+PRECISION = 320  # bits of the reference, 96 digits
 DIGITS = 60  # of SymPy's answers; they are compared with the exact ones to as many
 SAME = arb(10) ** -DIGITS
 HALVED = Order(1.0, "every bit halves the radius of the balls")
@@ -77,7 +77,6 @@ def _sample(scene: Scene) -> list[tuple[RowTriple, ContactState]]:
 
 
 def _by_field(triples: Sequence[RowTriple], clock: Clock) -> list[ContactState | None]:
-    clock.check()
     return [solve_rows(rows) for rows in triples]
 
 
@@ -92,7 +91,6 @@ def _by_sympy(triples: Sequence[RowTriple], clock: Clock) -> list[sympy.Matrix]:
 
 
 def _by_numpy(triples: Sequence[RowTriple], clock: Clock) -> list[list[float]]:
-    clock.check()
     matrices = np.array([[[float(entry) for entry in row.normal] for row in rows] for rows in triples])
     right = np.array([[float(row.rhs) for row in rows] for rows in triples])
     found: list[list[float]] = np.linalg.solve(matrices, right[..., None])[..., 0].tolist()
@@ -100,7 +98,6 @@ def _by_numpy(triples: Sequence[RowTriple], clock: Clock) -> list[list[float]]:
 
 
 def _by_balls(triples: Sequence[RowTriple], bits: int, clock: Clock) -> list[Exact]:
-    clock.check()
     found: list[Exact] = []
     with ctx.workprec(bits):
         for rows in triples:

@@ -1,6 +1,6 @@
 """Full dynamics against the quasi-static rules: distance of the paths, by mass and by run time.
 
-Here the model is in question and not a method: the yardstick is the path that the body takes as its mass goes to 0,
+Here the model is in question and not a method: the reference is the path that the body takes as its mass goes to 0,
 that of rule ``ellipse``, integrated far below the distances measured.  Full dynamics approaches it like the mass; the
 other two rules stay where they are, so their rows tell what a contact rule costs and what it misses.
 """
@@ -61,12 +61,10 @@ def build_masses(scene: Scene) -> Plan:
 
 
 def _with_mass(model: ContactModel, mass: float, start: Pose, until: float, clock: Clock) -> DynamicPath:
-    clock.check()
     return simulate_dynamics(model, disc(model, mass), start, until)
 
 
 def _by_rule(scene: Scene, rule: Rule, start: Pose, until: float, clock: Clock) -> Trajectory:
-    clock.check()
     return rule_path(scene, rule, start, until)
 
 

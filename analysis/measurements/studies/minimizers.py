@@ -140,18 +140,14 @@ def _minimizing(entrants: Iterable[Entrant], model: ContactModel, references: Se
 
 
 def _minimized(minimizer: Minimizer, model: ContactModel, points: Floats, clock: Clock) -> Floats:
-    clock.check()
     return minimizer.minimize(model, loads_at(model, points)).twists
 
 
 def _build_and_look_up(scene: Scene, points: Floats, clock: Clock) -> Floats:
-    locator = PointLocator(build_box_partition(scene))
-    clock.check()
-    return locator.twists(points)
+    return PointLocator(build_box_partition(scene)).twists(points)
 
 
 def _look_up(locator: PointLocator, points: Floats, clock: Clock) -> Floats:
-    clock.check()
     return locator.twists(points)
 
 

@@ -1,4 +1,4 @@
-"""The yardsticks of the studies: exact paths, exact twists of cells, and minimizers to sixty digits."""
+"""The references of the studies: exact paths, exact twists of cells, and minimizers to sixty digits."""
 
 from __future__ import annotations
 
