@@ -8,7 +8,7 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.feedback import FeedbackResult
 from nonsmooth.proofs.clauses.input_cell import InputCell
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.document import Block, Entry, display, number, table
+from nonsmooth.reports.document import Block, Code, Entry, display, number, table
 from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.numbers.number import Number
@@ -130,3 +130,18 @@ def _proof(kappa: Number) -> tuple[Block, ...]:
             number(kappa),
         ),
     )
+
+
+def law_of_section_3_3() -> list[Block]:
+    """For the section on feedback laws: the law of sec. 3.3 with the signs that its own proof needs."""
+    law = display(
+        r"u_j = -\operatorname{sgn}(\Delta)\, k \theta, \qquad u_i = \lvert u_j \rvert + k \lvert (x, y) \rvert,"
+        r" \qquad \Delta = d_j \cdot J(p_j - p_i)",
+        "u_j = -sgn(Delta) k theta, u_i = |u_j| + k |(x, y)|, Delta = d_j . J(p_j - p_i)",
+    )
+    words = paragraph(
+        "The paper (sec. 3.3) takes another law for this array. There `theta' = u_j/Delta`, so the sign of `u_j` must "
+        "follow that of `Delta`; with it, {} follows the law, which the audit below proves for this array:",
+        Code("nonsmooth simulate --feedback --law corrected"),
+    )
+    return [words, law]

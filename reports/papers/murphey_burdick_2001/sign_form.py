@@ -10,17 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import combinations
 from math import prod
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.formulas import Formula, number_latex
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Terms, multiply_terms
 from nonsmooth.symbolic.printing import number_summands
 
 MOST_FACTORS = 6  # 2^6 products make 2016 pairs
 
-Polynomial: TypeAlias = dict[tuple[int, int], Number]  # coefficient of x^i y^j by (i, j)
+Polynomial: TypeAlias = Terms  # coefficient of x^i y^j by (i, j)
 Direction: TypeAlias = tuple[Number, Number]
 Product: TypeAlias = tuple[int, ...]  # numbers of the factors, ascending
 
@@ -138,18 +140,8 @@ def _candidates(
 
 
 def multiplied(polynomials: Iterable[Polynomial]) -> Polynomial:
-    """The product, without terms that cancel."""
-    result: Polynomial | None = None
-    for polynomial in polynomials:
-        if result is None:
-            result = polynomial
-            continue
-        longer: Polynomial = {}
-        for (i, j), a in result.items():
-            for (k, m), b in polynomial.items():
-                longer[i + k, j + m] = longer[i + k, j + m] + a * b if (i + k, j + m) in longer else a * b
-        result = {power: number for power, number in longer.items() if number}
-    return result or {}
+    """The product of at least one polynomial, without terms that cancel."""
+    return reduce(multiply_terms, polynomials)
 
 
 def _line(a: Number, b: Number) -> Polynomial:
