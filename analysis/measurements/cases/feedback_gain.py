@@ -12,7 +12,7 @@ import numpy as np
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.cases.subject import cells_of
+from nonsmooth.analysis.measurements.cases.followed_field import cells_of
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.reference_fields import gradient_reference
 from nonsmooth.analysis.measurements.rows import ResultRow, Rows, brief, counted, judged, refused

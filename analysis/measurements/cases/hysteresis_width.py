@@ -8,7 +8,7 @@ minutes and show nothing more.  Widths that floats do not resolve must be refuse
 from __future__ import annotations
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subjects, system_subject
+from nonsmooth.analysis.measurements.cases.followed_field import START, FollowedField, followed_fields
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import EPSILON, Rows, brief, counted, judged, refused
 from nonsmooth.analysis.trajectories.hysteresis import RELATIVE_TOLERANCE, simulate_hysteresis
@@ -24,51 +24,48 @@ LONGEST = 2_000  # widths that a path may cover: half as many switches where it 
 LATE = 10  # widths by which a path may be off per unit of amplification: late at every surface, and at its end
 
 
-def hysteresis_rows(subject: Subject) -> Rows:
+def hysteresis_rows(followed: FollowedField) -> Rows:
     """Paths with hysteresis against the event-driven ones, wider to narrower."""
-    on_surface = _surface_start(subject)
+    on_surface = _surface_start(followed)
     for width in WIDTHS:
-        until = subject.span * min(1.0, LONGEST * width)
-        start = subject.place(*START)
-        if until < subject.span:
+        until = followed.span * min(1.0, LONGEST * width)
+        start = followed.place(*START)
+        if until < followed.span:
             start = on_surface
-        length = width * subject.radius
-        path, exact = simulate_hysteresis(subject.field, start, until, length), simulate(subject.field, start, until)
-        growth = subject.amplification(start, until, length)
-        error = subject.error(path, exact.end.state)
-        bound = LATE * growth * (width + RELATIVE_TOLERANCE * until / subject.span + EPSILON)
+        length = width * followed.radius
+        path, exact = simulate_hysteresis(followed.field, start, until, length), simulate(followed.field, start, until)
+        growth = followed.amplification(start, until, length)
+        error = followed.distance(path.end.state, exact.end.state)
+        bound = LATE * growth * (width + RELATIVE_TOLERANCE * until / followed.span + EPSILON)
         verdict = counted(len(path.events), "switch")
         yield judged(CASE, brief(width), verdict, error, bound, condition=growth, why="late by the width")
     try:
-        path = simulate_hysteresis(subject.field, on_surface, subject.span, UNRESOLVED * subject.radius)
+        path = simulate_hysteresis(followed.field, on_surface, followed.span, UNRESOLVED * followed.radius)
     except ValueError as refusal:
         yield refused(CASE, brief(UNRESOLVED), refusal, expected=True)
     else:
-        error = subject.error(path, simulate(subject.field, on_surface, subject.span).end.state)
+        exact = simulate(followed.field, on_surface, followed.span)
+        error = followed.distance(path.end.state, exact.end.state)
         verdict = counted(len(path.events), "switch")
         yield judged(CASE, brief(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
 
 
-def _surface_start(subject: Subject) -> tuple[float, ...]:
+def _surface_start(followed: FollowedField) -> tuple[float, ...]:
     """A start on a surface from which one path leads; a place of no symmetry where there is none.
 
     From a surface that repels, hysteresis may follow another solution than the one that is drawn.
     """
-    for point, _ in subject.beside_surfaces():
-        start = (*point.tolist(), *subject.place(0, 0)[2:])
-        events = simulate(subject.field, start, subject.span).events
+    for point, _ in followed.beside_surfaces():
+        start = (*point.tolist(), *followed.place(0, 0)[2:])
+        events = simulate(followed.field, start, followed.span).events
         if not any(event.kind is EventKind.NONUNIQUE and not event.t for event in events):
             return start
-    return subject.place(*START)
+    return followed.place(*START)
 
 
-def _array_rows(scene: Scene) -> Rows:
-    for subject in array_subjects(scene, Kinematics.EXACT):
-        yield from hysteresis_rows(subject)
+def _scene_rows(scene: Scene | SystemScene) -> Rows:
+    for followed in followed_fields(scene, Kinematics.EXACT):
+        yield from hysteresis_rows(followed)
 
 
-def _system_rows(scene: SystemScene) -> Rows:
-    return hysteresis_rows(system_subject(scene))
-
-
-HYSTERESIS = Case("hysteresis", array=_array_rows, system=_system_rows)
+HYSTERESIS = Case("hysteresis", array=_scene_rows, system=_scene_rows)

@@ -9,7 +9,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subject, cells_of, system_subject
+from nonsmooth.analysis.measurements.cases.followed_field import (
+    START,
+    FollowedField,
+    cells_of,
+    followed_array,
+    followed_system,
+)
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
 from nonsmooth.analysis.partitions.contact_partition import build_partition
@@ -35,44 +41,44 @@ def array_scale_rows(scene: Scene) -> Rows:
         yield _row("geometry scale, path", f"1e{power}", _array(scaled(scene, Fraction(10) ** power)))
     for power in OFFSETS:
         yield _row("far from the origin, path", f"1e{power}", _array(moved(scene, Fraction(10) ** power, Fraction(0))))
-    yield outside_row(array_subject(cells, Kinematics.LEADING))
+    yield outside_row(followed_array(cells, Kinematics.LEADING))
 
 
 def system_scale_rows(scene: SystemScene) -> Rows:
     """A plain system in other units of length and of time."""
     for power in POWERS:
         yield _row(
-            "state scale, path", f"1e{power}", system_subject(scaled_system(scene, length=Fraction(10) ** power))
+            "state scale, path", f"1e{power}", followed_system(scaled_system(scene, length=Fraction(10) ** power))
         )
     for power in POWERS:
         faster = scaled_system(scene, speed=Fraction(10) ** power)
-        yield _row("time scale, path", f"1e{power}", system_subject(faster))
+        yield _row("time scale, path", f"1e{power}", followed_system(faster))
 
 
-def outside_row(subject: Subject) -> ResultRow:
+def outside_row(followed: FollowedField) -> ResultRow:
     """A start far outside the checked square has to be refused."""
     case, parameter = "start far outside", brief(BEYOND)
     try:
-        path = simulate(subject.field, subject.place(BEYOND, 0.0), subject.span)
+        path = simulate(followed.field, followed.place(BEYOND, 0.0), followed.span)
     except ValueError as refusal:
         return refused(case, parameter, refusal, expected=True)
     return asserted(case, parameter, str(path.end.reason), "required a refusal", ok=False)
 
 
-def _array(scene: Scene) -> Subject:
-    return array_subject(build_partition(scene), Kinematics.LEADING)
+def _array(scene: Scene) -> FollowedField:
+    return followed_array(build_partition(scene), Kinematics.LEADING)
 
 
-def _row(case: str, parameter: str, subject: Subject) -> ResultRow:
-    start = subject.place(*START)
-    reached = subject.reference.reached(start, subject.span)
+def _row(case: str, parameter: str, followed: FollowedField) -> ResultRow:
+    start = followed.place(*START)
+    reached = followed.reference.reached(start, followed.span)
     until = reached.time
-    path = simulate(subject.field, start, until)
-    offset = max(abs(x) for x in subject.centre) / subject.radius + 1
-    growth = offset * subject.amplification(start, until, max(subject.slack, 1e-7 * subject.radius))
-    bound = 2 * growth * (ROUNDINGS * EPSILON + subject.slack / subject.radius / offset) + subject.step_error
+    path = simulate(followed.field, start, until)
+    offset = max(abs(x) for x in followed.centre) / followed.radius + 1
+    growth = offset * followed.amplification(start, until, max(followed.slack, 1e-7 * followed.radius))
+    bound = 2 * growth * (ROUNDINGS * EPSILON + followed.slack / followed.radius / offset) + followed.step_error
     why = "rounding and slack times amplification"
-    error = subject.error(path, reached.state)
+    error = followed.distance(path.end.state, reached.state)
     return judged(case, parameter, str(path.end.reason), error, bound, condition=growth, why=why)
 
 

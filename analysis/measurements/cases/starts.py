@@ -12,7 +12,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.cases.subject import Subject, array_subjects, system_subject
+from nonsmooth.analysis.measurements.cases.followed_field import FollowedField, followed_fields, followed_system
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
@@ -28,29 +28,29 @@ WHY = "slack and rounding times amplification"
 SAID = "the start counts as on a surface, and the path says at once that others leave it"
 
 
-def start_rows(subject: Subject, case: str) -> Rows:
+def start_rows(followed: FollowedField, case: str) -> Rows:
     """Paths from beside every surface (some of them) and from beside the checked point."""
-    for number, (point, normal) in enumerate(subject.beside_surfaces(), 1):
+    for number, (point, normal) in enumerate(followed.beside_surfaces(), 1):
         for distance in DISTANCES:
             side = 1 if number % 2 else -1
             move = side * normal
             parameter = f"surface {number}, {brief(distance)}"
-            yield _row(subject, case, parameter, point, distance * move)
+            yield _row(followed, case, parameter, point, distance * move)
     for angle in ANGLES:
         move = np.array([math.cos(angle), math.sin(angle)])
         parameter = f"{brief(DISTANCES[-1])} at {angle} rad"
-        yield _row(subject, case, parameter, np.array(subject.centre), DISTANCES[-1] * move)
+        yield _row(followed, case, parameter, np.array(followed.centre), DISTANCES[-1] * move)
 
 
-def _row(subject: Subject, case: str, parameter: str, point: Floats, move: Floats) -> ResultRow:
-    position = point + subject.radius * move
-    start = (*position.tolist(), *subject.place(0, 0)[2:])
-    reached = subject.reference.reached(start, subject.span)
-    until, truth = (reached.time, reached.state) if reached.time > 0 else (subject.span, start)
-    path = simulate(subject.field, start, until)
-    error = subject.error(path, truth)
-    growth = subject.amplification(start, until, subject.slack)
-    bound = 2 * growth * (subject.slack / subject.radius + LEGS * EPSILON) + subject.step_error
+def _row(followed: FollowedField, case: str, parameter: str, point: Floats, move: Floats) -> ResultRow:
+    position = point + followed.radius * move
+    start = (*position.tolist(), *followed.place(0, 0)[2:])
+    reached = followed.reference.reached(start, followed.span)
+    until, truth = (reached.time, reached.state) if reached.time > 0 else (followed.span, start)
+    path = simulate(followed.field, start, until)
+    error = followed.distance(path.end.state, truth)
+    growth = followed.amplification(start, until, followed.slack)
+    bound = 2 * growth * (followed.slack / followed.radius + LEGS * EPSILON) + followed.step_error
     row = judged(case, parameter, str(path.end.reason), error, bound, condition=growth, why=WHY)
     if (row.ok and bound <= RESOLVED) or not _starts_on_a_surface(path):
         return row
@@ -65,12 +65,12 @@ def _starts_on_a_surface(path: Trajectory) -> bool:
 
 def _array_rows(scene: Scene) -> Rows:
     for kinematics, case in ((Kinematics.LEADING, "start, leading order"), (Kinematics.EXACT, "start, exact pose")):
-        for subject in array_subjects(scene, kinematics):
-            yield from start_rows(subject, case)
+        for followed in followed_fields(scene, kinematics):
+            yield from start_rows(followed, case)
 
 
 def _system_rows(scene: SystemScene) -> Rows:
-    return start_rows(system_subject(scene), "start")
+    return start_rows(followed_system(scene), "start")
 
 
 STARTS = Case("starts", array=_array_rows, system=_system_rows)

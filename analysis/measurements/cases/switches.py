@@ -19,7 +19,7 @@ from flint import arb
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
 from nonsmooth.analysis.fields.system_field import constant_system
-from nonsmooth.analysis.measurements.cases.subject import START, Subject, array_subjects, system_subject
+from nonsmooth.analysis.measurements.cases.followed_field import START, FollowedField, followed_fields
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.taylor import Reached, precision
 from nonsmooth.analysis.measurements.rows import EPSILON, Rows, asserted, brief, counted, judged
@@ -65,26 +65,24 @@ def spiral_rows(field: ConstantField) -> Rows:
         yield judged(SPIRAL, parameter, verdict, error, bound, condition=1 / lost, why="rounding of a gain near one")
 
 
-def long_rows(subject: Subject) -> Rows:
+def long_rows(followed: FollowedField) -> Rows:
     """The scene's own path for a million crossings of the square, or as long as there are events left."""
-    closed = isinstance(subject.field, ConstantField)
+    closed = isinstance(followed.field, ConstantField)
     spans = SPANS if closed else SMOOTH_SPANS
-    start, until = subject.place(*START), spans * subject.span
-    path = simulate(subject.field, start, until)
+    start, until = followed.place(*START), spans * followed.span
+    path = simulate(followed.field, start, until)
     verdict, parameter = f"{path.end.reason}, {counted(len(path.events), 'event')}", f"{brief(spans)} crossings"
     if path.end.reason is EndReason.EVENTS:
         ok = all(math.isfinite(float(value)) for value in path.end.state)
         yield asserted(LONG, parameter, verdict, "a clear end: no endless loop, no invented limit", ok=ok)
         return
     reached, why = Reached(float(path.end.t), path.end.state), "it ends"
-    if subject.reference.exact is not None:
-        reached, why = (
-            subject.reference.reached(start, min(until, reached.time)),
-            "rounding of the time times the speed",
-        )
-    growth = max(1.0, reached.time / subject.span)
-    bound = 64 * EPSILON * growth + subject.slack / subject.radius + subject.step_error
-    error = subject.distance(path.at(reached.time), reached.state)
+    if followed.reference.exact is not None:
+        reached = followed.reference.reached(start, min(until, reached.time))
+        why = "rounding of the time times the speed"
+    growth = max(1.0, reached.time / followed.span)
+    bound = 64 * EPSILON * growth + followed.slack / followed.radius + followed.step_error
+    error = followed.distance(path.at(reached.time), reached.state)
     yield judged(LONG, parameter, verdict, error, bound, condition=growth, why=why)
 
 
@@ -127,18 +125,12 @@ def _turn_at_60_digits(field: ConstantField, rays: Sequence[Ray], distance: floa
         return (s / distance).mid(), time.mid()
 
 
-def _array_rows(scene: Scene) -> Rows:
-    for subject in array_subjects(scene, Kinematics.LEADING):
-        if isinstance(subject.field, ConstantField):
-            yield from spiral_rows(subject.field)
-        yield from long_rows(subject)
+def _scene_rows(scene: Scene | SystemScene) -> Rows:
+    for followed in followed_fields(scene, Kinematics.LEADING):
+        field = constant_system(scene) if isinstance(scene, SystemScene) else followed.field
+        if isinstance(field, ConstantField):
+            yield from spiral_rows(field)
+        yield from long_rows(followed)
 
 
-def _system_rows(scene: SystemScene) -> Rows:
-    constant = constant_system(scene)
-    if constant is not None:
-        yield from spiral_rows(constant)
-    yield from long_rows(system_subject(scene))
-
-
-SWITCHES = Case("switches", array=_array_rows, system=_system_rows)
+SWITCHES = Case("switches", array=_scene_rows, system=_scene_rows)

@@ -22,7 +22,6 @@ from nonsmooth.analysis.measurements.references.reference_fields import (
 )
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
-from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth import onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
@@ -35,7 +34,7 @@ MOST_SURFACES = 6  # surfaces beside which paths start
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class FollowedField:
     """One field to be followed.
 
     Attributes:
@@ -76,12 +75,8 @@ class Subject:
         position = (self.centre[0] + x * self.radius, self.centre[1] + y * self.radius)
         return (*position, HEADING) if isinstance(self.field, ConstantField) else position
 
-    def error(self, path: Trajectory, reference: Sequence[Any]) -> float:
-        """Distance of a path's end from a state: positions in half-widths, theta in radians."""
-        return self.distance(path.end.state, reference)
-
     def distance(self, first: Sequence[Any], second: Sequence[Any]) -> float:
-        """Distance of two states, as for :meth:`error`."""
+        """Distance of two states: positions in half-widths, theta in radians."""
         gaps = [abs(float(a) - float(b)) for a, b in zip(first, second, strict=True)]
         return max(gaps[0] / self.radius, gaps[1] / self.radius, *gaps[2:])
 
@@ -115,24 +110,26 @@ def cells_of(scene: Scene) -> Partition | RefusalError:
         return refusal
 
 
-def array_subjects(scene: Scene, kinematics: Kinematics) -> tuple[Subject, ...]:
-    """The array's field; none where its rule has no cells, which the case of scales says once."""
+def followed_fields(scene: Scene | SystemScene, kinematics: Kinematics) -> tuple[FollowedField, ...]:
+    """The field of a scene; none where a contact rule has no cells, which the case of scales says once."""
+    if isinstance(scene, SystemScene):
+        return (followed_system(scene),)
     cells = cells_of(scene)
-    return () if isinstance(cells, RefusalError) else (array_subject(cells, kinematics),)
+    return () if isinstance(cells, RefusalError) else (followed_array(cells, kinematics),)
 
 
-def array_subject(partition: Partition, kinematics: Kinematics) -> Subject:
+def followed_array(partition: Partition, kinematics: Kinematics) -> FollowedField:
     """An array with its own speeds."""
     x, y = partition.scene.check.equilibrium
     field = array_field(partition, kinematics)
     radius = float(partition.scene.check.radius)
-    return Subject(field, array_reference(partition, kinematics), radius, (float(x), float(y)), field.cells.slack)
+    return FollowedField(field, array_reference(partition, kinematics), radius, (float(x), float(y)), field.cells.slack)
 
 
-def system_subject(scene: SystemScene) -> Subject:
+def followed_system(scene: SystemScene) -> FollowedField:
     """A plain system, followed by the general integrator."""
     field, radius = system_field(scene), float(scene.check.radius)
-    return Subject(field, system_reference(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
+    return FollowedField(field, system_reference(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
 
 
 def _edge_middles(field: ConstantField) -> Iterator[tuple[Floats, Floats]]:
@@ -143,11 +140,11 @@ def _edge_middles(field: ConstantField) -> Iterator[tuple[Floats, Floats]]:
             yield 0.55 * start + 0.45 * end, np.array([-b, a])
 
 
-def _surface_points(subject: Subject) -> Iterator[tuple[Floats, Floats]]:
-    for surface in subject.field.surfaces if isinstance(subject.field, SignField) else ():
+def _surface_points(followed: FollowedField) -> Iterator[tuple[Floats, Floats]]:
+    for surface in followed.field.surfaces if isinstance(followed.field, SignField) else ():
         for seed in ((0.6171, 0.3443), (-0.5317, 0.4129)):
-            point = onto(np.array(subject.place(*seed)), [surface], subject.radius)
-            if np.abs(point).max() <= subject.radius:
+            point = onto(np.array(followed.place(*seed)), [surface], followed.radius)
+            if np.abs(point).max() <= followed.radius:
                 gradient = surface.gradient(point)
                 yield point, gradient / np.hypot(*gradient)
                 break
