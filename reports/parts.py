@@ -12,25 +12,24 @@ from dataclasses import dataclass
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.audit.paper import audit_section, is_paper_array
 from nonsmooth.reports.document import Section
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section, is_paper_array
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import sign_form_section, without_sign_form
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, reproduction_section
 from nonsmooth.reports.sections.contact import constraints_section, contact_states_section, held_wheels
 from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
+from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
-from nonsmooth.reports.sections.precision import precision_section, without_precision
 from nonsmooth.reports.sections.rules import rules_section, without_rules
-from nonsmooth.reports.sections.sign_form import sign_form_section, without_sign_form
 from nonsmooth.reports.sections.stability import (
     equilibria_section,
     filippov_section,
     lyapunov_section,
     theorem_section,
 )
-from nonsmooth.reports.sections.stress import stress_section
 from nonsmooth.reports.sections.trajectories import trajectories_section
 from nonsmooth.reports.subject import Subject
 

@@ -11,7 +11,7 @@ from nonsmooth.reports.console import INTERRUPTED, RefusedError
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.studies.study import Study
+    from nonsmooth.analysis.measurements.harness import Study
 
 
 def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -40,9 +40,10 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 
     Exit status: 0 done, 2 bad input, 130 interrupted (finished rows are kept).
     """
-    from nonsmooth.analysis.studies.measurement import Limits
-    from nonsmooth.reports import precision as views
+    from nonsmooth.analysis.measurements.harness import measure
+    from nonsmooth.analysis.measurements.timing import Limits
     from nonsmooth.reports.files import PICTURES, output_path
+    from nonsmooth.reports.measurements import Precision
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.files.scene_file import load_scene
@@ -55,14 +56,14 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
     loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     with progress() as report:
-        found = views.measure(loaded, studies, Limits(runs, time_limit), report)
-    show(found, path, json=json)
-    return 0 if found.complete else INTERRUPTED
+        run = measure(loaded, studies, Limits(runs, time_limit), report)
+    show(Precision(run), path, json=json)
+    return 0 if run.complete else INTERRUPTED
 
 
 def _studies(names: list[str] | None) -> tuple[Study, ...]:
     """The studies of these names, in the order of the list; all of them for none."""
-    from nonsmooth.reports.precision import STUDIES
+    from nonsmooth.proofs.measurements.registry import STUDIES
 
     known = [study.name for study in STUDIES]
     for name in names or ():

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.reports.audit.paper import is_paper_array
 from nonsmooth.reports.choices import Law, Method
 from nonsmooth.reports.document import Block, Entry, Figure, Section, table
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import STARTS, Start, start_text, starts, typed_start
 from nonsmooth.reports.simulate import Run, follow, loop_of

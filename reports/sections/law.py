@@ -5,9 +5,10 @@ from __future__ import annotations
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.reports.audit.paper import is_paper_array
-from nonsmooth.reports.document import Block, Code, Section, display
+from nonsmooth.reports.document import Code, Section
 from nonsmooth.reports.feedback_loop import certified_law
+from nonsmooth.reports.papers.murphey_burdick_2001.feedback import law_of_section_3_3
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
 from nonsmooth.reports.subject import Subject
@@ -24,23 +25,8 @@ def law_section(subject: Subject) -> Section:
         str(certified_law(feedback)),
         Code("nonsmooth simulate --feedback"),
     )
-    papers = _papers_law() if is_paper_array(subject.scene) else []
+    papers = law_of_section_3_3() if is_paper_array(subject.scene) else []
     return Section("Feedback law", (words, *law_formulas(feedback), *region_blocks(feedback), *papers))
-
-
-def _papers_law() -> list[Block]:
-    """The law of sec. 3.3 with the signs that its own proof needs."""
-    law = display(
-        r"u_j = -\operatorname{sgn}(\Delta)\, k \theta, \qquad u_i = \lvert u_j \rvert + k \lvert (x, y) \rvert,"
-        r" \qquad \Delta = d_j \cdot J(p_j - p_i)",
-        "u_j = -sgn(Delta) k theta, u_i = |u_j| + k |(x, y)|, Delta = d_j . J(p_j - p_i)",
-    )
-    words = paragraph(
-        "The paper (sec. 3.3) takes another law for this array. There `theta' = u_j/Delta`, so the sign of `u_j` must "
-        "follow that of `Delta`; with it, {} follows the law, which the audit below proves for this array:",
-        Code("nonsmooth simulate --feedback --law corrected"),
-    )
-    return [words, law]
 
 
 def without_law(subject: Subject) -> str:

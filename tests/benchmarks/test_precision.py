@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.studies.measurement import Limits
-from nonsmooth.proofs.pruning_study import PRUNING
-from nonsmooth.reports.precision import STUDIES, Measured, Precision, measure
+from nonsmooth.analysis.measurements.harness import Measured, Run, measure
+from nonsmooth.analysis.measurements.timing import Limits
+from nonsmooth.proofs.measurements.pruning import PRUNING
+from nonsmooth.proofs.measurements.registry import STUDIES
+from nonsmooth.reports.measurements import slopes_of
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 
@@ -26,7 +28,7 @@ WITHIN = 0.2  # of a predicted slope
 SLOPES = {"hysteresis", "smoothed", "random samples", "grid of samples", "RK45", "DOP853"}
 
 
-def measured(name: str, runs: int = 3) -> Precision:
+def measured(name: str, runs: int = 3) -> Run:
     return measure(load_scene(name), STUDIES, Limits(runs, 5.0), silent)
 
 
@@ -43,8 +45,8 @@ def test_every_built_in_array(name: str, stopwatch: Stopwatch) -> None:
     start = time.process_time()
     found = measured(name)
     seconds = time.process_time() - start
-    covered = [one for one in found.studies if one.plan is not None]
-    left_out = ", ".join(one.study.name for one in found.studies if one.plan is None) or "nothing"
+    covered = [one for one in found.measured if one.plan is not None]
+    left_out = ", ".join(one.of.name for one in found.measured if one.plan is None) or "nothing"
     stopwatch.report(f"{name}: {len(found.rows)} rows in {seconds:.0f} s (allowed {ALLOWED}), left out: {left_out}")
     assert seconds <= ALLOWED
     assert len(covered) >= FEWEST_STUDIES
@@ -53,7 +55,7 @@ def test_every_built_in_array(name: str, stopwatch: Stopwatch) -> None:
         counts = methods_of(one)
         assert len(counts) >= FEWEST_METHODS
         assert all(count >= FEWEST_SETTINGS for count in counts.values() if count)
-        if one.study is PRUNING:
+        if one.of is PRUNING:
             assert all(row.error == 0 for row in one.rows if row.error is not None)
 
 
@@ -69,16 +71,16 @@ def fastest(one: Measured) -> dict[str, float]:
 def test_repeated_runs_order_the_methods_alike(stopwatch: Stopwatch) -> None:
     """Methods whose shortest times differ by a factor of 3 in one run are in the same order in the other."""
     first, second = measured("four-wheel"), measured("four-wheel")
-    for one, two in zip(first.studies, second.studies, strict=True):
+    for one, two in zip(first.measured, second.measured, strict=True):
         times, again = fastest(one), fastest(two)
         pairs = [(a, b) for a, b in combinations(times, 2) if a in again and b in again]
         clear = [(a, b) for a, b in pairs if not 1 / DISTINCT < times[a] / times[b] < DISTINCT]
-        stopwatch.report(f"{one.study.name}: {len(clear)} of {len(pairs)} pairs of methods are a factor 3 apart")
+        stopwatch.report(f"{one.of.name}: {len(clear)} of {len(pairs)} pairs of methods are a factor 3 apart")
         assert [(a, b) for a, b in clear if (times[a] < times[b]) != (again[a] < again[b])] == []
 
 
 def test_predicted_slopes_are_seen_on_four_wheels(stopwatch: Stopwatch) -> None:
-    found = [slope for one in measured("four-wheel", runs=1).studies for slope in one.slopes]
+    found = [slope for one in measured("four-wheel", runs=1).measured for slope in slopes_of(one)]
     for slope in found:
         stopwatch.report(f"{slope.study}, {slope.method}: slope {slope.value}, predicted {slope.order.expected}")
     checked = [slope for slope in found if slope.method in SLOPES]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.extremes.stress import stress_rows
+from nonsmooth.analysis.measurements.harness import measure
+from nonsmooth.proofs.measurements.registry import CASES
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_any
 
@@ -24,7 +25,7 @@ LEAST_ROWS, MINUTES = 30, 5
 
 def hold(name: str, scene: Scene | SystemScene, stopwatch: Stopwatch) -> None:
     start = time.perf_counter()
-    rows = list(stress_rows(scene))
+    rows = measure(scene, CASES).rows
     seconds = time.perf_counter() - start
     stopwatch.report(f"{name}: {len(rows)} rows in {seconds:.1f} s")
     assert [row for row in rows if not row.ok] == []

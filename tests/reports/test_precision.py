@@ -15,14 +15,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nonsmooth.analysis.studies.clock import Clock
-from nonsmooth.analysis.studies.measurement import Limits
-from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial
-from nonsmooth.reports import precision as views
+from nonsmooth.analysis.measurements.harness import Study, measure
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.timing import Clock, Limits
+from nonsmooth.proofs.measurements import registry
+from nonsmooth.proofs.measurements.registry import STUDIES
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
-from nonsmooth.reports.figures.precision import build_figure
-from nonsmooth.reports.precision import STUDIES, Precision, measure
+from nonsmooth.reports.figures.measurements import build_figure
+from nonsmooth.reports.measurements import Precision
+from nonsmooth.reports.precision_page import page_text
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 ROW_KEYS = [
     "study", "method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note", "details", "work",
 ]  # fmt: skip
+ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 LIMIT = 0.05  # seconds
 
@@ -62,7 +65,7 @@ def proportional(setting: float) -> Callable[[Clock], float]:
 
 
 def measured(*studies: Study) -> Precision:
-    return measure(load_scene("four-wheel"), studies, Limits(1, LIMIT), silent)
+    return Precision(measure(load_scene("four-wheel"), studies, Limits(1, LIMIT), silent))
 
 
 # ---- contract ------------------------------------------------------------------------------------
@@ -84,7 +87,7 @@ def test_json_of_a_study(invoke: Invoke) -> None:
 
 
 def test_csv_and_json_files_hold_the_same_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}),))
+    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}),))
     assert all(invoke("precision", "four-wheel", "-o", f"rows.{kind}").status == 0 for kind in ("csv", "json"))
     with Path("rows.csv").open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(file))
@@ -130,7 +133,7 @@ def test_bad_input_is_one_line(arguments: list[str], words: str, capsys: pytest.
 
 def test_an_interrupt_keeps_the_finished_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     broken = study({"exact": proportional, "broken": lambda s: interrupted if s < 1e-2 else proportional(s)}, "second")
-    monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
+    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
     status, out, _ = invoke("precision", "four-wheel", "--json", "-o", "rows.csv")
     record = json.loads(out)
     assert status == INTERRUPTED
@@ -145,8 +148,8 @@ def test_an_interrupt_while_building_keeps_earlier_studies() -> None:
         raise KeyboardInterrupt
 
     found = measured(study({"exact": proportional}, "first"), Study("second", "second", "error [1]", build))
-    assert not found.complete
-    assert [one.study.name for one in found.studies] == ["first"]
+    assert not found.run.complete
+    assert [one.of.name for one in found.run.measured] == ["first"]
 
 
 def test_a_study_that_is_left_out_says_why() -> None:
@@ -157,7 +160,7 @@ def test_a_study_that_is_left_out_says_why() -> None:
     absent, present = found.record()["studies"]
     assert (absent["left_out"], absent["reference"]) == ("there is no yardstick", None)
     assert present["left_out"] is None
-    assert found.complete
+    assert found.run.complete
 
 
 def test_scenes_of_rule_ellipse_leave_out_what_has_no_cells() -> None:
@@ -229,7 +232,7 @@ def test_legends_and_panels_do_not_overlap() -> None:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(views, "STUDIES", (study({"exact": proportional}),))
+    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}),))
     assert invoke("precision", "four-wheel", "-o", f"precision{suffix}")[0] == 0
     starts = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
     assert Path(f"precision{suffix}").read_bytes().startswith(starts[suffix])
@@ -237,3 +240,14 @@ def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.Mo
 
 def test_nothing_to_draw_is_said() -> None:
     assert [text.get_text() for text in build_figure(measured()).texts][1:] == ["no rows with a setting to draw"]
+
+
+def test_the_page_keeps_its_text_and_measures_the_rest_anew() -> None:
+    shown = measured(study({"exact": proportional})).run
+    old = (ROOT / "docs" / "precision.md").read_text(encoding="utf-8")
+    new = page_text(old, shown, [])
+    assert "### Test: a title\n\nError: error [length]. Yardstick: what is known.\n\n| method | setting |" in new
+    assert [line for line in new.splitlines() if line.startswith("## ")] == [
+        line for line in old.splitlines() if line.startswith("## ")
+    ]
+    assert page_text(new, shown, []) == new

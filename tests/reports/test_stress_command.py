@@ -4,45 +4,46 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterator
+import math
 from pathlib import Path
 
 import pytest
 
-from nonsmooth.analysis.extremes.row import StressRow, measured, refused
-from nonsmooth.proofs.extremes import stress
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.rows import ResultRow, Rows, judged, refused
+from nonsmooth.proofs.measurements import registry
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import INTERRUPTED, run
-from nonsmooth.reports.stress_views import KEYS, SCHEMA
+from nonsmooth.reports.measurements import Stress
 
-GOOD = measured("spirals", "loss 1e-3", "1e5 switches", 1e-13, 1e-12, condition=1e3, why="rounding")
+GOOD = judged("spirals", "loss 1e-3", "1e5 switches", 1e-13, 1e-12, condition=1e3, why="rounding")
 SILENT = refused("loads", "1e-3 outside", "the body tips there", expected=True)
-BAD = measured("spirals", "loss 1e-5", "1e7 switches [b]", 1e-3, 1e-12, why="rounding")
+BAD = judged("spirals", "loss 1e-5", "1e7 switches [b]", 1e-3, 1e-12, why="rounding")
 
 
-def with_rows(monkeypatch: pytest.MonkeyPatch, *rows: StressRow, interrupt: bool = False) -> None:
-    def case() -> Iterator[StressRow]:
+def with_rows(monkeypatch: pytest.MonkeyPatch, *rows: ResultRow, interrupt: bool = False) -> None:
+    def case(scene: object) -> Rows:
         yield from rows
         if interrupt:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(stress, "stress_cases", lambda scene: {"family": case})
+    monkeypatch.setattr(registry, "CASES", (Case("family", array=case),))
 
 
 def test_a_whole_system_prints_every_row(capsys: pytest.CaptureFixture[str]) -> None:
     status = run(app, ["stress", "line-of-equilibria", "--json"])
     output = capsys.readouterr()
     record = json.loads(output.out)
-    assert (status, record["schema"], record["scene"]) == (0, SCHEMA, "line-of-equilibria")
+    assert (status, record["schema"], record["scene"]) == (0, "nonsmooth-stress/1", "line-of-equilibria")
     assert record["ok"] is record["complete"] is True
     assert len(record["rows"]) >= 30
-    assert {tuple(row) for row in record["rows"]} == {KEYS}
+    assert {tuple(row) for row in record["rows"]} == {tuple(Stress.keys)}
     assert output.err == ""  # no progress where standard error is no terminal
 
 
 @pytest.mark.parametrize(("rows", "expected"), [((GOOD, SILENT), 0), ((GOOD, BAD), 1)])
 def test_the_status_says_whether_all_is_ok(
-    rows: tuple[StressRow, ...], expected: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    rows: tuple[ResultRow, ...], expected: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with_rows(monkeypatch, *rows)
     assert run(app, ["stress", "four-wheel"]) == expected
@@ -84,3 +85,10 @@ def test_an_interrupt_keeps_what_is_finished(
 def test_a_format_that_is_not_offered_is_refused_before_the_work(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(app, ["stress", "four-wheel", "-o", "stress.xls"]) == 2
     assert "required a file name that ends in .json, .csv, .svg, .png or .pdf" in capsys.readouterr().err
+
+
+def test_a_number_that_is_none_is_null(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    with_rows(monkeypatch, judged("spirals", "loss 1e-3", "1e5 switches", math.nan, 1.0, why="rounding"))
+    assert run(app, ["stress", "four-wheel", "--json"]) == 1
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert (row["error"], row["ok"]) == (None, False)

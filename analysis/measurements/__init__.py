@@ -1,0 +1,1 @@
+"""Measurements against references: studies of error against run time, and stiff and extreme cases."""

@@ -1,0 +1,67 @@
+"""Minimizers of the dissipation at extreme ratios of frictions, against the least value at 100 digits.
+
+What is compared is the value: where friction along or across the rims nearly vanishes, the twist is almost free in a
+direction, and no minimizer can know it better than the square root of rounding.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.measurements.harness import Case
+from nonsmooth.analysis.measurements.references.least_dissipation import LeastDissipation
+from nonsmooth.analysis.measurements.rows import EPSILON, Rows, judged, refused
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.choice import Minimizer
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.minimum import GAP
+from nonsmooth.analysis.partitions.loads import LoadError
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+
+TINY = Fraction(1, 10**12)
+RATIOS: dict[str, Fraction] = {  # mu_S/mu_R
+    "1e-12": TINY,
+    "1e-6": Fraction(1, 10**6),
+    "1 - 1e-12": 1 - TINY,
+    "1": Fraction(1),
+    "1 + 1e-12": 1 + TINY,
+    "1e6": Fraction(10**6),
+    "1e12": 1 / TINY,
+}
+MINIMIZERS: tuple[Minimizer, ...] = (BoxHighs(), EllipseInterior())
+UNPROVEN = "its forces do not certify the minimum: they are so large that their rounding outweighs the gap"
+PLACE = (0.3171, 0.2443)  # in half-widths of the square
+
+
+def friction_rows(scene: Scene) -> Rows:
+    """The least dissipation of both functionals at every ratio; a refusal where there are no loads."""
+    (x, y), radius = scene.check.equilibrium, float(scene.check.radius)
+    point = [[float(x) + PLACE[0] * radius, float(y) + PLACE[1] * radius]]
+    for name, ratio in RATIOS.items():
+        model = contact_model(with_friction_ratio(scene, ratio))
+        try:
+            loads = loads_at(model, point)
+        except LoadError as refusal:
+            yield refused("friction ratio", name, refusal, expected=True)
+            return
+        for minimizer in MINIMIZERS:
+            found = minimizer.minimize(model, loads)
+            problem = LeastDissipation(minimizer.functional, model, loads[0])
+            rest = problem.at(np.zeros(3))
+            least = problem.least()
+            error = abs(float(((problem.at(found.twists[0]) - least) / rest).mid())) if rest > 0 else 0.0
+            verdict = "certified by its forces"
+            case = f"friction ratio, {minimizer.functional} minimizer"
+            if found.check()[0]:
+                yield judged(case, name, verdict, error, GAP, why="the gap that certifies a minimum, of D at rest")
+            else:
+                outweighed = float(max(ratio, 1 / ratio)) * EPSILON * float(rest.mid()) > GAP * float(least.mid())
+                yield refused(case, name, UNPROVEN, expected=outweighed)
+
+
+FRICTION = Case("minimizers", array=friction_rows)

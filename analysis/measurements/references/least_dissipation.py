@@ -1,0 +1,88 @@
+"""The least dissipation at 100 digits: a smoothed functional, Newton's method, and smoothing that goes to nothing.
+
+Every norm ``|w|`` in D becomes ``sqrt(|w|^2 + delta^2)``; for delta > 0 the sum is smooth and strictly convex, and
+damped Newton steps find its minimum.  Delta falls from the size of D by a factor of four at a time, each minimum
+starting the next, until it is ``10**-SMOOTHED`` of D; the least value is then off by at most n times that.  Slow and
+independent of all minimizers: it knows no linear program, no cone and no face.  Its data are the floats as they are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.measurements.references.ball_dissipation import derivatives, value
+from nonsmooth.analysis.minimizers.dissipation import Functional
+
+BITS = 420  # 126 digits: the Hessian's condition grows like 1/delta
+SMOOTHED = 30  # decimal digits of D that smoothing leaves alone
+FALL = 4  # factor from one delta to the next
+NEWTON = 60  # steps per delta; five are usual
+HALVINGS = 200  # of a step: where minimizers are many the first ones are long
+DECREMENT = 1e-60  # squared Newton decrement, relative to D_delta: beside a kink a larger one says little
+
+
+class LeastDissipation:
+    """The minimization of D for one vector of loads, at 100 digits.
+
+    Args:
+        functional: box or ellipse.
+        model: the contact rows.
+        loads: normal forces, shape (n,).
+    """
+
+    def __init__(self, functional: Functional, model: ContactRows, loads: Floats) -> None:
+        self._length = arb(float(np.abs(model.rows[:, 2]).max()) or 1.0)
+        weights = [arb(float(w)) for w in model.limits(loads).reshape(-1)]
+        size = 1 if functional is Functional.BOX else 2
+        with ctx.workprec(BITS):
+            rows = [
+                [w * float(a), w * float(b), w * float(m) / self._length]
+                for w, (a, b, m) in zip(weights, model.rows, strict=True)
+            ]
+            right = [[w * float(target)] for w, target in zip(weights, model.targets, strict=True)]
+            starts = range(0, len(rows), size)
+            self._groups = [(arb_mat(rows[k : k + size]), arb_mat(right[k : k + size])) for k in starts]
+
+    def at(self, twist: Floats) -> arb:
+        """``D`` at a twist of floats."""
+        with ctx.workprec(BITS):
+            vx, vy, omega = (arb(float(x)) for x in twist)
+            return self._value(arb_mat([[vx], [vy], [omega * self._length]]), arb(0))
+
+    def least(self) -> arb:
+        """The least ``D``."""
+        with ctx.workprec(BITS):
+            twist = arb_mat(3, 1)
+            scale = self._value(twist, arb(0))
+            if not float(scale.mid()):
+                return scale
+            delta = scale / len(self._groups)
+            while float((delta / scale).mid()) > 10.0**-SMOOTHED:
+                twist = self._newton(twist, delta)
+                delta = (delta / FALL).mid()
+            return self._value(twist, arb(0))
+
+    def _value(self, twist: arb_mat, delta: arb) -> arb:
+        """``D_delta``, without its ball."""
+        return value(self._groups, twist, delta).mid()
+
+    def _newton(self, twist: arb_mat, delta: arb) -> arb_mat:
+        """Damped Newton steps to the minimum of ``D_delta``."""
+        here = self._value(twist, delta)
+        for _ in range(NEWTON):
+            gradient, hessian = derivatives(self._groups, twist, delta)
+            step = hessian.solve(gradient)
+            decrement = (gradient.transpose() * step)[0, 0]
+            if float(decrement.mid() / here) <= DECREMENT:
+                break
+            for halvings in range(HALVINGS):
+                tried = arb_mat([[x.mid()] for x in (twist - step * arb(2) ** -halvings).entries()])
+                following = self._value(tried, delta)
+                if following < here:
+                    break
+            else:
+                break  # nothing falls any more
+            twist, here = tried, following
+        return twist

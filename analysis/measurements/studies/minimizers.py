@@ -1,0 +1,168 @@
+"""The minimizers of the dissipation at single points, against the exact or 60-digit twist.
+
+A linear program ends at a vertex: its simplex answer is right to rounding or wrong altogether, whatever tolerance it
+is given.  Interior points stop at a duality gap: proportional to the error of the twist where D has a vertex (box), to
+its square where D is smooth (ellipse), so that slope 1/2 is all that a tolerance buys there.  The explicit minimizer
+(box) looks its twist up in exact cells; the program's interior point (ellipse) ends with Newton steps and reaches
+rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.measurements.harness import Study
+from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.references.reference_twists import (
+    DIGITS,
+    ReferenceTwist,
+    box_references,
+    ellipse_references,
+)
+from nonsmooth.analysis.measurements.timing import Clock
+from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
+from nonsmooth.analysis.minimizers.choice import Minimizer
+from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
+from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.analysis.partitions.point_location import PointLocator
+from nonsmooth.symbolic.scene import Scene
+
+Entrant = tuple[str, float | None, Minimizer]  # method, tolerance, minimizer
+
+TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))  # HiGHS accepts none below 1e-10
+VERTEX = Order(None, "the simplex method ends at a vertex: right to rounding, whatever the tolerance")
+GAP_BOX = Order(1.0, "the tolerance bounds the gap, which grows linearly with the distance from a vertex")
+GAP_ELLIPSE = Order(0.5, "the tolerance bounds the gap, which grows with the square of the distance from the minimizer")
+RESIDUALS = Order(1.0, "the tolerance bounds residuals, which are linear in the twist up to a factor")
+DIFFERENCES = Order(None, "the tolerance bounds a differenced gradient, which holds no more than eight digits")
+CONIC = (ConeSolver.CLARABEL, ConeSolver.SCS)
+FEWEST = 4  # points: fewer are no comparison
+
+
+def build_box(scene: Scene) -> Plan:
+    """The plan for rule ``box``, whatever the scene's own rule.
+
+    Raises:
+        LeftOut: where the loads do not exist in the square.
+    """
+    boxed = replace(scene, contact=replace(scene.contact, rule="box"))
+    try:
+        partition = build_box_partition(boxed)
+    except RefusalError as error:
+        raise LeftOut(str(error)) from None
+    references = _enough(box_references(partition), "inside a cell with one twist")
+    import_solvers()
+    points, model = _points(references), contact_model(boxed)
+    judge = partial(_judge, references)
+    trials = [
+        Trial("explicit cells, with building them", partial(_build_and_look_up, boxed, points), judge),
+        Trial("explicit cells, built before", partial(_look_up, PointLocator(partition), points), judge),
+    ]
+    named: list[Entrant] = [("HiGHS", tolerance, BoxHighs(tolerance)) for tolerance in TOLERANCES]
+    if model.wheels <= MAX_WHEELS:
+        named.append(("enumeration", None, BoxEnumeration()))
+    named += _by_cvxpy(Functional.BOX, ConeSolver)
+    trials += _minimizing(named, model, references)
+    orders = {"HiGHS": VERTEX} | _cvxpy_orders(ConeSolver, GAP_BOX)
+    return Plan(f"exact twist of the cell at {len(points)} points", tuple(trials), orders)
+
+
+def build_ellipse(scene: Scene) -> Plan:
+    """The plan for rule ``ellipse``, whatever the scene's own rule.
+
+    Raises:
+        LeftOut: where the loads do not exist in the square, or a wheel sticks nearly everywhere.
+    """
+    try:
+        references = _enough(ellipse_references(scene), "where every loaded wheel slips")
+    except RefusalError as error:
+        raise LeftOut(str(error)) from None
+    import_solvers()
+    points, model = _points(references), contact_model(scene)
+    named: list[Entrant] = [("interior point", None, EllipseInterior()), *_by_cvxpy(Functional.ELLIPSE, CONIC)]
+    trials = _minimizing(named, model, references)
+    judge = partial(_judge, references)
+    trials += [Trial("BFGS", partial(_by_bfgs, model, points, t), judge, "tolerance", t) for t in TOLERANCES]
+    orders = _cvxpy_orders(CONIC, GAP_ELLIPSE) | {"BFGS": DIFFERENCES}
+    return Plan(f"minimizer by Newton's method to {DIGITS} digits at {len(points)} points", tuple(trials), orders)
+
+
+QUANTITY = "twist error [length/time, rad/time]"
+BOX_MINIMIZERS = Study("minimizers-box", "minimizers of D, rule box: largest error of a twist", QUANTITY, build_box)
+ELLIPSE_MINIMIZERS = Study(
+    "minimizers-ellipse", "minimizers of D, rule ellipse: largest error of a twist", QUANTITY, build_ellipse
+)
+
+
+def _enough(references: tuple[ReferenceTwist, ...], where: str) -> tuple[ReferenceTwist, ...]:
+    if len(references) < FEWEST:
+        raise LeftOut(f"required {FEWEST} points {where}, received {len(references)}")
+    return references
+
+
+def _points(references: Sequence[ReferenceTwist]) -> Floats:
+    return np.array([reference.point for reference in references])
+
+
+def _by_cvxpy(functional: Functional, solvers: Iterable[ConeSolver]) -> list[Entrant]:
+    return [
+        (f"CVXPY, {solver.label}", tolerance, CvxpyMinimizer(functional, solver=solver, tolerance=tolerance))
+        for solver in solvers
+        for tolerance in TOLERANCES
+    ]
+
+
+def _cvxpy_orders(solvers: Iterable[ConeSolver], gap: Order) -> dict[str, Order]:
+    return {f"CVXPY, {solver.label}": gap if solver is ConeSolver.CLARABEL else RESIDUALS for solver in solvers}
+
+
+def _minimizing(entrants: Iterable[Entrant], model: ContactModel, references: Sequence[ReferenceTwist]) -> list[Trial]:
+    points, judge = _points(references), partial(_judge, references)
+    trials = []
+    for method, tolerance, minimizer in entrants:
+        setting = () if tolerance is None else ("tolerance", tolerance)
+        trials.append(Trial(method, partial(_minimized, minimizer, model, points), judge, *setting))
+    return trials
+
+
+# ---- methods -------------------------------------------------------------------------------------
+
+
+def _minimized(minimizer: Minimizer, model: ContactModel, points: Floats, clock: Clock) -> Floats:
+    return minimizer.minimize(model, loads_at(model, points)).twists
+
+
+def _build_and_look_up(scene: Scene, points: Floats, clock: Clock) -> Floats:
+    return PointLocator(build_box_partition(scene)).twists(points)
+
+
+def _look_up(locator: PointLocator, points: Floats, clock: Clock) -> Floats:
+    return locator.twists(points)
+
+
+def _by_bfgs(model: ContactModel, points: Floats, tolerance: float, clock: Clock) -> Floats:
+    """SciPy's BFGS with differenced gradients, from rest: what one writes down first."""
+    from scipy.optimize import minimize
+
+    def minimizer_at(load: Floats) -> Floats:
+        def value(twist: Floats) -> float:
+            clock.check()
+            return float(dissipation(Functional.ELLIPSE, model, load, twist))
+
+        return np.asarray(minimize(value, np.zeros(3), method="BFGS", options={"gtol": tolerance}).x)
+
+    return np.array([minimizer_at(load) for load in loads_at(model, points)])
+
+
+def _judge(references: Sequence[ReferenceTwist], found: Floats) -> Finding:
+    return Finding(max(reference.error(twist) for reference, twist in zip(references, found, strict=True)))

@@ -1,1 +1,0 @@
-"""Verdicts on extreme scenes, compared with what invariance demands."""

@@ -1,0 +1,1 @@
+"""Measurements that compare verdicts, and the registry of all measurements."""

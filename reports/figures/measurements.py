@@ -1,0 +1,137 @@
+"""Errors of measurements across a logarithmic axis: work-precision diagrams of studies, and a line for each case.
+
+Errors at or below a floor, exact zeros among them, stand as stars on a dotted line at the floor: a logarithm has no
+place for them.  Results without an error stand open: those of a study at its time limit, above the method's last error,
+those of a case at the floor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.analysis.measurements.harness import Measured
+from nonsmooth.analysis.measurements.rows import ResultRow
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.measurements import MeasurementView, Precision, study_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#999999", "#222222")  # Okabe and Ito
+MARKERS = "osD^vP<>X"
+PANEL = (6.8, 3.6)  # inches, the legend beside it included
+COLUMNS = 2
+BELOW_ROUNDING = 1e-4  # of what counts as rounding: no errors are told apart below
+NOTHING, LARGEST = 1e-20, 10.0  # where the error of a case is drawn that is zero, and one that is larger or no number
+CASE_HEIGHT = 0.24  # inches
+
+Points = list[tuple[float, float]]
+
+
+def measurement_figure(view: MeasurementView, suffix: str) -> bytes:
+    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
+    return figure_bytes(lambda: build_figure(view), suffix)
+
+
+def build_figure(view: MeasurementView) -> Figure:
+    """The picture as a Matplotlib figure: one panel for each study, or one for all cases."""
+    from matplotlib.figure import Figure
+
+    studies = [measured for measured in view.run.measured if any(row.setting is not None for row in measured.rows)]
+    of_studies = isinstance(view, Precision)
+    panels = len(studies) if of_studies else 1
+    columns, rows = min(COLUMNS, max(1, panels)), max(1, math.ceil(panels / COLUMNS))
+    cases = list(dict.fromkeys(row.name for row in view.run.rows))
+    height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
+    figure = Figure(figsize=(PANEL[0] * columns, height * rows + 0.8), layout="constrained")
+    figure.suptitle(view.head, fontsize="large", parse_math=False)
+    if not of_studies:
+        _draw_cases(figure.add_subplot(), view.run.rows, cases)
+    elif not studies:
+        figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
+    else:
+        for k, measured in enumerate(studies):
+            _draw_study(figure.add_subplot(rows, columns, k + 1), measured, view.run.limits.seconds)
+    _explain(figure, "out of time or failed" if of_studies else "without an error, such as a refusal", of_studies)
+    return figure
+
+
+def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
+    """Error and processor time; the settings of a method are joined in their order."""
+    study, floor = study_of(measured), _floor(measured)
+    axes.set(xlabel=study.quantity, ylabel="processor time [s]", yscale="log")
+    axes.set_title(study.title, fontsize="medium", loc="left")
+    largest = max((row.error for row in measured.rows if row.error), default=1.0)
+    for k, method in enumerate(dict.fromkeys(row.method for row in measured.rows)):
+        own = [row for row in measured.rows if row.method == method]
+        points = [(max(row.error, floor), row.seconds) for row in own if row.error is not None and row.seconds]
+        _draw_points(axes, points, floor, k, label=method, linewidth=1.2)
+        if len(points) < len(own):
+            x, y = points[-1] if points else (max(largest, floor), limit)
+            axes.plot([x, x], [y, limit], color=COLORS[k % len(COLORS)], linewidth=0.8, linestyle=":")
+            _draw_open(axes, [(x, limit)], k)
+    axes.axhline(limit, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
+    _finish(axes, floor)
+
+
+def _draw_cases(axes: Axes, rows: Sequence[ResultRow], cases: Sequence[str]) -> None:
+    """Error and case."""
+    axes.set(xlabel="relative error against exact or 60-digit arithmetic")
+    axes.set_yticks(range(len(cases)), cases)
+    for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):
+        own = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
+        points = [(max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None]
+        _draw_points(axes, points, NOTHING, k, label=label, linestyle="none")
+        _draw_open(axes, [(NOTHING, y) for x, y in own if x is None], k)
+    axes.invert_yaxis()
+    _finish(axes, NOTHING)
+
+
+def _draw_points(axes: Axes, points: Points, floor: float, k: int, **style: Any) -> None:
+    color = COLORS[k % len(COLORS)]
+    axes.plot(*_columns(points), marker=MARKERS[k % len(MARKERS)], color=color, markersize=5, **style)
+    zero = [point for point in points if point[0] <= floor]
+    if zero:
+        axes.plot(*_columns(zero), marker="*", color=color, markersize=11, linestyle="none")
+
+
+def _draw_open(axes: Axes, points: Points, k: int) -> None:
+    style: dict[str, Any] = {"color": COLORS[k % len(COLORS)], "marker": MARKERS[k % len(MARKERS)]}
+    axes.plot(*_columns(points), markersize=7, fillstyle="none", linestyle="none", **style)
+
+
+def _finish(axes: Axes, floor: float) -> None:
+    axes.set_xscale("log")
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.axvline(floor, color="0.5", linewidth=0.8, linestyle=":", zorder=1)
+    axes.margins(0.06)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small", borderaxespad=0)
+
+
+def _columns(points: Points) -> tuple[list[float], list[float]]:
+    return [x for x, _ in points], [y for _, y in points]
+
+
+def _floor(measured: Measured) -> float:
+    """Where zero is drawn: a decade below the smallest error that is told from it."""
+    rounding = measured.plan.rounding if measured.plan is not None else 1.0
+    told = [row.error for row in measured.rows if row.error and row.error > rounding * BELOW_ROUNDING]
+    return max(10.0 ** (math.floor(math.log10(min(told, default=1.0))) - 1), rounding * BELOW_ROUNDING)
+
+
+def _explain(figure: Figure, without_error: str, timed: bool) -> None:
+    """What the marks mean that no panel explains."""
+    from matplotlib.lines import Line2D
+
+    zero = "error 0, or below what is told from 0"
+    entries = [
+        Line2D([], [], marker="*", color=INK, linestyle=":", markersize=10, label=zero),
+        Line2D([], [], marker="o", color=INK, linestyle="none", fillstyle="none", label=without_error),
+    ]
+    if timed:
+        entries.append(Line2D([], [], color="0.5", linestyle="--", label="time limit"))
+    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)

@@ -1,0 +1,254 @@
+"""Measurements as the commands ``precision`` and ``stress`` show them: JSON, CSV, a picture, and tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any, ClassVar, cast
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from nonsmooth.analysis.measurements.harness import Measured, Run, Study
+from nonsmooth.analysis.measurements.rows import ResultRow
+from nonsmooth.analysis.measurements.slopes import Slope, fitted_slopes
+from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.scene_error import one_line
+
+LEGEND = (
+    "error: relative, against exact or 60-digit arithmetic; condition: factor by which rounding of the input grows; "
+    "a dash: nothing was computed, or no system is solved"
+)
+
+
+@dataclass(frozen=True)
+class MeasurementView:
+    """A run of measurements in the forms that both commands offer (:class:`nonsmooth.reports.shown.Shown`)."""
+
+    run: Run
+    keys: ClassVar[Mapping[str, str]]  # key of a row in JSON and CSV: attribute of a ResultRow
+
+    @property
+    def head(self) -> str:
+        """What was measured, in one line."""
+        raise NotImplementedError
+
+    def row_records(self) -> list[dict[str, Any]]:
+        """The rows; numbers that are none become null."""
+        rows = self.run.rows
+        return [{key: _plain(getattr(row, attribute)) for key, attribute in self.keys.items()} for row in rows]
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """The rows of a CSV file; named numbers as ``name=value`` pairs."""
+        yield self.keys
+        for entry in self.row_records():
+            yield [_pairs(value) if isinstance(value, dict) else value for value in entry.values()]
+
+    def picture(self, suffix: str) -> bytes:
+        """The errors as the bytes of a file; ``suffix`` as for the cell map."""
+        from nonsmooth.reports.figures.measurements import measurement_figure
+
+        return measurement_figure(self, suffix)
+
+
+class Precision(MeasurementView):
+    """Studies of error against run time."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "study": "name",
+        **{key: key for key in ("method", "parameter", "setting", "error", "seconds")},
+        **{key: key for key in ("outcome", "reference", "note", "details", "work")},
+    }
+
+    @property
+    def head(self) -> str:
+        """What was measured, and how."""
+        return f"{one_line(self.run.scene.name)}: error against run time, best of {self.run.limits.runs} runs"
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys."""
+        run = self.run
+        return {
+            "schema": "nonsmooth-precision/1",
+            "scene": run.scene.name,
+            "rule": str(run.scene.contact.rule),
+            "runs": run.limits.runs,
+            "time_limit": run.limits.seconds,
+            "complete": run.complete,
+            "studies": [_study_record(measured) for measured in run.measured],
+            "rows": self.row_records(),
+            "slopes": [_slope_record(slope) for measured in run.measured for slope in slopes_of(measured)],
+        }
+
+    def summary(self) -> str:
+        """How many rows of how many studies."""
+        return f"{len(self.run.rows)} rows of {len(self.run.measured)} studies"
+
+    def view(self) -> RenderableType:
+        """One table for each study, with the slopes of its methods, parted by empty lines."""
+        views: list[RenderableType] = [Text(f"{self.head}, time limit {self.run.limits.seconds:g} s")]
+        for measured in self.run.measured:
+            views += [Text(), _study_view(measured)]
+        return Group(*views, *([] if self.run.complete else [Text(), Text("interrupted: the rows above are finished")]))
+
+
+class Stress(MeasurementView):
+    """Stiff and extreme cases."""
+
+    keys: ClassVar[Mapping[str, str]] = {
+        "case": "name",
+        "parameter": "parameter",
+        "verdict": "outcome",
+        **{key: key for key in ("error", "condition", "ok", "note")},
+    }
+
+    @property
+    def head(self) -> str:
+        """The rows in one line."""
+        return self.summary()
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys."""
+        return {
+            "schema": "nonsmooth-stress/1",
+            "scene": self.run.scene.name,
+            "complete": self.run.complete,
+            "ok": self.run.ok,
+            "rows": self.row_records(),
+        }
+
+    def summary(self) -> str:
+        """How many rows, and how many are not ok."""
+        bad = sum(not row.ok for row in self.run.rows)
+        end = "" if self.run.complete else "; interrupted, later cases are missing"
+        counts = f"{len(self.run.rows)} rows, {'all ok' if not bad else f'{bad} not ok'}"
+        return f"{one_line(self.run.scene.name)}: {counts}{end}"
+
+    def view(self) -> RenderableType:
+        """The rows as a table, each case under its own heading; what is not ok is said again below."""
+        header = ("parameter", "verdict", "error", "condition", "ok")
+        table = rows_table(header, self.run.rows, lambda row: row.name, _case_entries)
+        bad = [row for row in self.run.rows if not row.ok]
+        said = [Text(f"not ok: {row.name}, {row.parameter}: {row.outcome}; {row.note}", "red") for row in bad]
+        return Group(table, *said, Text(self.summary(), "bold"), Text(LEGEND, "dim"))
+
+
+# ---- the table -----------------------------------------------------------------------------------
+
+
+def rows_table(
+    header: Sequence[str],
+    rows: Iterable[ResultRow],
+    heading: Callable[[ResultRow], str],
+    entries: Callable[[ResultRow], tuple[Text, ...]],
+) -> Table:
+    """Rows with equal headings beneath a line with their heading, which stands in the second and widest column."""
+    table = header_table(*header, widest=header[1])
+    for name, group in groupby(rows, heading):
+        if table.row_count:
+            table.add_section()
+        table.add_row(Text(), Text(name, "bold"))
+        for row in group:
+            table.add_row(*entries(row))
+    return table
+
+
+def _study_entries(row: ResultRow) -> tuple[Text, ...]:
+    said = row.note or ", ".join(f"{count} {what}" for what, count in row.work.items())
+    return Text(setting_text(row)), Text(said), _right(error_text(row)), _right(number_text(row.seconds))
+
+
+def _case_entries(row: ResultRow) -> tuple[Text, ...]:
+    mark = Text("ok", "green") if row.ok else Text("NOT OK", "bold red")
+    numbers = (_right("-" if x is None else f"{x:.1e}" if x else "0") for x in (row.error, row.condition))
+    return Text(row.parameter or ""), Text(row.outcome), *numbers, mark
+
+
+def _right(text: str) -> Text:
+    return Text(text, no_wrap=True, justify="right")
+
+
+def setting_text(row: ResultRow) -> str:
+    """The setting of a method; empty for a method without one."""
+    return "" if row.setting is None else f"{row.parameter} {number_text(row.setting)}"
+
+
+def error_text(row: ResultRow) -> str:
+    """The error, or why there is none."""
+    return row.outcome if row.error is None else number_text(row.error)
+
+
+def number_text(value: float | None) -> str:
+    """Two digits; counts and zero as they are; a dash for none."""
+    if value is None:
+        return "-"
+    if math.isfinite(value) and value == int(value) and abs(value) < 1e7:
+        return str(int(value))
+    return f"{value:.1e}"
+
+
+# ---- studies -------------------------------------------------------------------------------------
+
+
+def slopes_of(measured: Measured) -> list[Slope]:
+    """The slope of every method with a setting."""
+    return [] if measured.plan is None else fitted_slopes(measured.of.name, measured.plan, measured.rows)
+
+
+def study_of(measured: Measured) -> Study:
+    """The study that was measured."""
+    return cast(Study, measured.of)
+
+
+def _study_view(measured: Measured) -> RenderableType:
+    study = study_of(measured)
+    title = Text(study.title, "bold")
+    if measured.plan is None:
+        return Group(title, Text(f"left out: {measured.left_out}"))
+    table = rows_table(
+        ("setting", "method", "error", "time [s]"), measured.rows, lambda row: row.method, _study_entries
+    )
+    lines = [Text(f"{study.quantity}, against: {measured.plan.reference}")]
+    lines += [Text(measured.plan.note)] if measured.plan.note else []
+    return Group(title, *lines, table, *(Text(_slope_text(slope)) for slope in slopes_of(measured)))
+
+
+def _slope_text(slope: Slope) -> str:
+    seen = "no slope fitted" if slope.value is None else f"slope {slope.value:.2f} in the {slope.parameter}"
+    expected = "none expected" if slope.order.expected is None else f"expected {slope.order.expected:g}"
+    return f"{slope.method}: {seen}, {expected}: {slope.order.why}"
+
+
+def _study_record(measured: Measured) -> dict[str, Any]:
+    study, plan = study_of(measured), measured.plan
+    entry: dict[str, Any] = {"study": study.name, "title": study.title, "quantity": study.quantity}
+    if plan is None:
+        return entry | {"reference": None, "left_out": measured.left_out}
+    return entry | {"reference": plan.reference, "left_out": None, "note": plan.note}
+
+
+def _slope_record(slope: Slope) -> dict[str, Any]:
+    return {
+        "study": slope.study,
+        "method": slope.method,
+        "parameter": slope.parameter,
+        "slope": slope.value,
+        "expected": slope.order.expected,
+        "from": slope.first,
+        "to": slope.last,
+        "why": slope.order.why,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """A value for JSON."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return dict(value) if isinstance(value, Mapping) else value
+
+
+def _pairs(named: Mapping[str, float]) -> str:
+    return " ".join(f"{name.replace(' ', '_')}={value!r}" for name, value in named.items())

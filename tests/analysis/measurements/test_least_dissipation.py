@@ -1,0 +1,35 @@
+"""The least dissipation at 100 digits: a golden value, certified minima, and scales."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.measurements.references.least_dissipation import LeastDissipation
+from nonsmooth.analysis.minimizers.choice import MINIMIZERS, Minimizer
+from nonsmooth.analysis.minimizers.dissipation import Functional
+
+SOLVERS = 1e-7  # relative gap of the reference solvers
+EXACT = 1e-12  # of the others
+
+
+def test_two_isotropic_wheels() -> None:
+    """D* = 0.98387 for the circle functional: the paper's example of two wheels."""
+    model = ContactModel.build([(0, 0), (2, 1)], [(1, 0), (1, 0)], [(1, 0.3), (-0.2, 0.5)], (1, 1))
+    least = LeastDissipation(Functional.ELLIPSE, model, np.array([1.0, 2.0])).least()
+    assert float(least.mid()) == pytest.approx(0.98387, abs=5e-6)
+
+
+@pytest.mark.parametrize("minimizer", MINIMIZERS, ids=lambda m: f"{type(m).__name__}-{m.functional}")
+@pytest.mark.parametrize("seed", range(3))
+def test_every_minimizer_reaches_it_and_none_falls_below(minimizer: Minimizer, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    model = ContactModel.build(
+        rng.normal(size=(5, 2)), rng.normal(size=(5, 2)), rng.normal(size=5), rng.uniform(0.1, 2, (5, 2))
+    )
+    loads = rng.uniform(0.1, 1, 5)
+    problem = LeastDissipation(minimizer.functional, model, loads)
+    least = problem.least()
+    excess = float(((problem.at(minimizer.minimize(model, loads[None]).twists[0]) - least) / least).mid())
+    assert -1e-24 <= excess <= (SOLVERS if "Cvxpy" in type(minimizer).__name__ else EXACT)

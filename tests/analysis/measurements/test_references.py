@@ -1,0 +1,160 @@
+"""The references of the studies: exact paths, exact twists of cells, and minimizers to sixty digits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.measurements.references.reference_paths import STARTS, ExactPath, reference_paths
+from nonsmooth.analysis.measurements.references.reference_twists import (
+    DIGITS,
+    POINTS,
+    ReferenceTwist,
+    box_references,
+    ellipse_references,
+)
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.partitions.box import build_box_partition
+from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.trajectories.result import Event, EventKind
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.scene import Scene
+
+ROUNDING = 1e-13
+STEP = mpmath.mpf(10) ** -40  # of difference quotients: their error is of the order of its square
+BESIDE = mpmath.mpf(10) ** -50  # from the minimizer: too far for sixty digits
+WORKING = 150  # digits
+
+
+def four_wheel_paths() -> tuple[ExactPath, ...]:
+    return reference_paths(build_partition(load_scene("four-wheel")))[1]
+
+
+# ---- paths ---------------------------------------------------------------------------------------
+
+
+def test_four_wheels_arrive_as_the_closed_form_says() -> None:
+    """T = (|x| + |y|)/sqrt 2; the comparison ends at 15/16 of it, where the drift becomes free (theory, sec. 8)."""
+    paths = four_wheel_paths()
+    assert len(paths) == len(STARTS)
+    for path in paths:
+        x, y, _ = path.start
+        assert path.until == pytest.approx(15 / 16 * (abs(x) + abs(y)) / math.sqrt(2), rel=1e-12)
+        assert path.path.unique is False
+        assert [event.kind for event in path.events] == [EventKind.SLIDE]
+        assert float(path.events[0].t) == pytest.approx(abs(abs(y) - abs(x)) / math.sqrt(2), rel=1e-12)
+
+
+CELLS = [(name, "nearest") for name in builtin_scenes()] + [(name, "box") for name in ("off-center", "ring-5")]
+
+
+@pytest.mark.parametrize(("name", "rule"), CELLS)
+def test_paths_are_compared_inside_the_square_and_while_they_are_unique(name: str, rule: str) -> None:
+    scene = load_scene(name, rule=rule)
+    radius = float(scene.check.radius)
+    for path in reference_paths(build_partition(scene))[1]:
+        assert all(event.kind is not EventKind.NONUNIQUE for event in path.events)
+        for share in (0, 0.5, 1):
+            state = path.path.at(Fraction(share * path.until))
+            offsets = [abs(float(s - c)) for s, c in zip(state, scene.check.equilibrium, strict=False)]
+            assert max(offsets) < radius
+
+
+@pytest.mark.parametrize("shift", [1e-3, 1e-12, 3e-17])
+def test_a_shifted_path_errs_by_its_shift(shift: float) -> None:
+    """Also by less than the rounding of floats, because differences are exact."""
+    path = four_wheel_paths()[0]
+    times = [Fraction(k, 1000) * Fraction(path.until) for k in range(1001)]
+    states = [path.path.at(t) for t in times]
+    moved = [(x, y + Fraction(shift), theta) for x, y, theta in states]
+    assert path.path_error(times, states) == 0
+    assert path.path_error(times, moved) == pytest.approx(shift, rel=1e-12)
+
+
+def test_event_times_are_compared_at_the_same_edges() -> None:
+    path = next(p for p in reference_paths(build_partition(load_scene("spiral-30")))[1] if len(p.events) > 1)
+    late = Fraction(1, 1000)
+    moved = [replace(event, t=event.t + late) for event in path.events]
+    elsewhere = Event(0.0, path.start, EventKind.CROSS, "cell 98 | cell 99")
+    swapped = [replace(event, surface=" | ".join(reversed(event.surface.split(" | ")))) for event in moved]
+    for events in (moved, [elsewhere, *moved], swapped):
+        assert path.event_error(events) == pytest.approx(float(late))
+    assert path.event_error([elsewhere]) is None
+
+
+# ---- twists --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "grid-4x4", "off-center"])
+def test_box_references_are_what_linear_programs_find(name: str) -> None:
+    scene = load_scene(name, rule="box")
+    references = box_references(build_box_partition(scene))
+    assert len(references) == POINTS
+    model = contact_model(scene)
+    found = BoxHighs().minimize(model, loads_at(model, [r.point for r in references])).twists
+    assert max(r.error(twist) for r, twist in zip(references, found, strict=True)) < ROUNDING
+
+
+def dissipation(scene: Scene, loads: list[mpmath.mpf], twist: list[mpmath.mpf]) -> mpmath.mpf:
+    """D of rule ``ellipse``, literally, in mpmath."""
+    total = mpmath.mpf(0)
+    for wheel, load in zip(scene.wheels, loads, strict=True):
+        p, d = ([digits(x) for x in pair] for pair in (wheel.position, wheel.unit_direction))
+        velocity = [twist[0] - twist[2] * p[1], twist[1] + twist[2] * p[0]]
+        along = d[0] * velocity[0] + d[1] * velocity[1] - digits(wheel.speed)
+        across = -d[1] * velocity[0] + d[0] * velocity[1]
+        total += load * mpmath.hypot(digits(wheel.friction.roll) * along, digits(wheel.friction.side) * across)
+    return total
+
+
+def digits(number: object) -> mpmath.mpf:
+    """A number of the scene by way of SymPy."""
+    return mpmath.mpf(number.to_sympy().evalf(WORKING))  # type: ignore[attr-defined]
+
+
+def least_norm_loads(scene: Scene, point: tuple[float, float]) -> list[mpmath.mpf]:
+    """Elastic loads where no spring lifts off: N = M^T (M M^T)^-1 (1, c)."""
+    moments = mpmath.matrix([[1] * len(scene.wheels), *([digits(w.position[k]) for w in scene.wheels] for k in (0, 1))])
+    goal = mpmath.matrix([1, point[0], point[1]])
+    return list(moments.T * mpmath.lu_solve(moments * moments.T, goal))
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "off-center"])
+def test_ellipse_references_are_minimizers_to_sixty_digits(name: str) -> None:
+    """The slopes of a literal D vanish there, and are seen a little beside it."""
+    scene = load_scene(name)
+    references = ellipse_references(scene)
+    assert references
+    with mpmath.workdps(WORKING):
+        for reference in references[:3]:
+            loads = least_norm_loads(scene, reference.point)
+            twist = [mpmath.mpf(entry.str(WORKING, radius=False)) for entry in reference.twist]
+            assert largest_slope(scene, loads, twist) < mpmath.mpf(10) ** -DIGITS
+            assert largest_slope(scene, loads, [twist[0] + BESIDE, *twist[1:]]) > mpmath.mpf(10) ** -DIGITS
+
+
+def largest_slope(scene: Scene, loads: list[mpmath.mpf], twist: list[mpmath.mpf]) -> mpmath.mpf:
+    """Largest central difference quotient of D; D is convex, so it is zero at minimizers only."""
+    slopes = []
+    for k in range(3):
+        ahead, behind = (
+            dissipation(scene, loads, [t + sign * STEP * (j == k) for j, t in enumerate(twist)]) for sign in (1, -1)
+        )
+        slopes.append(abs(ahead - behind) / (2 * STEP))
+    return max(slopes)
+
+
+def test_an_error_is_formed_before_it_is_rounded() -> None:
+    scene = load_scene("four-wheel", rule="box")
+    exact = box_references(build_box_partition(scene))[0]
+    rounded = np.array([float(entry) for entry in exact.twist])
+    truth = max(abs(float(e - Fraction(float(r)))) for e, r in zip(exact.twist, rounded, strict=True))
+    assert ReferenceTwist(exact.point, exact.twist).error(rounded) == truth
+    assert exact.error(rounded + np.array([0, 0, 0.5])) == pytest.approx(0.5)

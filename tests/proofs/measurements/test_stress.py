@@ -1,0 +1,161 @@
+"""Stress tests of whole scenes, and that they fail where a method is careless."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.measurements.cases import near_collinear, support_edge
+from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
+from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
+from nonsmooth.analysis.measurements.cases.near_collinear import collinear_rows
+from nonsmooth.analysis.measurements.cases.scales import SCALES, array_scale_rows, system_scale_rows
+from nonsmooth.analysis.measurements.cases.starts import STARTS
+from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, support_rows
+from nonsmooth.analysis.measurements.cases.switches import SWITCHES
+from nonsmooth.analysis.measurements.harness import Case, measure
+from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, judged
+from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.trajectories import guards
+from nonsmooth.analysis.trajectories.motion import Free
+from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
+from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS
+from nonsmooth.proofs.measurements.registry import CASES
+from nonsmooth.symbolic.constraints import Row, Twist
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_file import load_any, load_system
+from nonsmooth.symbolic.numbers.number import Number
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+LEAST_ROWS = 30
+
+
+def failed(rows: Iterator[ResultRow]) -> list[ResultRow]:
+    return [row for row in rows if not row.ok]
+
+
+# ---- whole scenes --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["ring-3", "line-of-equilibria", "relay-oscillator-damped"])
+def test_a_built_in_scene_holds(name: str) -> None:
+    rows = measure(load_any(name), CASES).rows
+    assert len(rows) >= LEAST_ROWS
+    assert [row for row in rows if not row.ok] == []
+    for row in rows:
+        assert row.note
+        assert row.outcome
+        assert row.error is None or math.isfinite(row.error)
+
+
+def test_other_arrays_hold(arrays: Arrays) -> None:
+    """An array at random, whose checked point is no equilibrium; and one refused by rule box."""
+    rows = measure(arrays.random(4, 4), CASES).rows
+    assert len(rows) >= LEAST_ROWS
+    assert [row for row in rows if not row.ok] == []
+
+
+def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
+    scene = load_scene("ring-3", rule="ellipse")
+    for case, name in ((SCALES, "paths"), (FEEDBACK, "feedback gain")):
+        (row,) = case.rows(scene)
+        assert (row.name, row.outcome, row.ok) == (name, Outcome.REFUSED, True)
+        assert "its field is continuous" in row.note
+    assert measure(scene, (STARTS, HYSTERESIS, SWITCHES)).rows == []
+
+
+def test_stiff_loops_say_that_they_are() -> None:
+    rows = list(feedback_rows(build_nearest_partition(load_scene("grid-4x4"))))
+    assert failed(iter(rows)) == []
+    stiff = {row.parameter for row in rows if IMPLICIT in row.outcome}
+    assert {"1e6", "1e8"} <= stiff
+    assert not stiff & {"1e-6", "1e-3", "1e0"}
+
+
+# ---- the check can fail --------------------------------------------------------------------------
+
+
+def test_a_number_that_is_none_is_not_ok() -> None:
+    assert not judged("case", "1", "verdict", math.nan, 1.0, why="").ok
+    assert not judged("case", "1", "verdict", math.inf, math.inf, why="").ok
+
+
+def test_a_case_that_raises_is_a_row_that_is_not_ok() -> None:
+    def case(scene: object) -> Rows:
+        yield judged("case", "1", "verdict", 0.0, 1.0, why="")
+        raise ZeroDivisionError("of a careless method")
+
+    first, last = Case("family", array=case).rows(load_scene("four-wheel"))
+    assert first.ok
+    assert (last.outcome, last.ok, last.note) == ("fault", False, "ZeroDivisionError: of a careless method")
+
+
+def test_float_elimination_fails_for_wheels_in_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def careless(rows: Sequence[Row]) -> ContactState:
+        matrix = np.array([[float(a) for a in row.normal] for row in rows])
+        twist = np.linalg.solve(matrix, [float(row.rhs) for row in rows])
+        field = rows[0].rhs.field
+        return ContactState(tuple(rows), Twist(*(field(Fraction(float(x))) for x in twist)))
+
+    scene = load_scene("ring-5")
+    assert failed(collinear_rows(scene)) == []
+    monkeypatch.setattr(near_collinear, "solve_rows", careless)
+    assert [row.parameter for row in failed(collinear_rows(scene))] == ["1e-3", "1e-6", "1e-9", "1e-12", "1e-14"]
+
+
+def test_loads_by_plain_normal_equations_fail_in_other_units(monkeypatch: pytest.MonkeyPatch) -> None:
+    def careless(model: ContactModel, points: Any) -> Floats:
+        moments = np.column_stack([np.ones(model.wheels), model.positions])
+        goal = np.array([1.0, *np.atleast_2d(points)[0]])
+        return np.maximum(moments @ np.linalg.lstsq(moments.T @ moments, goal, rcond=None)[0], 0.0)[None]
+
+    scene = load_scene("four-wheel")
+    assert failed(support_rows(scene)) == failed(scale_rows(scene)) == []
+    monkeypatch.setattr(support_edge, "elastic_loads", careless)
+    assert {"1e-9", "1e9"} <= {row.parameter for row in failed(scale_rows(scene))}
+    assert "1e-3 outside" in {row.parameter for row in failed(support_rows(scene))}
+
+
+def test_a_tolerance_in_signs_fails_at_small_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def careless(number: Number) -> int:
+        value = float(number)
+        return 0 if abs(value) < 1e-9 else (value > 0) - (value < 0)
+
+    monkeypatch.setattr(Number, "sign", careless)
+    bad = failed(ARRAY_VERDICTS.rows(load_scene("four-wheel")))
+    assert bad != []
+
+
+def test_paths_in_single_precision_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, state = load_scene("four-wheel"), Free.state
+
+    def careless(motion: Free, time: Any) -> tuple[Any, Any, Any]:
+        x, y, theta = state(motion, time)
+        return (x, y, theta) if not isinstance(x, float) else (float(np.float32(x)), float(np.float32(y)), theta)
+
+    assert failed(array_scale_rows(scene)) == []
+    monkeypatch.setattr(Free, "state", careless)
+    bad = failed(SCALES.rows(scene))
+    assert bad != []
+    assert {row.name for row in bad} <= {"geometry scale, path", "far from the origin, path", "scales"}
+
+
+def test_events_located_to_an_absolute_time_fail_in_fast_systems(monkeypatch: pytest.MonkeyPatch) -> None:
+    located: Callable[..., float] = guards.find_root
+
+    def careless(*arguments: Any) -> float:
+        return round(located(*arguments), 12)
+
+    scene = load_system("relay-oscillator")
+    assert failed(system_scale_rows(scene)) == []
+    monkeypatch.setattr(guards, "find_root", careless)
+    assert [(row.name, row.parameter) for row in failed(system_scale_rows(scene))][-1] == ("time scale, path", "1e9")
