@@ -7,14 +7,14 @@ from typing import Any
 
 from nonsmooth.analysis.extremes.taylor import ReferencePiece, Series, precision
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switching_patterns import build_switched_system
+from nonsmooth.analysis.fields.switched_cells import fields_by_signs
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 def ball(number: Any) -> Any:
@@ -39,17 +39,17 @@ def gradient_pieces(partition: Partition, gain: float) -> tuple[ReferencePiece, 
         )
 
 
-def system_pieces(scene: SystemScene) -> tuple[ReferencePiece, ...]:
+def system_pieces(scene: SwitchedSystem) -> tuple[ReferencePiece, ...]:
     """The modes of a plain system, each bounded by every surface."""
-    system = build_switched_system(scene)
+    surfaces, modes = fields_by_signs(scene)
     with precision():
-        surfaces = [polynomial_form(surface) for surface in system.surfaces]
+        forms = [polynomial_form(surface) for surface in surfaces]
         return tuple(
             ReferencePiece(
-                tuple(_signed(surface, sign) for surface, sign in zip(surfaces, signs, strict=True)),
+                tuple(_signed(form, sign) for form, sign in zip(forms, signs, strict=True)),
                 _both(*(polynomial_form(component) for component in velocity)),
             )
-            for signs, velocity in system.modes.items()
+            for signs, velocity in modes.items()
         )
 
 

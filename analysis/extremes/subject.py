@@ -20,7 +20,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth import onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 START = (0.6171, 0.3443)  # in units of the square's half-width: a place of no symmetry
 HEADING = 0.1  # start of theta
@@ -126,9 +126,9 @@ def array_subject(partition: Partition, kinematics: Kinematics) -> Subject:
     return Subject(field, exact, pieces, radius, (float(x), float(y)), field.cells.slack)
 
 
-def system_subject(scene: SystemScene) -> Subject:
+def system_subject(scene: SwitchedSystem) -> Subject:
     """A plain system, followed by the general integrator."""
-    field, radius = system_field(scene), float(scene.check.radius)
+    field, radius = system_field(scene, centred=True), float(scene.check.radius)
     exact = constant_system(scene, exact=True)
     return Subject(field, exact, system_pieces(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
 

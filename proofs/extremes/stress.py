@@ -25,15 +25,22 @@ from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.proofs.extremes.array_verdicts import array_verdict_rows
 from nonsmooth.proofs.extremes.system_verdicts import system_verdict_rows
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
 
-def stress_cases(scene: Scene | SystemScene) -> dict[str, Case]:
-    """The families of cases by name, in the order in which they run."""
-    return _array_cases(scene) if isinstance(scene, Scene) else _system_cases(scene)
+def stress_cases(scene: Scene | SwitchedSystem) -> dict[str, Case]:
+    """The families of cases by name, in the order in which they run.
+
+    Raises:
+        SceneError: for a system in another number of states than two.
+    """
+    if isinstance(scene, Scene):
+        return _array_cases(scene)
+    require_plane(scene)
+    return _system_cases(scene)
 
 
-def stress_rows(scene: Scene | SystemScene) -> Iterator[StressRow]:
+def stress_rows(scene: Scene | SwitchedSystem) -> Iterator[StressRow]:
     """Every row of every family."""
     for name, case in stress_cases(scene).items():
         yield from guarded(name, case)
@@ -107,7 +114,7 @@ def switch_rows(subject: Subject) -> Rows:
     yield from long_rows(subject)
 
 
-def _system_cases(scene: SystemScene) -> dict[str, Case]:
+def _system_cases(scene: SwitchedSystem) -> dict[str, Case]:
     def verdicts() -> Rows:
         return system_verdict_rows(scene)
 

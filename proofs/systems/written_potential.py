@@ -35,7 +35,7 @@ class PotentialPiece:
         return f"{self.potential} from ray {first} to ray {last}"
 
 
-def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, str]) -> tuple[PotentialPiece, ...]:
+def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, ...]) -> tuple[PotentialPiece, ...]:
     """The pieces of a V whose cells are cones, or parts of cones, at the origin."""
     spans: dict[Polynomial, list[tuple[Point, Point]]] = {}
     for cell in cells:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.extremes.row import StressRow
     from nonsmooth.reports.stress_views import StressRun
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.system import SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Output = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Rows: .json or .csv; picture: .svg, .png or .pdf.")
@@ -50,7 +50,7 @@ def stress(
     return 0 if run.ok else 1
 
 
-def _run(scene: Scene | SystemScene) -> StressRun:
+def _run(scene: Scene | SwitchedSystem) -> StressRun:
     """Row after row; an interrupt keeps those that are finished."""
     from nonsmooth.proofs.extremes.stress import guarded, stress_cases
     from nonsmooth.reports.stress_views import StressRun

@@ -31,7 +31,7 @@ def build_figure(path: SystemPath) -> Figure:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    states, trajectory = path.equations.states, path.trajectory
+    states, trajectory = path.system.states, path.trajectory
     planar = len(states) == 2
     figure = Figure(figsize=(WIDTH, max(LEAST_HEIGHT, CURVE * len(states))), layout="constrained")
     grid = figure.add_gridspec(len(states), 2 if planar else 1)
@@ -41,7 +41,7 @@ def build_figure(path: SystemPath) -> Figure:
     if planar:
         _draw_plane(figure.add_subplot(grid[:, 1]), path)
         others = [Line2D([], [], color=SURFACE, linestyle="--", label="switching surface")]
-    title = f"{one_line(path.equations.name)}: method {trajectory.method}"
+    title = f"{one_line(path.system.name)}: method {trajectory.method}"
     figure.suptitle(title, fontsize="medium", parse_math=False)
     explain(figure, trajectory, others if path.field.surfaces else ())
     return figure
@@ -57,7 +57,7 @@ def _draw_plane(axes: Axes, path: SystemPath) -> None:
             continue
         axes.contour(xs, ys, heights, levels=[0.0], colors=SURFACE, linestyles="--", linewidths=1.2, zorder=1)
     draw_path(axes, path.trajectory)
-    x, y = path.equations.states
+    x, y = path.system.states
     axes.set(xlim=(left, right), ylim=(low, high), xlabel=x, ylabel=y, aspect="equal")
 
 
@@ -65,6 +65,6 @@ def _view(path: SystemPath) -> tuple[float, float, float, float]:
     """A square around the path."""
     states = path.trajectory.array
     centre = (states.min(axis=0) + states.max(axis=0)) / 2
-    half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or float(path.equations.radius)
+    half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or float(path.system.check.radius)
     x, y = (float(value) for value in centre)
     return x - half, x + half, y - half, y + half
