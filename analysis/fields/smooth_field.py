@@ -1,26 +1,28 @@
-"""Switched fields with one smooth field per cell: surfaces, and the faces that a path can keep to.
+"""Switched fields: surfaces, the faces that a path can keep to, and what following a solution takes of a field.
 
 A *face* is a set a path can keep to: some surfaces held at zero, the others on one side.  With nothing held it is a
 cell, with one surface held a sliding mode, with more a codimension-two (or higher) mode, in the plane a point of rest.
 Its motions are the elements of the hull of the adjacent cells' fields that are tangent to the surfaces held (Filippov
 1988, sec. 4; Utkin's equivalent control).
 
-:class:`nonsmooth.analysis.fields.sign_field.SignField` is a plain switched system,
-:class:`nonsmooth.analysis.fields.cellwise_field.CellwiseField` an array with feedback.
+There are two kinds of cells: sign patterns of switching functions in any number of states
+(:class:`nonsmooth.analysis.fields.sign_field.SignField`), and polygons of the plane
+(:class:`nonsmooth.analysis.fields.polygon_field.PolygonField`) with constant twists or smooth fields.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vector: TypeAlias = NDArray[np.float64]
 Velocity: TypeAlias = Callable[[float, Vector], Vector]
+Mode: TypeAlias = Any  # a sign pattern or the number of a cell
 
 # Relative to the size of the domain: the distance within which a state counts as on a surface. Above the integrator's
 # error (1e-12), so that a path aimed at a corner is found to reach it.
@@ -92,8 +94,12 @@ def unit_normal(surface: Surface, x: Vector) -> Vector:
     return gradient / length(gradient)
 
 
-class SmoothField(Protocol):
-    """What event-driven simulation needs of a switched field."""
+class SwitchedField(Protocol):
+    """What it takes to follow a solution of a switched field: by events (faces), or a little late or smoothed (modes).
+
+    A mode is a sign pattern or the number of a cell.  Its margin at a state is the distance to its nearest surface,
+    negative outside.
+    """
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -108,7 +114,7 @@ class SmoothField(Protocol):
         """Typical size of the states, which sets the slack of surfaces."""
 
     @property
-    def tied(self) -> frozenset[str]:
+    def tied_members(self) -> frozenset[str]:
         """Members that are one of several possible fields of their cell."""
 
     @property
@@ -123,3 +129,21 @@ class SmoothField(Protocol):
 
     def on_border(self, x: Vector) -> bool:
         """Whether a state lies on the border of the domain."""
+
+    def mode_at(self, x: Vector) -> Mode | None:
+        """The mode at a state; None outside the domain."""
+
+    def velocity(self, mode: Mode) -> Velocity:
+        """The field of a mode."""
+
+    def mode_name(self, mode: Mode) -> str:
+        """What the mode is called."""
+
+    def margin(self, mode: Mode, x: Vector) -> float:
+        """Signed distance from the border of a mode (units of the state), positive inside."""
+
+    def following(self, mode: Mode, x: Vector, width: float) -> Mode | None:
+        """The mode after one has been left by ``width``; None outside the domain."""
+
+    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+        """Fields with convex weights that vary continuously over ``width`` to either side of a surface."""

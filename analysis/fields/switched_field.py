@@ -21,6 +21,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.polygon_field import PolygonField
+from nonsmooth.analysis.fields.smooth_field import Velocity
 from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
@@ -48,9 +50,14 @@ class Flow:
         """Rounded numbers."""
         return Flow(float(self.vx), float(self.vy), float(self.omega), float(self.turn))
 
+    def of_pose(self) -> Velocity:
+        """The motion as a field of the pose, in floats."""
+        vx, vy, omega, turn = (float(value) for value in (self.vx, self.vy, self.omega, self.turn))
+        return lambda t, x: np.array([vx - turn * x[1], vy + turn * x[0], omega])
+
 
 @dataclass(frozen=True)
-class ConstantField:
+class ConstantField(PolygonField):
     """One constant twist (several where the rule ties) on each cell of a polygonal domain.
 
     Attributes:
@@ -94,6 +101,23 @@ class ConstantField:
     def tied(self, cell: int) -> bool:
         """Whether several motions tie in a cell."""
         return len(set(self.flows[cell])) > 1
+
+    @property
+    def tied_members(self) -> frozenset[str]:
+        """Names of the cells in which several motions tie."""
+        return frozenset(name for cell, name in enumerate(self.names) if self.tied(cell))
+
+    def velocity(self, mode: int) -> Velocity:
+        """The (first) motion of a cell as a field of the pose, in floats."""
+        return self._velocities[mode]
+
+    @cached_property
+    def _velocities(self) -> tuple[Velocity, ...]:
+        return tuple(own[0].of_pose() for own in self.flows)
+
+    def mode_name(self, mode: int) -> str:
+        """The name of a cell."""
+        return self.names[mode]
 
     def floats(self) -> ConstantField:
         """The same field in floats."""

@@ -21,9 +21,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
+from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.smooth_field import Member, Vector, Velocity
 from nonsmooth.analysis.fields.switched_field import ConstantField
-from nonsmooth.analysis.fields.switching_modes import CellModes
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.studies.clock import Clock
@@ -154,21 +154,20 @@ def _with_layers(field: ConstantField, radius: float) -> list[Entrant]:
 
 
 def _without_events(field: ConstantField, radius: float) -> list[Entrant]:
-    modes = CellModes(smooth_form(field))
     return [
-        (name, partial(follow_without_events, modes, name, (t, t * radius)), ("tolerance", t))
+        (name, partial(follow_without_events, field, name, (t, t * radius)), ("tolerance", t))
         for name in SOLVERS
         for t in TOLERANCES
     ]
 
 
 def follow_without_events(
-    modes: CellModes, method: str, tolerances: tuple[float, float], path: ReferencePath, clock: Clock
+    field: PolygonField, method: str, tolerances: tuple[float, float], path: ReferencePath, clock: Clock
 ) -> Followed:
     """SciPy's ``solve_ivp`` on the field as it stands, jumps and all.
 
     Args:
-        modes: the cells; outside the domain the nearest one rules.
+        field: the field; outside the domain the nearest one rules.
         method: a method of ``solve_ivp``.
         tolerances: relative and absolute.
         path: where to start and when to end.
@@ -180,7 +179,7 @@ def follow_without_events(
 
     def velocity(t: float, x: Vector) -> Vector:
         clock.check()
-        return modes.velocity(modes.nearest(x))(t, x)
+        return field.velocity(field.nearest_mode(x))(t, x)
 
     with np.errstate(all="ignore"):  # the implicit methods difference the field across its jumps
         found = solve_ivp(velocity, (0.0, path.until), path.start, method, rtol=tolerances[0], atol=tolerances[1])

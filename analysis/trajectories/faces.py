@@ -25,7 +25,7 @@ from nonsmooth.analysis.fields.convex_weights import (
 from nonsmooth.analysis.fields.smooth_field import (
     SURFACE_SLACK,
     Face,
-    SmoothField,
+    SwitchedField,
     Vector,
     Velocity,
     length,
@@ -137,7 +137,7 @@ class FaceChoice:
 class _Trial:
     """A motion at a state, with what lies just ahead (evaluated only where a speed vanishes)."""
 
-    def __init__(self, field: SmoothField, motion: FaceMotion, t: float, x: Vector) -> None:
+    def __init__(self, field: SwitchedField, motion: FaceMotion, t: float, x: Vector) -> None:
         self.size, self.motion, self.t, self.x = field.size, motion, t, x
         self.fields = motion.fields(t, x)
         self.scale = largest(self.fields)
@@ -207,7 +207,7 @@ class _Trial:
         return verdict
 
 
-def face_choices(field: SmoothField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
+def face_choices(field: SwitchedField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
     """Continuations at a state among the faces there, those that hold most surfaces first; sure ones where any is."""
     found: list[FaceChoice] = []
     for face in faces:
@@ -225,7 +225,7 @@ def face_choices(field: SmoothField, faces: Sequence[Face], t: float, x: Vector)
     return [choice for choice in found if choice.sure] or found
 
 
-def _choice(field: SmoothField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:
+def _choice(field: SwitchedField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:
     """The choice with the range of its motions."""
     face, motion = trial.motion.face, trial.motion
     if len(face.members) == 1:

@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
-from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector, length, unit_normal
+from nonsmooth.analysis.fields.smooth_field import Surface, SwitchedField, Vector, length, unit_normal
 from nonsmooth.analysis.trajectories.faces import LOOK_AHEAD, SMALLEST_SPEED, FaceChoice, FaceMotion
 
 Interpolant: TypeAlias = Callable[[float], Vector]
@@ -69,7 +69,7 @@ class Step:
         return [(t, self.interpolant(t)) for t in times]
 
 
-def guards_of(field: SmoothField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
+def guards_of(field: SwitchedField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
     """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
     guards = [_bound(surface, side, GUARD_SLACK * field.size, x) for surface, side in face.bounds]

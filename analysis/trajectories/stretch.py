@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector
+from nonsmooth.analysis.fields.smooth_field import Surface, SwitchedField, Vector
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
 from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
@@ -77,7 +77,7 @@ class _LateInterpolant:
 
 
 def follow_face(
-    field: SmoothField,
+    field: SwitchedField,
     choice: FaceChoice,
     start: tuple[float, Vector],
     until: float,

@@ -40,7 +40,7 @@ LITERAL: dict[str, Callable[[float, float], tuple[float, float]]] = {
 def test_modes_are_the_formulas_off_the_surfaces(name: str) -> None:
     field, rng = system_field(load_system(name)), np.random.default_rng(1)
     for x in rng.uniform(-0.5, 0.5, (40, 2)):
-        assert field.flow(field.signs_at(x))(0.0, x) == pytest.approx(LITERAL[name](x[0], x[1]), abs=ROUNDING)
+        assert field.flow(field.mode_at(x))(0.0, x) == pytest.approx(LITERAL[name](x[0], x[1]), abs=ROUNDING)
 
 
 def test_relays_may_ask_for_patterns_without_a_cell() -> None:
@@ -93,7 +93,7 @@ FORMULAS: list[tuple[list[str], list[str], Callable[[Vector], list[float]]]] = [
 
 
 @pytest.mark.parametrize(("states", "rhs", "value"), FORMULAS)
-def test_the_flow_of_the_signs_at_a_state_is_the_formula(
+def test_the_flow_of_the_mode_at_a_state_is_the_formula(
     states: list[str], rhs: list[str], value: Callable[[Vector], list[float]], tmp_path: Path
 ) -> None:
     file = tmp_path / "my.toml"
@@ -101,7 +101,7 @@ def test_the_flow_of_the_signs_at_a_state_is_the_formula(
     field = system_field(load_system(file), [1.0] * len(states))
     rng = np.random.default_rng(7)
     for state in rng.uniform(-2, 2, (200, len(states))):
-        found = field.flow(field.signs_at(state))(0.0, state)
+        found = field.flow(field.mode_at(state))(0.0, state)
         assert found == pytest.approx(value(state), abs=POLYNOMIAL_ROUNDING)
         for surface in field.surfaces:
             for k, slope in enumerate(surface.gradient(state)):
