@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from math import prod
 
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.files.scene_values import requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 from nonsmooth.symbolic.surfaces import switching_factors
 
 PLANE = ("x", "y")  # the displacement of two states

@@ -17,11 +17,10 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.files.scene_values import requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane, sign_by_factors
 
 MAX_CELLS = 400

@@ -25,13 +25,12 @@ from nonsmooth.symbolic.files.scene_values import (
     angles,
     field_of,
     read_exact,
-    requirement,
 )
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 from nonsmooth.symbolic.switched_system import SwitchedSystem, SystemCheck
 
 MAX_STATES = 8
