@@ -39,7 +39,7 @@ class SystemPath:
         """The states over time, and of two states the path over the switching surfaces."""
         from nonsmooth.reports.figures.phase_plane import phase_plane_figure
 
-        return phase_plane_figure(self, suffix)
+        return phase_plane_figure(self.system, self.field, self.trajectory, suffix)
 
     def summary(self) -> str:
         """How many events, and how it ends."""

@@ -16,7 +16,7 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.reports.settle_maps import GridRun
+    from nonsmooth.reports.basins import GridRun
     from nonsmooth.reports.simulate import Run
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -206,7 +206,7 @@ def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
 
 
 def _grid_run(count: int, heading: float, until: float | None, kinematics: Kinematics) -> GridRun:
-    from nonsmooth.reports.settle_maps import GridRun
+    from nonsmooth.reports.basins import GridRun
 
     if not 2 <= count <= MAX_GRID:
         raise RefusedError(f"--grid: required 2 to {MAX_GRID} starts in a row, received {count}")
