@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.fields.kinematics import Kinematics as Kinematics
     from nonsmooth.analysis.fields.switched_field import array_field as array_field
     from nonsmooth.analysis.fields.switched_field import piecewise_constant as piecewise_constant
-    from nonsmooth.analysis.partitions.agreement import compare_rules as compare_rules
+    from nonsmooth.analysis.minimizers.agreement import compare_rules as compare_rules
     from nonsmooth.analysis.partitions.contact_partition import build_partition as build_partition
     from nonsmooth.analysis.partitions.equilibria import find_equilibria as find_equilibria
     from nonsmooth.analysis.partitions.partition import Partition as Partition
@@ -59,7 +59,7 @@ __getattr__ = on_demand(
         "Kinematics": "fields.kinematics",
         "array_field": "fields.switched_field",
         "piecewise_constant": "fields.switched_field",
-        "compare_rules": "partitions.agreement",
+        "compare_rules": "minimizers.agreement",
         "build_partition": "partitions.contact_partition",
         "find_equilibria": "partitions.equilibria",
         "Partition": "partitions.partition",

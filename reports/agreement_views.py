@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference, intersect
+from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, intersect
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable
 from nonsmooth.reports.terminal import brief, header_table

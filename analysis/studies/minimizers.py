@@ -24,9 +24,9 @@ from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solve
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
-from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.studies.clock import Clock
 from nonsmooth.analysis.studies.reference_twists import DIGITS, ReferenceTwist, box_references, ellipse_references
 from nonsmooth.analysis.studies.study import Finding, LeftOut, Order, Plan, Study, Trial

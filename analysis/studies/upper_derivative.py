@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.filippov import cell_derivatives
-from nonsmooth.analysis.fields.hulls import hull_upper_derivative_on
-from nonsmooth.analysis.fields.sampling import literal_twists
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_on
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.sampling import literal_twists
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.studies.clock import Clock

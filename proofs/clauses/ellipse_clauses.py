@@ -20,7 +20,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.sampling import SampledDerivative
+    from nonsmooth.analysis.minimizers.sampling import SampledDerivative
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def decide_ellipse(
     lemma = cocircular_array(scene)
     sampled = None
     if samples and (lemma is None or always):
-        from nonsmooth.analysis.fields.sampling import sample_ellipse_derivative
+        from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
 
         sampled = sample_ellipse_derivative(scene, samples)
     return EllipseEquilibrium(point), EllipseTranslation(point, lemma, sampled), spin_of(point)

@@ -29,15 +29,6 @@ from nonsmooth.analysis.fields.switched_cells import (
     system_cells,
 )
 from nonsmooth.analysis.partitions.region import Region, cone_region
-from nonsmooth.proofs.clauses.ray_moves import (
-    ConstantFan,
-    RayKind,
-    RayMove,
-    are_cones,
-    decide_constant_fan,
-    ray_moves,
-    resting_edges,
-)
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
@@ -48,6 +39,15 @@ from nonsmooth.proofs.systems.piecewise_quadratic import (
     linear_cones,
     linear_parts,
     restricted,
+)
+from nonsmooth.proofs.systems.ray_moves import (
+    ConstantFan,
+    RayKind,
+    RayMove,
+    are_cones,
+    decide_constant_fan,
+    ray_moves,
+    resting_edges,
 )
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.formulas import brief_text

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference
+from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.reports.document import Block, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose

@@ -16,9 +16,9 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
+from nonsmooth.proofs.inequalities.ladder import Interval, ladder_at
 from nonsmooth.proofs.inequalities.strata import Part, derivatives_at
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
-from nonsmooth.proofs.systems.ladder import Interval, ladder_at
 from nonsmooth.proofs.systems.system_stability import plane_cells, system_check
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import Number

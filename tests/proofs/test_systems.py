@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.fields.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
 from nonsmooth.analysis.partitions.polygon import hull_holds_zero
-from nonsmooth.proofs.clauses.ray_moves import RayKind, decide_constant_fan
+from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.ladder import Interval
 from nonsmooth.proofs.systems.lyapunov_audit import audit
+from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import Method, SystemResult, plane_cells, system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.expression import ExpressionError

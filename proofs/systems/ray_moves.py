@@ -23,8 +23,8 @@ from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
+from nonsmooth.proofs.inequalities.ladder import mixtures
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
-from nonsmooth.proofs.systems.ladder import mixtures
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist

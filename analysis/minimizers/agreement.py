@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.sampling import ellipse_minima
+from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
+from nonsmooth.analysis.minimizers.sampling import ellipse_minima
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.partitions.polygon import Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy
