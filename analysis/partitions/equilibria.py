@@ -20,10 +20,10 @@ from itertools import combinations, pairwise, product
 from typing import Any
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon, hull_holds_zero
+from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
 
 
 class Place(StrEnum):
@@ -154,7 +154,7 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
     breaks: list[Any] = []
     for twist in (a, b):
         before, after = twist.pose_rate(side.start), twist.pose_rate(side.end)
-        change = (after[0] - before[0], after[1] - before[1])
+        change = minus(after, before)
         if any(change):
             t = -dot(before, change) / dot(change, change)
             if sign(t) > 0 and sign(t - 1) < 0:
@@ -177,6 +177,6 @@ def _covers(known: Equilibrium, point: Point) -> bool:
     first, last = known.points[0], known.points[-1]
     if known.place is Place.AREA:
         return False
-    to_first = (point[0] - first[0], point[1] - first[1])
-    to_last = (point[0] - last[0], point[1] - last[1])
+    to_first = minus(point, first)
+    to_last = minus(point, last)
     return not cross(to_first, to_last) and sign(dot(to_first, to_last)) <= 0

@@ -27,7 +27,7 @@ from nonsmooth.analysis.trajectories.junction import Junction, Ray, Signs
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.slides import Slide, slide_along
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot, turned
+from nonsmooth.symbolic.plane import cross, dot, turned
 
 
 @dataclass(frozen=True)

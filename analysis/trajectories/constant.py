@@ -37,7 +37,7 @@ from nonsmooth.analysis.trajectories.result import (
 from nonsmooth.analysis.trajectories.sampling import sample_times
 from nonsmooth.analysis.trajectories.slides import Slide
 from nonsmooth.analysis.trajectories.turns import Spiral, Turns
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 MAX_LEGS = (
     10_000  # between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand

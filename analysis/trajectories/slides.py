@@ -24,7 +24,7 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Ray, Signs
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 # Relative to the products compared: normal speeds whose quotient is constant to this vanish at one point together.
 PROPORTIONAL_DOUBT = 1e-12

@@ -20,7 +20,7 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Ray, Signs, junction_at
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 # Relative to the size of the domain: turns smaller than this cannot be told apart in a drawing.
 DRAWN_DISTANCE = 1 / 128

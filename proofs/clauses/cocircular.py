@@ -14,8 +14,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.rule import Rule
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -48,8 +48,9 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.rule import Rule
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample

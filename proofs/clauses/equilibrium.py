@@ -16,7 +16,7 @@ from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Vector, cross, dot
+from nonsmooth.symbolic.plane import Vector, cross, dot
 
 
 @dataclass(frozen=True)

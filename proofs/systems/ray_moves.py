@@ -30,7 +30,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot, turned
 
 
 class RayKind(StrEnum):
@@ -111,7 +111,7 @@ def _rests_along(first: Velocity, second: Velocity, ray: Point) -> bool:
 
 
 def _boundary_moves(cells: Sequence[FieldCell], ray: Point) -> Iterator[RayMove]:
-    values = [dot(ray, f) for f in mixtures(velocities_at(cells, ray), (-ray[1], ray[0]))]
+    values = [dot(ray, f) for f in mixtures(velocities_at(cells, ray), turned(ray))]
     signs = [sign(speed) for speed in values]
     for speed, here in zip(values, signs, strict=True):
         if here >= 0:

@@ -12,7 +12,7 @@ from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import dot, turned
+from nonsmooth.symbolic.plane import dot, turned
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.reports.audit.finding import Finding, Outcome
 from nonsmooth.reports.document import Block, Entry, display, number, point, table
 from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.printed_equations import equation_3, plane_symbols, rate_of_section_3_2
-from nonsmooth.symbolic.scene import dot
 
 if TYPE_CHECKING:
     import sympy

@@ -20,7 +20,7 @@ from nonsmooth.symbolic.numbers.measured_angles import choose_angles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 
 PLANE = ("x", "y")  # the variables of a formula in the plane

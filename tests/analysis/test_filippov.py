@@ -28,7 +28,8 @@ from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, squ
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ from nonsmooth.proofs.clauses.equilibrium import EquilibriumResult, decide_equil
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene, Vector, dot
+from nonsmooth.symbolic.plane import Vector, dot
+from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
 

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.fields.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
-from nonsmooth.analysis.partitions.polygon import hull_holds_zero
 from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_audit import audit
@@ -29,6 +28,7 @@ from nonsmooth.symbolic.files.system_file import load_any, load_system, system_d
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.plane import hull_holds_zero
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
