@@ -40,25 +40,28 @@ def same_direction(a: Vector, b: Vector) -> bool:
 
 
 def hull_holds_zero(vectors: Sequence[tuple[Any, Any]]) -> bool:
-    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing).
+    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing)."""
+    return bool(vectors) and separating_direction(vectors) is None
+
+
+def separating_direction(vectors: Sequence[tuple[Any, Any]]) -> Vector | None:
+    """A vector with a positive product against every vector; None where their convex hull holds zero.
 
     The cone of the vectors seen so far is kept by its first and last direction, as long as it is less than a half turn.
+    With these, ``J first - J last`` serves.
     """
-    nonzero = [v for v in vectors if any(v)]
-    if len(nonzero) < len(vectors):
-        return True
-    if not nonzero:
-        return False
-    first = last = nonzero[0]
-    for v in nonzero[1:]:
+    if not all(any(v) for v in vectors):
+        return None
+    first = last = vectors[0]
+    for v in vectors[1:]:
         from_first, from_last = sign(cross(first, v)), sign(cross(last, v))
         if from_first >= 0 >= from_last:
             if not from_first and not from_last and sign(dot(first, v)) < 0:
-                return True  # opposite to a single direction
+                return None  # opposite to a single direction
         elif from_first > 0:
             last = v
         elif from_last < 0:
             first = v
         else:
-            return True  # opposite to the cone, or to one of its ends
-    return False
+            return None  # opposite to the cone, or to one of its ends
+    return minus(turned(first), turned(last)) if cross(first, last) else first
