@@ -25,7 +25,7 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_pl
 
 MAX_CELLS = 400
 
-Velocity: TypeAlias = tuple[Polynomial, Polynomial]
+PlaneField: TypeAlias = tuple[Polynomial, Polynomial]  # the rates of x and y, or the slopes of V along them
 Piece = TypeVar("Piece")
 
 
@@ -34,19 +34,17 @@ class FieldCell:
     """A region with the fields that act inside (several where a rule ties)."""
 
     region: Region
-    velocities: tuple[Velocity, ...]
+    velocities: tuple[PlaneField, ...]
 
 
 @dataclass(frozen=True)
-class LyapunovCell:
+class LyapunovCell(FieldCell):
     """A region on which the fields and V are smooth."""
 
-    region: Region
-    velocities: tuple[Velocity, ...]
     potential: Polynomial
 
     @property
-    def gradient(self) -> Velocity:
+    def gradient(self) -> PlaneField:
         """Of V."""
         return self.potential.derivative("x"), self.potential.derivative("y")
 
@@ -136,7 +134,7 @@ def system_cells(system: SwitchedSystem, regions: Iterable[Region]) -> tuple[Fie
     require_plane(system)
     states = system.displaced(PLANE)
 
-    def evaluate(sign_of: SignOf) -> Velocity:
+    def evaluate(sign_of: SignOf) -> PlaneField:
         first, second = system.velocity(sign_of, states)
         return first, second
 
@@ -147,7 +145,7 @@ def system_cells(system: SwitchedSystem, regions: Iterable[Region]) -> tuple[Fie
         raise SceneError(system.origin, "system.rhs", expected, Fact("more")) from None
 
 
-def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dict[tuple[int, ...], Velocity]]:
+def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dict[tuple[int, ...], PlaneField]]:
     """The switching surfaces of a planar system, and its field for each pattern of their signs that occurs.
 
     Every cell is cut by every surface.  Between lines, only patterns of open cells are met; beside a curve a pattern is
@@ -162,7 +160,7 @@ def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dic
     states = system.displaced(PLANE)
     surfaces = system.surfaces(states)
 
-    def evaluate(sign_of: SignOf) -> tuple[tuple[int, ...], Velocity]:
+    def evaluate(sign_of: SignOf) -> tuple[tuple[int, ...], PlaneField]:
         first, second = system.velocity(sign_of, states)
         return tuple(map(sign_of, surfaces)), (first, second)
 
@@ -213,7 +211,7 @@ def lyapunov_cells(
     return tuple(found)
 
 
-def velocities_at(cells: Iterable[FieldCell | LyapunovCell], point: Point) -> tuple[Point, ...]:
+def velocities_at(cells: Iterable[FieldCell], point: Point) -> tuple[Point, ...]:
     """The values at a point of the fields of all closed cells that hold it: their hull is the Filippov set."""
     return distinct((f(point), g(point)) for cell in cells if cell.region.contains(point) for f, g in cell.velocities)
 

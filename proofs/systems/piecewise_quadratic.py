@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity
+from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, cone_region
@@ -38,7 +38,7 @@ class LinearCone:
 
     start: int
     end: int
-    velocity: Velocity
+    velocity: PlaneField
 
 
 def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:

@@ -15,7 +15,7 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity, velocities_at
+from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.cones import Cone, by_angle
 from nonsmooth.proofs.clauses.fan import FanResult, Move, decide_cones
@@ -98,7 +98,7 @@ def resting_edges(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
                 yield RayMove(RayKind.REST, ray, ray[0] - ray[0])
 
 
-def _rests_along(first: Velocity, second: Velocity, ray: Point) -> bool:
+def _rests_along(first: PlaneField, second: PlaneField, ray: Point) -> bool:
     """Whether two fields are opposed, or one vanishes, at all points ``t ray`` with small t > 0."""
     x, y = ray
     t = Polynomial.variable(first[0].field, ("t",), "t")
@@ -191,7 +191,7 @@ def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
     if here is None or any(p.degree for cell in here for v in cell.velocities for p in v):
         return None
     zero = cells[0].velocities[0][0].field.zero
-    pieces: list[tuple[Point, tuple[Velocity, ...]]] = [
+    pieces: list[tuple[Point, tuple[PlaneField, ...]]] = [
         ((a[0], a[1]), cell.velocities) for cell in here for a, _ in directions(cell.region)
     ]
     pieces.sort(key=lambda piece: by_angle(piece[0]))
