@@ -22,9 +22,9 @@ import numpy as np
 
 from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError

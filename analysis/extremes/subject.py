@@ -10,11 +10,11 @@ import numpy as np
 
 from nonsmooth.analysis.extremes.reference_pieces import partition_pieces, system_pieces
 from nonsmooth.analysis.extremes.taylor import ReferencePiece, reference_path
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory

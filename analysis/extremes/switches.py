@@ -19,7 +19,7 @@ from flint import arb
 from nonsmooth.analysis.extremes.row import EPSILON, Rows, StressRow, brief, counted, measured
 from nonsmooth.analysis.extremes.subject import START, Subject
 from nonsmooth.analysis.extremes.taylor import precision
-from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
+from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.partitions.cell_complex import AtCorner
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
 from nonsmooth.analysis.trajectories.result import EndReason

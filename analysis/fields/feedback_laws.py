@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from nonsmooth.analysis.fields.cellwise_field import Law, Speeds
-from nonsmooth.analysis.fields.smooth_field import Vector
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState

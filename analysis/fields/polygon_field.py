@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.smooth_field import (
+from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     Face,
     Member,

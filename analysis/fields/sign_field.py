@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import origin_distance
-from nonsmooth.analysis.fields.smooth_field import (
+from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     Face,
     Member,

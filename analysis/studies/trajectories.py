@@ -21,9 +21,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.polygon_field import PolygonField
-from nonsmooth.analysis.fields.smooth_field import Member, Vector, Velocity
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.studies.clock import Clock

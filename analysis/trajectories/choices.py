@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Junction, Ray, Signs
 from nonsmooth.analysis.trajectories.result import EventKind

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.partitions.cell_complex import AtCorner, InCell, OnEdge, Place
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.choices import Choice, choices_at

@@ -22,7 +22,7 @@ from nonsmooth.analysis.fields.convex_weights import (
     least_mix,
     least_norm_weights,
 )
-from nonsmooth.analysis.fields.smooth_field import (
+from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     Face,
     SwitchedField,

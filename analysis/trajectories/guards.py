@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
-from nonsmooth.analysis.fields.smooth_field import Surface, SwitchedField, Vector, length, unit_normal
+from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, length, unit_normal
 from nonsmooth.analysis.trajectories.faces import LOOK_AHEAD, SMALLEST_SPEED, FaceChoice, FaceMotion
 
 Interpolant: TypeAlias = Callable[[float], Vector]

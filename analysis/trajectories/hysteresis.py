@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import Mode, SwitchedField, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import Mode, SwitchedField, Vector, Velocity
 from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Trajectory, TrajectoryError
 
 RELATIVE_TOLERANCE = 1e-9  # of the adaptive integrator within a mode: far below the error of any usable width

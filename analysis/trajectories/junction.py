@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.partitions.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.numbers.number import sign

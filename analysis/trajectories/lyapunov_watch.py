@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.result import Piece
 from nonsmooth.symbolic.plane import dot
 

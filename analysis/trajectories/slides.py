@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.convex_weights import least_mix
-from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Ray, Signs
 from nonsmooth.analysis.trajectories.motion import State

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, Surface, SwitchedField, Vector
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, SwitchedField, Vector
 from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices, largest
 from nonsmooth.analysis.trajectories.loops import LoopMemory
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import Vector, Velocity
 
 PROBED = 50  # steps from one measurement to the next: four evaluations each, against 12 per step of DOP853
 HELD = 3.0  # step times rate: half of what is stable; at 1e-12 accuracy alone would keep the step well below

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import Surface, SwitchedField, Vector
+from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion
 from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError

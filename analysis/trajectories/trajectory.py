@@ -14,8 +14,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from nonsmooth.analysis.fields.smooth_field import SwitchedField
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.switched_field import SwitchedField
 from nonsmooth.analysis.trajectories.constant import follow_constant
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import Trajectory

@@ -17,8 +17,8 @@ from nonsmooth.analysis.extremes.starts import start_rows
 from nonsmooth.analysis.extremes.subject import Subject, array_subject, system_subject
 from nonsmooth.analysis.extremes.support_edge import scale_rows, support_rows
 from nonsmooth.analysis.extremes.switches import long_rows, spiral_rows
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.studies.clock import Clock

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.smooth_field import DIFFERENCE_STEP, Vector
+from nonsmooth.analysis.fields.switched_field import DIFFERENCE_STEP, Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import builtin_systems

@@ -9,8 +9,8 @@ import pytest
 
 from nonsmooth.analysis.extremes.reference_pieces import gradient_pieces, partition_pieces, system_pieces
 from nonsmooth.analysis.extremes.taylor import ReferencePiece, reference_path
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
