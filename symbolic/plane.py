@@ -34,6 +34,11 @@ def cross(a: Vector, b: Vector) -> Number:
     return a[0] * b[1] - a[1] * b[0]
 
 
+def between(start: tuple[Any, Any], end: tuple[Any, Any], share: Any) -> tuple[Any, Any]:
+    """The point after a share of the way from start to end."""
+    return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+
+
 def same_direction(a: Vector, b: Vector) -> bool:
     """Whether two nonzero vectors are positive multiples of each other."""
     return not cross(a, b) and sign(dot(a, b)) > 0

@@ -23,7 +23,7 @@ from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
+from nonsmooth.symbolic.plane import between, cross, dot, hull_holds_zero, minus
 
 
 class Place(StrEnum):
@@ -135,7 +135,7 @@ def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
             yield from _segments(a, b, side, cells)
         elif sign(at_start) * sign(at_end) < 0:
             t = at_start / (at_start - at_end)
-            point = _between(side, t)
+            point = between(side.start, side.end, t)
             if sign(dot(a.pose_rate(point), b.pose_rate(point))) <= 0:
                 yield Equilibrium(Place.SIDE, (point,), cells)
 
@@ -162,14 +162,11 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
     zero = side.start[0] - side.start[0]
     marks = sorted([zero, zero + 1, *breaks])
     for lower, upper in pairwise(marks):
-        middle = _between(side, (lower + upper) / 2)
+        middle = between(side.start, side.end, (lower + upper) / 2)
         if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
-            yield Equilibrium(Place.SEGMENT, (_between(side, lower), _between(side, upper)), cells)
-
-
-def _between(side: SharedSide, t: Any) -> Point:
-    (x1, y1), (x2, y2) = side.start, side.end
-    return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
+            yield Equilibrium(
+                Place.SEGMENT, (between(side.start, side.end, lower), between(side.start, side.end, upper)), cells
+            )
 
 
 def _covers(known: Equilibrium, point: Point) -> bool:
