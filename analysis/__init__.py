@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.dynamics.newton_euler import disc as disc
     from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics as simulate_dynamics
     from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field
+    from nonsmooth.analysis.fields.constant_field import array_field as array_field
+    from nonsmooth.analysis.fields.constant_field import piecewise_constant as piecewise_constant
     from nonsmooth.analysis.fields.contact_model import contact_model as contact_model
     from nonsmooth.analysis.fields.feedback_laws import cascade_law as cascade_law
     from nonsmooth.analysis.fields.feedback_laws import corrected_law as corrected_law
@@ -25,9 +27,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.fields.feedback_laws import printed_law as printed_law
     from nonsmooth.analysis.fields.feedback_laws import tangential_law as tangential_law
     from nonsmooth.analysis.fields.kinematics import Kinematics as Kinematics
-    from nonsmooth.analysis.fields.switched_field import array_field as array_field
-    from nonsmooth.analysis.fields.switched_field import piecewise_constant as piecewise_constant
-    from nonsmooth.analysis.partitions.agreement import compare_rules as compare_rules
+    from nonsmooth.analysis.minimizers.agreement import compare_rules as compare_rules
     from nonsmooth.analysis.partitions.contact_partition import build_partition as build_partition
     from nonsmooth.analysis.partitions.equilibria import find_equilibria as find_equilibria
     from nonsmooth.analysis.partitions.partition import Partition as Partition
@@ -57,9 +57,9 @@ __getattr__ = on_demand(
         "tangential_law": "fields.feedback_laws",
         "printed_law": "fields.feedback_laws",
         "Kinematics": "fields.kinematics",
-        "array_field": "fields.switched_field",
-        "piecewise_constant": "fields.switched_field",
-        "compare_rules": "partitions.agreement",
+        "array_field": "fields.constant_field",
+        "piecewise_constant": "fields.constant_field",
+        "compare_rules": "minimizers.agreement",
         "build_partition": "partitions.contact_partition",
         "find_equilibria": "partitions.equilibria",
         "Partition": "partitions.partition",

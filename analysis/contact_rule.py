@@ -93,8 +93,8 @@ class CellRule(ContactRule):
 
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
         """The Filippov path through the cells, by events."""
+        from nonsmooth.analysis.fields.constant_field import array_field
         from nonsmooth.analysis.fields.kinematics import Kinematics
-        from nonsmooth.analysis.fields.switched_field import array_field
         from nonsmooth.analysis.trajectories.trajectory import simulate
 
         return simulate(array_field(self.build_partition(scene), Kinematics.EXACT), start, until)

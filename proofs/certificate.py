@@ -37,7 +37,8 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.scene import Scene, Wheel, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 Record: TypeAlias = dict[str, Any]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference, intersect
+from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, intersect
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.facts import short_text
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable

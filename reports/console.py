@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.system import SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 PROGRAM = "nonsmooth"
 BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
@@ -91,7 +91,7 @@ def _drop_output() -> None:
 
 
 @contextmanager
-def refusals_named(scene: Scene | SystemScene) -> Iterator[None]:
+def refusals_named(scene: Scene | SwitchedSystem) -> Iterator[None]:
     """Name the scene in the refusal of a check."""
     from nonsmooth.analysis.partitions.partition import RefusalError
 

@@ -23,7 +23,7 @@ from nonsmooth.analysis.fields.feedback_laws import (
     tangential_law,
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.smooth_field import Vector
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory

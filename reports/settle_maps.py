@@ -10,44 +10,16 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import array_field
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
-from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.reports.basins import GridRun, basins
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-map/1"
 SHOWN = 12  # ends listed on a terminal
-PLACED = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)  # ends whose place is where the body stays
-
-
-@dataclass(frozen=True)
-class GridRun:
-    """What to map.
-
-    Attributes:
-        count: starts in a row and in a column.
-        theta: heading at the start (radian).
-        until: time at which the map is taken; None follows every start to its end.
-        kinematics: exact pose or leading order.
-    """
-
-    count: int
-    theta: float
-    until: float | None
-    kinematics: Kinematics
-
-
-@dataclass(frozen=True)
-class Basin:
-    """Kinds of ends that read the same: their numbers in the map, and the share of the starts that end so."""
-
-    text: str
-    kinds: tuple[int, ...]
-    share: float
 
 
 def build_map(partition: Partition, run: GridRun) -> SettleMap:
@@ -56,15 +28,6 @@ def build_map(partition: Partition, run: GridRun) -> SettleMap:
     with progress(f"{run.count} x {run.count} starts") as report:
         found = settle_map(field, grid_starts(field, run.count), run.theta, report)
     return found if run.until is None else found.seen_until(run.until)
-
-
-def basins(found: SettleMap) -> list[Basin]:
-    """The ends, largest share first; told apart by place only where the body stays there."""
-    kinds: dict[str, list[int]] = {}
-    for k, (reason, place) in enumerate(found.ends):
-        kinds.setdefault(f"{reason.value}: {place}" if reason in PLACED else reason.value, []).append(k)
-    found_basins = [Basin(text, tuple(own), sum(found.shares[k] for k in own)) for text, own in kinds.items()]
-    return sorted(found_basins, key=lambda basin: -basin.share)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import shlex
 from dataclasses import dataclass
 from functools import cached_property
 
-from nonsmooth.analysis.partitions.agreement import Agreement, compare_rules
+from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verified import verified

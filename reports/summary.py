@@ -21,7 +21,7 @@ from nonsmooth.reports.system_views import system_record
 from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 COLUMNS = ("scene", "rule", "verdict", "reason")
 WORST_FIRST = (BAD_INPUT, 1, UNDECIDED)
@@ -50,13 +50,13 @@ class Line:
     record: Record
 
 
-def check_all(scenes: Sequence[Scene | SystemScene], *, prune: bool) -> tuple[Line, ...]:
+def check_all(scenes: Sequence[Scene | SwitchedSystem], *, prune: bool) -> tuple[Line, ...]:
     """Check one scene after the other; a scene that is refused stops no other."""
     lines = []
     with progress("checked") as report:
         for done, scene in enumerate(scenes):
             report(done, len(scenes))
-            lines.append(_system_line(scene) if isinstance(scene, SystemScene) else _array_line(scene, prune=prune))
+            lines.append(_system_line(scene) if isinstance(scene, SwitchedSystem) else _array_line(scene, prune=prune))
     return tuple(lines)
 
 
@@ -72,7 +72,7 @@ def _array_line(scene: Scene, *, prune: bool) -> Line:
     return Line(scene.origin, rule, str(verdict), result.reason, verdict.exit_status, check_record(result))
 
 
-def _system_line(scene: SystemScene) -> Line:
+def _system_line(scene: SwitchedSystem) -> Line:
     result = verified(system_check(scene))
     return Line(scene.origin, NONE, str(result.verdict), result.reason, result.exit_status, system_record(result))
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.numbers.number_field import NumberField as NumberField
     from nonsmooth.symbolic.scene import Scene as Scene
     from nonsmooth.symbolic.scene_error import SceneError as SceneError
-    from nonsmooth.symbolic.system import SystemScene as SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem as SwitchedSystem
 
 __getattr__ = on_demand(
     __name__,
@@ -46,6 +46,6 @@ __getattr__ = on_demand(
         "NumberField": "numbers.number_field",
         "Scene": "scene",
         "SceneError": "scene_error",
-        "SystemScene": "system",
+        "SwitchedSystem": "switched_system",
     },
 )

@@ -19,7 +19,8 @@ from functools import reduce
 from typing import NamedTuple, TypeAlias
 
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene, Vector, Wheel, dot, turned
+from nonsmooth.symbolic.plane import Vector, dot, turned
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 Triple: TypeAlias = tuple[Number, Number, Number]
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Vector, Wheel
+    from nonsmooth.symbolic.plane import Vector
+    from nonsmooth.symbolic.scene import Wheel
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from flint import arb, ctx
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.printing import Summand, latex_sum, number_summands, plain_sum, signed
+from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands, plain_sum, signed
 
 if TYPE_CHECKING:
     import sympy

@@ -9,29 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
 
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-
-Vector: TypeAlias = tuple[Number, Number]
-
-
-def turned(vector: Vector) -> Vector:
-    """``J vector``: a quarter turn counterclockwise, ``J = [[0, -1], [1, 0]]``."""
-    return -vector[1], vector[0]
-
-
-def dot(a: Vector, b: Vector) -> Number:
-    """Inner product of two plane vectors."""
-    return a[0] * b[0] + a[1] * b[1]
-
-
-def cross(a: Vector, b: Vector) -> Number:
-    """``a_x b_y - a_y b_x``."""
-    return a[0] * b[1] - a[1] * b[0]
+from nonsmooth.symbolic.plane import Vector, dot
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,11 @@ class SceneError(ValueError):
         return f"{place}: required {one_line(self.expected)}, received {shown(self.value)}"
 
 
+def requirement(error: ValueError) -> str:
+    """X of a message ``required X, received Y``."""
+    return str(error).removeprefix("required ").split(", received ")[0]
+
+
 def shown(value: object) -> str:
     """A TOML value on one printable line of at most :data:`MAX_SHOWN` characters."""
     match value:

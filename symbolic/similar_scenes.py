@@ -17,7 +17,7 @@ from fractions import Fraction
 
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 def with_wheels(scene: Scene, change: Callable[[Wheel], Wheel]) -> Scene:
@@ -60,24 +60,26 @@ def with_friction_ratio(scene: Scene, ratio: Fraction) -> Scene:
     return with_wheels(scene, lambda wheel: replace(wheel, friction=friction))
 
 
-def scaled_system(scene: SystemScene, length: Fraction = Fraction(1), speed: Fraction = Fraction(1)) -> SystemScene:
+def scaled_system(
+    system: SwitchedSystem, length: Fraction = Fraction(1), speed: Fraction = Fraction(1)
+) -> SwitchedSystem:
     """``x' = k s f(x/s)`` for a length s and a speed k."""
-    shrunk = {name: f"({name}/({length}))" for name in scene.states}
-    rhs = tuple(_parsed(f"({speed})*({length})*({_renamed(f, shrunk)})", scene.states) for f in scene.rhs)
-    x, y = scene.check.equilibrium
+    shrunk = {name: f"({name}/({length}))" for name in system.states}
+    rhs = tuple(_parsed(f"({speed})*({length})*({_renamed(f, shrunk)})", system.states) for f in system.rhs)
     check = replace(
-        scene.check,
-        equilibrium=(x * length, y * length),
-        radius=scene.check.radius * length,
-        lyapunov=_parsed(_renamed(scene.check.lyapunov, shrunk), scene.states),
+        system.check,
+        equilibrium=tuple(x * length for x in system.check.equilibrium),
+        radius=system.check.radius * length,
+        lyapunov=_parsed(_renamed(system.check.lyapunov, shrunk), system.states),
     )
-    return replace(scene, rhs=(rhs[0], rhs[1]), check=check)
+    return replace(system, rhs=rhs, check=check)
 
 
-def with_rate_ratio(scene: SystemScene, ratio: Fraction) -> SystemScene:
-    """``x' = f_1, y' = r f_2``."""
-    first, second = scene.rhs
-    return replace(scene, rhs=(first, _parsed(f"({ratio})*({second.text})", scene.states)))
+def with_rate_ratio(system: SwitchedSystem, ratio: Fraction) -> SwitchedSystem:
+    """The first rate as it is, the others times r."""
+    first, *others = system.rhs
+    rhs = (first, *(_parsed(f"({ratio})*({other.text})", system.states) for other in others))
+    return replace(system, rhs=rhs)
 
 
 def _renamed(formula: PiecewiseExpression, names: dict[str, str]) -> str:
@@ -85,5 +87,5 @@ def _renamed(formula: PiecewiseExpression, names: dict[str, str]) -> str:
     return pattern.sub(lambda found: names[found[0]], formula.text)
 
 
-def _parsed(text: str, states: tuple[str, str]) -> PiecewiseExpression:
+def _parsed(text: str, states: tuple[str, ...]) -> PiecewiseExpression:
     return parse_piecewise(text, states)

@@ -32,7 +32,7 @@ class EllipseRule(SmoothRule):
 
     def minima(self, scene: Scene, points: Floats) -> Minima:
         """By interior points, finished by Newton steps."""
-        from nonsmooth.analysis.fields.sampling import ellipse_minima
+        from nonsmooth.analysis.minimizers.sampling import ellipse_minima
 
         return ellipse_minima(scene, points)
 

@@ -30,7 +30,7 @@ class NearestRule(CellRule):
 
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """Wheels by distance, rows greedily to rank three."""
-        from nonsmooth.analysis.fields.sampling import literal_twists
+        from nonsmooth.analysis.minimizers.sampling import literal_twists
 
         return literal_twists(scene, points)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from nonsmooth.symbolic.continuum import Disc, Footprint
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import cross
+from nonsmooth.symbolic.plane import cross
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from nonsmooth.analysis.continuum.moments import Moments, moments
 from nonsmooth.analysis.continuum.settling import PushedBody, directions, sense_of
 from nonsmooth.analysis.continuum.unit_fields import Floats, disc_stiffness
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint
-from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.plane import Vector
 
 HEADINGS = 360  # grid over half a turn on which sign changes of the moment are sought
 GRID_SHIFT = 0.37  # of a step: symmetric footprints have their equilibria at simple fractions of a turn, not here

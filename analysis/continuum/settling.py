@@ -15,7 +15,7 @@ import numpy as np
 from nonsmooth.analysis.continuum.moments import moments
 from nonsmooth.analysis.continuum.unit_fields import Floats, Wrench, polygon_wrench
 from nonsmooth.symbolic.continuum import ContinuousField, PolygonShape
-from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.plane import Vector
 
 NEWTON_STEPS = 50
 SETTLED = 1e-13  # force relative to the area: below is rounding

@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.plane_arrays import cross
+
 Floats = NDArray[np.float64]
 
 # Relative to the side: nearer to the centre, the logarithm of the distance is multiplied by a distance that is lost
@@ -73,8 +75,8 @@ def _side_integrals(matrix: Floats, start: Floats, end: Floats) -> tuple[Floats,
     height = np.sqrt((push**2).sum(axis=1))
     zeroth, linear, square = _root_integrals(first, last, height)
     along = (push * zeroth[:, None] + image * linear[:, None]) / length[:, None]
-    mixed = _cross(nearest, image) + _cross(direction, push)
-    turning = (_cross(nearest, push) * zeroth + mixed * linear + _cross(direction, image) * square) / length
+    mixed = cross(nearest, image) + cross(direction, push)
+    turning = (cross(nearest, push) * zeroth + mixed * linear + cross(direction, image) * square) / length
     return along, turning
 
 
@@ -91,10 +93,6 @@ def _root_integrals(first: Floats, last: Floats, height: Floats) -> tuple[Floats
     linear = (last - first) * (last + first) / (near + far)
     square = (last * far - first * near - height**2 * zeroth) / 2
     return zeroth, linear, square
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def disc_stiffness(matrix: Floats, speed: float, radius: float, nodes: int) -> Floats:

@@ -19,7 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, turn
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.plane_arrays import turned
 
 
 class Wrench(NamedTuple):
@@ -47,7 +48,7 @@ class EllipseFriction:
     def __init__(self, model: ContactModel, creep: float) -> None:
         self.model, self.creep = model, creep
         self._frames = np.ascontiguousarray(model.rows[:, :2])  # d_1, n_1, d_2, n_2, ...
-        self._turned = turn(self._frames)
+        self._turned = turned(self._frames)
         self._squares = model.friction.reshape(-1, 2) ** 2
         self._rounding = self._squares.max(axis=1) * creep**2
         self._rounding[self._rounding == 0] = 1.0  # a wheel without friction: its force is zero in any case

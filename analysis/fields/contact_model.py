@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.scene import Scene
 
 Floats = NDArray[np.float64]
@@ -126,8 +127,8 @@ class ContactModel(ContactRows):
         if not (lengths > 0).all():
             raise ValueError(f"required rims of nonzero length, received {d[~(lengths > 0)][0]}")
         d = d / lengths[:, None]
-        frames = np.stack([d, turn(d)], axis=1)
-        moments = frames @ turn(p)[..., None]
+        frames = np.stack([d, turned(d)], axis=1)
+        moments = frames @ turned(p)[..., None]
         targets = np.stack([u, np.zeros_like(u)], axis=1) if u.ndim == 1 else u
         return cls(
             rows=np.concatenate([frames, moments], axis=2).reshape(-1, 3),
@@ -141,7 +142,7 @@ class ContactModel(ContactRows):
     @property
     def sides(self) -> Floats:
         """``n_i = J d_i``, shape (n, 2)."""
-        return turn(self.rims)
+        return turned(self.rims)
 
     @property
     def speeds(self) -> Floats:
@@ -157,11 +158,6 @@ class ContactModel(ContactRows):
     def mu_side(self) -> Floats:
         """Friction across the rims, shape (n,)."""
         return self.friction[1::2]
-
-
-def turn(vectors: Floats) -> Floats:
-    """``J v`` for vectors of shape (..., 2)."""
-    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
 def contact_model(scene: Scene) -> ContactModel:

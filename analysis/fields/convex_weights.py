@@ -30,8 +30,7 @@ def basic_weights(vectors: Array) -> Array:
     scale = float(np.abs(vectors).max(initial=0.0))
     if not scale:
         return np.eye(count)
-    _, values, directions = np.linalg.svd(vectors / scale, full_matrices=False)
-    reduced = (vectors / scale) @ directions[values > RANK_SLACK * values[0]].T
+    reduced = _in_their_span(vectors / scale)
     rank = reduced.shape[1]
     if count < rank + 1:
         return np.zeros((0, count))
@@ -59,8 +58,7 @@ def central_weights(vectors: Array) -> Array | None:
     scale = float(np.abs(vectors).max(initial=0.0))
     if not scale:
         return np.full(count, 1.0 / count)
-    _, values, directions = np.linalg.svd(vectors / scale, full_matrices=False)
-    reduced = (vectors / scale) @ directions[values > RANK_SLACK * values[0]].T
+    reduced = _in_their_span(vectors / scale)
     rank = reduced.shape[1]
     columns = np.vstack([np.concatenate([reduced, np.ones((count, 1))], axis=1), [*reduced.sum(axis=0), count]])
     subsets = np.array([(*chosen, count) for chosen in combinations(range(count), rank)])
@@ -76,6 +74,12 @@ def central_weights(vectors: Array) -> Array | None:
     weights = np.full(count, solutions[best, -1])
     weights[subsets[regular][best, :-1]] += solutions[best, :-1]
     return weights
+
+
+def _in_their_span(vectors: Array) -> Array:
+    """Coordinates of some vectors in an orthonormal basis of what they span."""
+    _, values, directions = np.linalg.svd(vectors, full_matrices=False)
+    return np.asarray(vectors @ directions[values > RANK_SLACK * values[0]].T)
 
 
 def least_norm_weights(points: Array) -> Array:

@@ -21,8 +21,8 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from nonsmooth.analysis.fields.cellwise_field import Law, Speeds
-from nonsmooth.analysis.fields.contact_model import turn
-from nonsmooth.analysis.fields.smooth_field import Vector
+from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
@@ -76,8 +76,8 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
         _require_a_pair(state)
         wheel = state.rows[0].wheel
         d, p = _floats(wheel.unit_direction), _floats(wheel.position)
-        n = turn(d)
-        lever, sign = n @ turn(p), signs[wheel.index]
+        n = turned(d)
+        lever, sign = n @ turned(p), signs[wheel.index]
 
         def twist(c: Vector, theta: float) -> Vector:
             omega = -gain * theta
@@ -100,7 +100,7 @@ def tangential_law(gain: float, length: float) -> Law:
         _require_a_pair(state)
         p = _floats(state.rows[0].wheel.position)
         out = p / np.hypot(*p)
-        across = turn(out)
+        across = turned(out)
 
         def twist(c: Vector, theta: float) -> Vector:
             r, s = c @ out, c @ across

@@ -21,7 +21,7 @@ from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, enclosure, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 _PRECISION = 128  # bits of the balls by which slopes are compared first
 

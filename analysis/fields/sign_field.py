@@ -7,7 +7,7 @@ pattern counts only if its tangent cone has points: four lines through the origi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, product
 from typing import TypeAlias
@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import origin_distance
-from nonsmooth.analysis.fields.smooth_field import (
+from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     Face,
     Member,
@@ -53,7 +53,7 @@ class SignField:
     size: float = 1.0
     kinematics: str = "given"
     heading: int | None = None
-    tied: frozenset[str] = frozenset()
+    tied_members: frozenset[str] = frozenset()
     _known: dict[tuple[object, ...], list[Face]] = field(default_factory=dict, init=False, repr=False)
     _members: dict[Signs, Member] = field(default_factory=dict, init=False, repr=False)
 
@@ -86,10 +86,6 @@ class SignField:
         """A plain system has no border."""
         return False
 
-    def signs_at(self, x: Vector) -> Signs:
-        """Signs of the switching functions, 1 on a surface."""
-        return tuple(-1 if surface.value(x) < 0 else 1 for surface in self.surfaces)
-
     def _active(self, surface: Surface, x: Vector, value: float) -> bool:
         """Whether a state is within the slack of a surface."""
         steepness = length(surface.gradient(x))
@@ -110,16 +106,53 @@ class SignField:
             for p in real
             if 0 not in p and all(pattern[k] in (0, side) for k, side in zip(active, p, strict=True))
         ]
-        name = ", ".join(f"{surface.name} = 0" for surface in keep) or self._pattern_name(pattern)
+        name = ", ".join(f"{surface.name} = 0" for surface in keep) or self.mode_name(pattern)
         return Face(name, keep, bounds, tuple(self._member(signs) for signs in around))
-
-    def _pattern_name(self, signs: Signs) -> str:
-        return ", ".join(f"{s.name} {'>' if side > 0 else '<'} 0" for s, side in zip(self.surfaces, signs, strict=True))
 
     def _member(self, signs: Signs) -> Member:
         if signs not in self._members:
-            self._members[signs] = Member(self._pattern_name(signs), self.flow(signs))
+            self._members[signs] = Member(self.mode_name(signs), self.flow(signs))
         return self._members[signs]
+
+    # ---- modes: every switching function is a relay of its own ---------------------------
+
+    def mode_at(self, x: Vector) -> Signs:
+        """Signs of the switching functions, 1 on a surface."""
+        return tuple(-1 if surface.value(x) < 0 else 1 for surface in self.surfaces)
+
+    def velocity(self, mode: Signs) -> Velocity:
+        """The field of a pattern."""
+        return self.flow(mode)
+
+    def mode_name(self, mode: Signs) -> str:
+        """The inequalities of a pattern."""
+        return ", ".join(f"{s.name} {'>' if side > 0 else '<'} 0" for s, side in zip(self.surfaces, mode, strict=True))
+
+    def margin(self, mode: Signs, x: Vector) -> float:
+        """Smallest signed distance from a surface."""
+        return min(sign * height for sign, height in zip(mode, self._heights(x), strict=True))
+
+    def following(self, mode: Signs, x: Vector, width: float) -> Signs:
+        """Relays that are beyond their width switch."""
+        reached = 1 - 1e-9  # an event is found to rounding, so "beyond" allows for it
+        heights = zip(mode, self._heights(x), strict=True)
+        return tuple(-sign if sign * height <= -width * reached else sign for sign, height in heights)
+
+    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+        """Products of smoothed signs ``clip(h/width, -1, 1)``."""
+        smoothed = [min(1.0, max(-1.0, height / width)) for height in self._heights(x)]
+        for pattern in product((-1, 1), repeat=len(smoothed)):
+            weight = float(np.prod([(1 + s * value) / 2 for s, value in zip(pattern, smoothed, strict=True)]))
+            if weight:
+                yield self.flow(pattern), weight
+
+    def _heights(self, x: Vector) -> list[float]:
+        """Signed distances from the surfaces, to first order."""
+        heights = []
+        for surface in self.surfaces:
+            gradient = surface.gradient(x)
+            heights.append(surface.value(x) / (float(np.sqrt(gradient @ gradient)) or 1.0))
+        return heights
 
 
 def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:

@@ -18,7 +18,7 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import between, cross, dot
 
 XY: TypeAlias = tuple[float, float]
 
@@ -65,10 +65,11 @@ def switching_stretches(partition: Partition) -> tuple[SwitchingStretch, ...]:
         beside = partition.cells[edge.left], partition.cells[edge.right]
         if all(len(set(cell.twists)) == 1 for cell in beside):
             ends = cells.points[edge.start], cells.points[edge.end]
+            start, end = ((float(x), float(y)) for x, y in ends)
             sides = _sides(ends, beside[0].twists[0], beside[1].twists[0])
             for kind, first, last in _stretches(sides):
                 names = beside[0].index, beside[1].index
-                found.append(SwitchingStretch(kind, names, _between(ends, first), _between(ends, last)))
+                found.append(SwitchingStretch(kind, names, between(start, end, first), between(start, end, last)))
     return tuple(found)
 
 
@@ -108,8 +109,3 @@ def _where_positive(ends: Sequence[Any]) -> tuple[float, float]:
         return (0.0, 0.0) if not signs[0] else (1.0, 1.0) if not signs[1] else (1.0, 0.0)
     root = float(ends[0]) / (float(ends[0]) - float(ends[1]))
     return (0.0, root) if signs[0] > 0 else (root, 1.0)
-
-
-def _between(ends: tuple[Point, Point], share: float) -> XY:
-    (x1, y1), (x2, y2) = ((float(x), float(y)) for x, y in ends)
-    return x1 + share * (x2 - x1), y1 + share * (y2 - y1)

@@ -9,7 +9,7 @@ hull of the fields of all closed cells that hold a point; whatever a formula say
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias, TypeVar
 
@@ -17,17 +17,15 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.files.scene_values import requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import Fact, SceneError
-from nonsmooth.symbolic.surfaces import switching_factors
-from nonsmooth.symbolic.system import PLANE, SystemScene
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane, sign_by_factors
 
 MAX_CELLS = 400
 
-Velocity: TypeAlias = tuple[Polynomial, Polynomial]
+PlaneField: TypeAlias = tuple[Polynomial, Polynomial]  # the rates of x and y, or the slopes of V along them
 Piece = TypeVar("Piece")
 
 
@@ -36,19 +34,17 @@ class FieldCell:
     """A region with the fields that act inside (several where a rule ties)."""
 
     region: Region
-    velocities: tuple[Velocity, ...]
+    velocities: tuple[PlaneField, ...]
 
 
 @dataclass(frozen=True)
-class LyapunovCell:
+class LyapunovCell(FieldCell):
     """A region on which the fields and V are smooth."""
 
-    region: Region
-    velocities: tuple[Velocity, ...]
     potential: Polynomial
 
     @property
-    def gradient(self) -> Velocity:
+    def gradient(self) -> PlaneField:
         """Of V."""
         return self.potential.derivative("x"), self.potential.derivative("y")
 
@@ -99,20 +95,19 @@ def sign_on(region: Region, surface: Polynomial) -> int:
     Raises:
         Unsettled: with a factor that changes its sign there.
     """
-    if not surface:
-        return 0
-    total, factors = switching_factors(surface)
-    for factor in factors:
-        here = region.sign_of(factor)
-        if here is None:
+
+    def settled(factor: Polynomial) -> int:
+        sign = region.sign_of(factor)
+        if sign is None:
             raise Unsettled(factor)
-        total *= here
-    return total
+        return sign
+
+    return sign_by_factors(surface, settled)
 
 
-def plane(scene: SystemScene) -> tuple[Region, ...]:
+def plane(system: SwitchedSystem) -> tuple[Region, ...]:
     """The whole plane, as seen from the equilibrium."""
-    return quadrants(scene.field.one)
+    return quadrants(system.field.one)
 
 
 def square_regions(radius: Number) -> tuple[Region, ...]:
@@ -129,17 +124,47 @@ def square_regions(radius: Number) -> tuple[Region, ...]:
     return tuple(regions)
 
 
-def system_cells(scene: SystemScene, regions: Iterable[Region]) -> tuple[FieldCell, ...]:
-    """The cells of a plain system in the given regions.
+def system_cells(system: SwitchedSystem, regions: Iterable[Region]) -> tuple[FieldCell, ...]:
+    """The cells of a planar system in the given regions.
 
     Raises:
-        SceneError: for formulas with too many surfaces, or that are no polynomials on some cell.
+        SceneError: for another number of states than two, and for formulas with too many surfaces, or that are no
+            polynomials on some cell.
     """
+    require_plane(system)
+    states = system.displaced(PLANE)
+
+    def evaluate(sign_of: SignOf) -> PlaneField:
+        first, second = system.velocity(sign_of, states)
+        return first, second
+
     try:
-        return tuple(FieldCell(region, (field,)) for region, field in smooth_pieces(regions, scene.velocity))
+        return tuple(FieldCell(region, (field,)) for region, field in smooth_pieces(regions, evaluate))
     except TooManyCells:
         expected = f"formulas that cut the plane into at most {MAX_CELLS} cells"
-        raise SceneError(scene.origin, "system.rhs", expected, Fact("more")) from None
+        raise SceneError(system.origin, "system.rhs", expected, Fact("more")) from None
+
+
+def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dict[tuple[int, ...], PlaneField]]:
+    """The switching surfaces of a planar system, and its field for each pattern of their signs that occurs.
+
+    Every cell is cut by every surface.  Between lines, only patterns of open cells are met; beside a curve a pattern is
+    kept unless the coefficients of its surfaces exclude it.  This is the slow literal definition of a switched system,
+    with which the tests and the stress cases compare :func:`system_cells`; no verdict uses it.
+
+    Raises:
+        SceneError: as for :func:`system_cells`.
+        TooManyCells: for formulas with very many surfaces.
+    """
+    require_plane(system)
+    states = system.displaced(PLANE)
+    surfaces = system.surfaces(states)
+
+    def evaluate(sign_of: SignOf) -> tuple[tuple[int, ...], PlaneField]:
+        first, second = system.velocity(sign_of, states)
+        return tuple(map(sign_of, surfaces)), (first, second)
+
+    return surfaces, dict(mode for _, mode in smooth_pieces(plane(system), evaluate))
 
 
 def partition_cells(partition: Partition) -> tuple[FieldCell, ...]:
@@ -158,7 +183,7 @@ def partition_cells(partition: Partition) -> tuple[FieldCell, ...]:
 def lyapunov_cells(
     cells: Iterable[FieldCell],
     lyapunov: PiecewiseExpression,
-    states: tuple[str, str],
+    states: Sequence[str],
     file: str,
     key: str = "check.lyapunov",
 ) -> tuple[LyapunovCell, ...]:
@@ -186,7 +211,7 @@ def lyapunov_cells(
     return tuple(found)
 
 
-def velocities_at(cells: Iterable[FieldCell | LyapunovCell], point: Point) -> tuple[Point, ...]:
+def velocities_at(cells: Iterable[FieldCell], point: Point) -> tuple[Point, ...]:
     """The values at a point of the fields of all closed cells that hold it: their hull is the Filippov set."""
     return distinct((f(point), g(point)) for cell in cells if cell.region.contains(point) for f, g in cell.velocities)
 

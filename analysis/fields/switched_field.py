@@ -1,187 +1,149 @@
-"""Switched fields that are constant on polygons of the plane: what closed-form simulation needs.
+"""Switched fields: surfaces, the faces that a path can keep to, and what following a solution takes of a field.
 
-A cell has one twist ``(v, omega)`` and a body whose centre of mass c lies in it moves by ``theta' = omega`` and
+A *face* is a set a path can keep to: some surfaces held at zero, the others on one side.  With nothing held it is a
+cell, with one surface held a sliding mode, with more a codimension-two (or higher) mode, in the plane a point of rest.
+Its motions are the elements of the hull of the adjacent cells' fields that are tangent to the surfaces held (Filippov
+1988, sec. 4; Utkin's equivalent control).
 
-- leading-order kinematics (the paper's): ``c' = v``;
-- exact pose kinematics: ``c' = v + omega J c``.
-
-Both are ``c' = v + turn J c`` with ``turn`` zero or ``omega``, so one code serves both.  On a cell boundary the motion
-is any element of the convex hull of the neighbours' motions (Filippov 1988, sec. 4); the values of the field on the
-boundary itself are ignored.  Where a rule ties (mu_R = mu_S) a cell has several twists and its hull is used at once.
+There are two kinds of cells: sign patterns of switching functions in any number of states
+(:class:`nonsmooth.analysis.fields.sign_field.SignField`), and polygons of the plane
+(:class:`nonsmooth.analysis.fields.polygon_field.PolygonField`) with constant twists or smooth fields.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
-from functools import cached_property
-from typing import Any, TypeAlias
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
-from nonsmooth.symbolic.constraints import Twist
+Vector: TypeAlias = NDArray[np.float64]
+Velocity: TypeAlias = Callable[[float, Vector], Vector]
+Mode: TypeAlias = Any  # a sign pattern or the number of a cell
 
-Entry: TypeAlias = Any  # int, float, Fraction or a field element
-
-
-@dataclass(frozen=True)
-class Flow:
-    """``c' = (vx, vy) + turn J c``, ``theta' = omega``."""
-
-    vx: Entry
-    vy: Entry
-    omega: Entry
-    turn: Entry
-
-    def velocity(self, point: Point) -> Point:
-        """``c'`` at a point."""
-        if not self.turn:
-            return self.vx, self.vy
-        return self.vx - self.turn * point[1], self.vy + self.turn * point[0]
-
-    def floats(self) -> Flow:
-        """Rounded numbers."""
-        return Flow(float(self.vx), float(self.vy), float(self.omega), float(self.turn))
+# Relative to the size of the domain: the distance within which a state counts as on a surface. Above the integrator's
+# error (1e-12), so that a path aimed at a corner is found to reach it.
+SURFACE_SLACK = 1e-10
+# Relative step of central differences: the cube root of the rounding error, where both errors are 1e-11.
+DIFFERENCE_STEP = 6e-6
 
 
-@dataclass(frozen=True)
-class ConstantField:
-    """One constant twist (several where the rule ties) on each cell of a polygonal domain.
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A switching function with its gradient; flat where that is constant."""
+
+    name: str
+    value: Callable[[Vector], float]
+    gradient: Callable[[Vector], Vector]
+    flat: bool = False
+
+
+def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> Surface:
+    """``normal . x - offset``."""
+    vector = np.array(normal, dtype=float)
+    return Surface(name, lambda x: float(vector @ x) - offset, lambda x: vector, flat=True)
+
+
+def smooth_surface(name: str, value: Callable[[Vector], float]) -> Surface:
+    """A switching function without a given gradient: central differences."""
+
+    def gradient(x: Vector) -> Vector:
+        steps = DIFFERENCE_STEP * np.maximum(1.0, np.abs(x))
+        moves = np.diag(steps)
+        return np.array([(value(x + m) - value(x - m)) / (2 * s) for m, s in zip(moves, steps, strict=True)])
+
+    return Surface(name, value, gradient)
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A cell's smooth field under its name."""
+
+    name: str
+    velocity: Velocity
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A set that a path can keep to.
 
     Attributes:
-        cells: the cell complex; exact numbers or floats.
-        flows: the flows of each cell; in a tied cell the drawn path takes the first.
-        names: what each cell is called in events and pieces.
-        kinematics: how the pose follows from the twist.
-        centre: the point about which ``|c - c*|^2`` is watched.
+        name: what events call it.
+        keep: surfaces held at zero.
+        bounds: ``side * h >= 0`` for the others.
+        members: fields of the cells around it.
     """
 
-    cells: CellComplex
-    flows: tuple[tuple[Flow, ...], ...]
-    names: tuple[str, ...]
-    kinematics: Kinematics
-    centre: Point
+    name: str
+    keep: tuple[Surface, ...]
+    bounds: tuple[tuple[Surface, int], ...]
+    members: tuple[Member, ...]
+
+
+def length(vector: Vector) -> float:
+    """Euclidean norm."""
+    return math.sqrt(float(vector @ vector))
+
+
+def unit_normal(surface: Surface, x: Vector) -> Vector:
+    """Gradient of unit length."""
+    gradient = surface.gradient(x)
+    return gradient / length(gradient)
+
+
+class SwitchedField(Protocol):
+    """What it takes to follow a solution of a switched field: by events (faces), or a little late or smoothed (modes).
+
+    A mode is a sign pattern or the number of a cell.  Its margin at a state is the distance to its nearest surface,
+    negative outside.
+    """
 
     @property
-    def exact(self) -> bool:
-        """Whether its numbers are exact."""
-        return not self.cells.slack
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
 
-    @cached_property
-    def speed_scale(self) -> float:
-        """Bound on all velocities in the domain (length/time)."""
-        size = self.cells.size
-        speeds = [
-            float(abs(f.vx)) + float(abs(f.vy)) + 2 * size * float(abs(f.turn)) for own in self.flows for f in own
-        ]
-        return max(speeds)
+    @property
+    def kinematics(self) -> str:
+        """``exact``, ``leading`` or ``given``."""
 
-    @cached_property
-    def turn_scale(self) -> float:
-        """Largest rate at which a velocity turns (1/time)."""
-        return max(float(abs(flow.turn)) for own in self.flows for flow in own)
+    @property
+    def size(self) -> float:
+        """Typical size of the states, which sets the slack of surfaces."""
 
-    @cached_property
-    def rate_scale(self) -> float:
-        """Largest rotation rate (1/time)."""
-        return max(float(abs(flow.omega)) for own in self.flows for flow in own)
+    @property
+    def tied_members(self) -> frozenset[str]:
+        """Members that are one of several possible fields of their cell."""
 
-    def tied(self, cell: int) -> bool:
-        """Whether several motions tie in a cell."""
-        return len(set(self.flows[cell])) > 1
+    @property
+    def heading(self) -> int | None:
+        """Index of the state that may drift at rest, where there is one."""
 
-    def floats(self) -> ConstantField:
-        """The same field in floats."""
-        flows = tuple(tuple(flow.floats() for flow in own) for own in self.flows)
-        centre = (float(self.centre[0]), float(self.centre[1]))
-        return replace(self, cells=self.cells.floats(), flows=flows, centre=centre)
+    def faces_at(self, x: Vector) -> list[Face]:
+        """Every face whose closure holds a state, cells last; none outside the domain."""
 
-    def number(self, value: Entry) -> Entry:
-        """A start value in the field's numbers: exact fields read floats as the binary fractions that they are."""
-        if not self.exact:
-            return float(value)
-        zero = self.centre[0] * 0
-        return zero + (Fraction(value) if isinstance(value, float | int) else value)
+    def has_contact(self, x: Vector) -> bool:
+        """Whether curved surfaces touch at a state, so that cells may lie there that no tangent cone shows."""
 
-    def place_name(self, place: Place) -> str:
-        """For example ``cell 1``, ``cell 1 | cell 2``, ``corner (0, 0)``."""
-        match place:
-            case InCell(cell):
-                return self.names[cell]
-            case OnEdge(edge):
-                return " | ".join(self.names[cell] for cell in self.cells.edges[edge].cells)
-            case AtCorner(corner):
-                x, y = self.cells.points[corner]
-                return f"corner ({float(x):.6g}, {float(y):.6g})"
+    def on_border(self, x: Vector) -> bool:
+        """Whether a state lies on the border of the domain."""
 
+    def mode_at(self, x: Vector) -> Mode | None:
+        """The mode at a state; None outside the domain."""
 
-def flow_of(twist: Sequence[Entry], kinematics: Kinematics) -> Flow:
-    """The flow of a constant twist ``(vx, vy, omega)``."""
-    vx, vy, omega = twist
-    return Flow(vx, vy, omega, omega if kinematics is Kinematics.EXACT else omega * 0)
+    def velocity(self, mode: Mode) -> Velocity:
+        """The field of a mode."""
 
+    def mode_name(self, mode: Mode) -> str:
+        """What the mode is called."""
 
-def array_field(partition: Partition, kinematics: Kinematics, *, exact: bool = False) -> ConstantField:
-    """The field of an array under rule ``nearest`` or ``box``, with the scene's own speeds.
+    def margin(self, mode: Mode, x: Vector) -> float:
+        """Signed distance from the border of a mode (units of the state), positive inside."""
 
-    Raises:
-        ValueError: for exact numbers with exact pose kinematics, whose arcs are transcendental.
-    """
-    if exact and kinematics is Kinematics.EXACT:
-        raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
-    cells = partition.complex
-    flows = tuple(tuple(flow_of(twist, kinematics) for twist in cell.twists) for cell in partition.cells)
-    names = tuple(f"cell {cell.index}" for cell in partition.cells)
-    field = ConstantField(cells, flows, names, kinematics, partition.scene.check.equilibrium)
-    return field if exact else field.floats()
+    def following(self, mode: Mode, x: Vector, width: float) -> Mode | None:
+        """The mode after one has been left by ``width``; None outside the domain."""
 
-
-def piecewise_constant(
-    domain: Polygon,
-    pieces: Sequence[tuple[Sequence[HalfPlane], Sequence[Entry]]],
-    kinematics: Kinematics = Kinematics.LEADING,
-    *,
-    exact: bool = False,
-) -> ConstantField:
-    """A plain piecewise-constant system: convex cells by their half-planes, each with ``(x', y', theta')``.
-
-    Floats are read as the binary fractions that they are, so cells meet exactly.  The part of the domain outside all
-    cells is outside the field.
-
-    Raises:
-        ValueError: for a cell without area in the domain, or exact numbers with exact pose kinematics.
-    """
-    if exact and kinematics is Kinematics.EXACT:
-        raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
-    polygons, flows = [], []
-    whole = Polygon(tuple(_exact_point(p) for p in domain.vertices), tuple(_exact_side(s) for s in domain.sides))
-    for number, (half_planes, rates) in enumerate(pieces, 1):
-        polygon: Polygon | None = whole
-        for side in half_planes:
-            polygon = None if polygon is None else polygon.clipped(_exact_side(side))
-        if polygon is None:
-            raise ValueError(f"required cells with area in the domain, received none for piece {number}")
-        polygons.append(polygon)
-        flows.append((flow_of(Twist(*(_exact(rate) for rate in rates)), kinematics),))
-    size = max(abs(float(x)) for vertex in whole.vertices for x in vertex)
-    names = tuple(f"cell {k}" for k in range(1, len(pieces) + 1))
-    zero = whole.vertices[0][0] * 0
-    field = ConstantField(build_complex(polygons, size), tuple(flows), names, kinematics, (zero, zero))
-    return field if exact else field.floats()
-
-
-def _exact(value: Entry) -> Entry:
-    return Fraction(float(value)) if isinstance(value, float | int | np.floating) else value
-
-
-def _exact_point(point: Point) -> Point:
-    return _exact(point[0]), _exact(point[1])
-
-
-def _exact_side(side: HalfPlane) -> HalfPlane:
-    return HalfPlane(_exact_point(side.normal), _exact(side.offset), side.label)
+    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+        """Fields with convex weights that vary continuously over ``width`` to either side of a surface."""

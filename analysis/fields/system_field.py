@@ -2,80 +2,84 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
-from math import prod
+from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.smooth_field import Surface, Vector, Velocity
 from nonsmooth.analysis.fields.switched_cells import FieldCell, square_regions, system_cells
-from nonsmooth.analysis.fields.switched_field import ConstantField, piecewise_constant
-from nonsmooth.analysis.fields.switching_patterns import build_switched_system
+from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
 from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.surfaces import switching_factors
-from nonsmooth.symbolic.system import PLANE, SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
 
 
-def system_field(scene: SystemScene) -> SignField:
-    """The modes of a plain system in the displacement from its equilibrium, in floats.
+def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred: bool = False) -> SignField:
+    """One smooth field in floats for every pattern of signs of the switching surfaces.
+
+    The typical size of the states, which sets the slack of the surfaces, is the largest of the start's entries and
+    the checked radius.
+
+    Args:
+        system: in any number of states.
+        start: of the path that will be followed.
+        centred: whether states are measured from the checked point.
 
     Raises:
-        TooManyCells: for formulas with very many surfaces.
-        SceneError: where a mode is no polynomial.
+        SceneError: for formulas with too many switching surfaces, or that are no polynomials.
     """
-    system = build_switched_system(scene)
-    surfaces = tuple(_surface(surface) for surface in system.surfaces)
-    modes = {signs: _velocity(*velocity) for signs, velocity in system.modes.items()}
+    states = system.displaced(system.states) if centred else system.coordinates()
+    surfaces = system.surfaces(states)
 
+    @cache
     def flow(signs: Signs) -> Velocity:
-        if signs not in modes:  # a pattern without a cell: relays with hysteresis pass through such
-            modes[signs] = _velocity(
-                *scene.velocity(partial(_sign_by_factors, dict(zip(system.surfaces, signs, strict=True))))
-            )
-        return modes[signs]
+        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        value = _Polynomials(system.velocity(sign_of, states))
+        return lambda t, x: value(x)
 
-    return SignField(scene.states, surfaces, flow, size=float(scene.check.radius))
-
-
-def _sign_by_factors(signs: Mapping[Polynomial, int], inner: Polynomial) -> int:
-    """Sign of an inner expression for given signs of the surfaces; what no cell ever asks for counts as positive."""
-    if not inner:
-        return 0
-    total, factors = switching_factors(inner)
-    return total * prod(signs.get(factor, 1) for factor in factors)
+    size = max(float(system.check.radius), *(abs(float(value)) for value in start), 0.0)
+    return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
 
 
-def constant_system(scene: SystemScene, *, exact: bool = False) -> ConstantField | None:
-    """A plain system on its checked square as constant motions on polygons; None where it is not of that kind."""
-    cells = system_cells(scene, square_regions(scene.check.radius))
+def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantField | None:
+    """A planar system on its checked square as constant motions on polygons; None where it is not of that kind."""
+    cells = system_cells(system, square_regions(system.check.radius))
     pieces = []
     for cell in cells:
         rates = [component.constant_value for component in cell.velocities[0]]
         if cell.region.guards or any(rate is None for rate in rates):
             return None
-        pieces.append((_half_planes(cell), (*rates, scene.field.zero)))
-    zero = scene.field.zero
-    return piecewise_constant(square((zero, zero), scene.check.radius), pieces, exact=exact)
+        pieces.append((_half_planes(cell), (*rates, system.field.zero)))
+    zero = system.field.zero
+    return piecewise_constant(square((zero, zero), system.check.radius), pieces, exact=exact)
 
 
 def _half_planes(cell: FieldCell) -> list[HalfPlane]:
     return [HalfPlane((-a, -b), c) for a, b, c in cell.region.sides]
 
 
-def _surface(surface: Polynomial) -> Surface:
-    value, slopes = float_form(surface), [float_form(surface.derivative(name)) for name in PLANE]
-    return Surface(f"{surface}", value, lambda x: np.array([slope(x) for slope in slopes]), surface.degree <= 1)
+def _surface(polynomial: Polynomial) -> Surface:
+    """A switching function with its exact gradient."""
+    value = _Polynomials([polynomial])
+    gradient = _Polynomials([polynomial.derivative(name) for name in polynomial.variables])
+    return Surface(str(polynomial), lambda x: float(value(x)[0]), gradient, flat=polynomial.degree <= 1)
 
 
-def _velocity(first: Polynomial, second: Polynomial) -> Velocity:
-    f, g = float_form(first), float_form(second)
-    return lambda t, x: np.array([f(x), g(x)])
+class _Polynomials:
+    """Values of some polynomials at a state: coefficients, each rounded once, times monomials."""
 
+    def __init__(self, polynomials: Sequence[Polynomial]) -> None:
+        exponents = list(dict.fromkeys(e for p in polynomials for e in p.terms))
+        self._exponents = np.array(exponents, dtype=float).reshape(-1, len(polynomials[0].variables))
+        self._coefficients = np.array(
+            [[float(p.terms[e]) if e in p.terms else 0.0 for e in exponents] for p in polynomials]
+        ).reshape(len(polynomials), -1)
+        self._constant = None if self._exponents.any() else self._coefficients.sum(axis=1)
 
-def float_form(polynomial: Polynomial) -> Callable[[Vector], float]:
-    """A polynomial in floats, each coefficient rounded once."""
-    terms = [(float(c), *exponents) for exponents, c in polynomial.terms.items()]
-    return lambda x: float(sum(c * x[0] ** a * x[1] ** b for c, a, b in terms))
+    def __call__(self, x: Vector) -> Vector:
+        """The values, in order."""
+        if self._constant is not None:
+            return self._constant
+        return np.asarray(self._coefficients @ np.prod(x**self._exponents, axis=1))

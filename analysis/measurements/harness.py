@@ -17,7 +17,7 @@ from nonsmooth.analysis.measurements.plan import LeftOut, Plan, Trial
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, asserted
 from nonsmooth.analysis.measurements.timing import Limits, OutOfTime, timed
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Report: TypeAlias = Callable[[int, int, str], None]  # steps done, steps in all (0: not known), and what is done now
 NO_PLAN, USUAL = Plan(), Limits()
@@ -114,10 +114,10 @@ class Case(Measurement):
 
     name: str
     array: Callable[[Scene], Rows] | None = None
-    system: Callable[[SystemScene], Rows] | None = None
+    system: Callable[[SwitchedSystem], Rows] | None = None
 
     def rows(
-        self, scene: Scene | SystemScene, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent
+        self, scene: Scene | SwitchedSystem, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent
     ) -> Rows:
         """The rows of a scene; whatever the family raises becomes a last row that is not ok."""
         family: Callable[[Any], Rows] | None = self.array if isinstance(scene, Scene) else self.system

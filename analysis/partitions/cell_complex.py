@@ -19,7 +19,7 @@ import numpy as np
 
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 1e-9

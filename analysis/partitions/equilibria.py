@@ -20,10 +20,10 @@ from itertools import combinations, pairwise, product
 from typing import Any
 
 from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon, hull_holds_zero
+from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import between, cross, dot, hull_holds_zero, minus
 
 
 class Place(StrEnum):
@@ -135,7 +135,7 @@ def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
             yield from _segments(a, b, side, cells)
         elif sign(at_start) * sign(at_end) < 0:
             t = at_start / (at_start - at_end)
-            point = _between(side, t)
+            point = between(side.start, side.end, t)
             if sign(dot(a.pose_rate(point), b.pose_rate(point))) <= 0:
                 yield Equilibrium(Place.SIDE, (point,), cells)
 
@@ -154,7 +154,7 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
     breaks: list[Any] = []
     for twist in (a, b):
         before, after = twist.pose_rate(side.start), twist.pose_rate(side.end)
-        change = (after[0] - before[0], after[1] - before[1])
+        change = minus(after, before)
         if any(change):
             t = -dot(before, change) / dot(change, change)
             if sign(t) > 0 and sign(t - 1) < 0:
@@ -162,14 +162,11 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
     zero = side.start[0] - side.start[0]
     marks = sorted([zero, zero + 1, *breaks])
     for lower, upper in pairwise(marks):
-        middle = _between(side, (lower + upper) / 2)
+        middle = between(side.start, side.end, (lower + upper) / 2)
         if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
-            yield Equilibrium(Place.SEGMENT, (_between(side, lower), _between(side, upper)), cells)
-
-
-def _between(side: SharedSide, t: Any) -> Point:
-    (x1, y1), (x2, y2) = side.start, side.end
-    return x1 + t * (x2 - x1), y1 + t * (y2 - y1)
+            yield Equilibrium(
+                Place.SEGMENT, (between(side.start, side.end, lower), between(side.start, side.end, upper)), cells
+            )
 
 
 def _covers(known: Equilibrium, point: Point) -> bool:
@@ -177,6 +174,6 @@ def _covers(known: Equilibrium, point: Point) -> bool:
     first, last = known.points[0], known.points[-1]
     if known.place is Place.AREA:
         return False
-    to_first = (point[0] - first[0], point[1] - first[1])
-    to_last = (point[0] - last[0], point[1] - last[1])
+    to_first = minus(point, first)
+    to_last = minus(point, last)
     return not cross(to_first, to_last) and sign(dot(to_first, to_last)) <= 0

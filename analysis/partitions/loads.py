@@ -19,7 +19,8 @@ from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import Scene, Vector, cross
+from nonsmooth.symbolic.plane import Vector, cross, minus
+from nonsmooth.symbolic.scene import Scene
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
 
@@ -77,8 +78,8 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
         LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
     """
     hull = support_polygon([wheel.position for wheel in scene.wheels])
-    sides = [(corner, _minus(hull[(k + 1) % len(hull)], corner)) for k, corner in enumerate(hull)]
-    if len(hull) < 3 or any(cross(along, _minus(point, corner)).sign() <= 0 for corner, along in sides):
+    sides = [(corner, minus(hull[(k + 1) % len(hull)], corner)) for k, corner in enumerate(hull)]
+    if len(hull) < 3 or any(cross(along, minus(point, corner)).sign() <= 0 for corner, along in sides):
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
     moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
@@ -106,7 +107,7 @@ def support_polygon(positions: Sequence[Vector]) -> list[Vector]:
     def chain(points: Sequence[Vector]) -> list[Vector]:
         hull: list[Vector] = []
         for p in points:
-            while len(hull) > 1 and cross(_minus(hull[-1], hull[-2]), _minus(p, hull[-1])).sign() <= 0:
+            while len(hull) > 1 and cross(minus(hull[-1], hull[-2]), minus(p, hull[-1])).sign() <= 0:
                 hull.pop()
             hull.append(p)
         return hull[:-1]
@@ -118,10 +119,6 @@ def _compare_points(p: Vector, q: Vector) -> int:
     return sign(p[0] - q[0]) or sign(p[1] - q[1])
 
 
-def _minus(p: Vector, q: Vector) -> Vector:
-    return p[0] - q[0], p[1] - q[1]
-
-
 def _require_support(scene: Scene, domain: Polygon) -> None:
     """Refuse squares that leave the support polygon."""
     hull = support_polygon([wheel.position for wheel in scene.wheels])
@@ -131,9 +128,9 @@ def _require_support(scene: Scene, domain: Polygon) -> None:
             f"received {len(scene.wheels)} wheels on one line: elastic loads are undetermined"
         )
     for k, corner in enumerate(hull):
-        along = _minus(hull[(k + 1) % len(hull)], corner)
+        along = minus(hull[(k + 1) % len(hull)], corner)
         for vertex in domain.vertices:
-            if cross(along, _minus(vertex, corner)).sign() < 0:
+            if cross(along, minus(vertex, corner)).sign() < 0:
                 raise LoadError(_tipping_message(scene, hull, vertex))
 
 
@@ -141,7 +138,7 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
     """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
     (x, y), reach = scene.check.equilibrium, []
     for k, corner in enumerate(hull):
-        along = _minus(hull[(k + 1) % len(hull)], corner)
+        along = minus(hull[(k + 1) % len(hull)], corner)
         reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
     largest = min(reach)
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")

@@ -35,7 +35,8 @@ from nonsmooth.symbolic.constraints import (
 )
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import Scene, Wheel, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 # Relative to the coordinates and distances at hand: in double precision they err by less than 1e-14, so a wheel
 # beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
 
 Point: TypeAlias = tuple[Any, Any]
 
@@ -116,28 +115,3 @@ def square(centre: Point, radius: Any) -> Polygon:
         HalfPlane((-one, zero), r - x, "domain"),
     )
     return Polygon(((x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)), sides)
-
-
-def hull_holds_zero(vectors: Sequence[Point]) -> bool:
-    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing).
-
-    The cone of the vectors seen so far is kept by its first and last direction, as long as it is less than a half turn.
-    """
-    nonzero = [v for v in vectors if any(v)]
-    if len(nonzero) < len(vectors):
-        return True
-    if not nonzero:
-        return False
-    first = last = nonzero[0]
-    for v in nonzero[1:]:
-        from_first, from_last = sign(cross(first, v)), sign(cross(last, v))
-        if from_first >= 0 >= from_last:
-            if not from_first and not from_last and sign(dot(first, v)) < 0:
-                return True  # opposite to a single direction
-        elif from_first > 0:
-            last = v
-        elif from_last < 0:
-            first = v
-        else:
-            return True  # opposite to the cone, or to one of its ends
-    return False

@@ -18,7 +18,7 @@ from nonsmooth.analysis.partitions.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import outer
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.scene import cross
+from nonsmooth.symbolic.plane import cross
 
 Triple: TypeAlias = tuple[Any, Any, Any]
 Segment: TypeAlias = tuple[Triple, Triple]

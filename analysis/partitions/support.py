@@ -21,7 +21,8 @@ from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point, square
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.scene import Scene, Vector, cross, dot
+from nonsmooth.symbolic.plane import Vector, cross, dot, minus
+from nonsmooth.symbolic.scene import Scene
 
 FEW = 64  # wheels of which the hull is found exactly at once
 DIRECTIONS = 32  # the farthest wheels in so many directions span a polygon; wheels well inside it are no corners
@@ -56,9 +57,7 @@ class Support:
     def stands_at(self, point: Point) -> bool:
         """Whether another point, measured from the checked one, lies strictly inside."""
         x, y = point
-        return bool(self.sides) and all(
-            sign(cross((q[0] - p[0], q[1] - p[1]), (x - p[0], y - p[1]))) > 0 for p, q in self.sides
-        )
+        return bool(self.sides) and all(sign(cross(minus(q, p), minus((x, y), p))) > 0 for p, q in self.sides)
 
     @cached_property
     def squared_distance(self) -> Number:
@@ -90,7 +89,7 @@ def rational_below_root(square: Number) -> Fraction:
 
 def _squared_distance(start: Vector, end: Vector) -> Number:
     """Squared distance of the origin from the line through two points."""
-    along = (end[0] - start[0], end[1] - start[1])
+    along = minus(end, start)
     area = cross(start, along)
     return area * area / dot(along, along)
 
@@ -102,7 +101,7 @@ def build_support(scene: Scene) -> Support:
     zero = scene.field.zero
     vertices = square((zero, zero), scene.check.radius).vertices
     inside = bool(bare.sides) and all(
-        cross((q[0] - p[0], q[1] - p[1]), (x - p[0], y - p[1])).sign() >= 0 for p, q in bare.sides for x, y in vertices
+        cross(minus(q, p), minus((x, y), p)).sign() >= 0 for p, q in bare.sides for x, y in vertices
     )
     return Support(corners, covers=inside)
 

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import Floats, turn
-from nonsmooth.analysis.fields.switched_field import Flow
+from nonsmooth.analysis.fields.constant_field import Flow
+from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.analysis.trajectories.slides import (
     ASYMPTOTE_DOUBT,
     PROPORTIONAL_DOUBT,
@@ -20,7 +21,7 @@ from nonsmooth.analysis.trajectories.slides import (
 
 def velocities(flow: Flow, points: Floats) -> Floats:
     """``c'`` at points (m, 2)."""
-    return np.array([flow.vx, flow.vy]) + flow.turn * turn(points)
+    return np.array([flow.vx, flow.vy]) + flow.turn * turned(points)
 
 
 def positions(flow: Flow, points: Floats, times: Floats) -> Floats:
@@ -30,7 +31,7 @@ def positions(flow: Flow, points: Floats, times: Floats) -> Floats:
         return points + v * times[:, None]
     along = np.sin(flow.turn * times) / flow.turn
     across = 2 * np.sin(flow.turn * times / 2) ** 2 / flow.turn
-    return points + along[:, None] * v + across[:, None] * turn(v)
+    return points + along[:, None] * v + across[:, None] * turned(v)
 
 
 def crossing_times(

@@ -21,13 +21,13 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Junction, Ray, Signs
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.slides import Slide, slide_along
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot, turned
+from nonsmooth.symbolic.plane import cross, dot, turned
 
 
 @dataclass(frozen=True)

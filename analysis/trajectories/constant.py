@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.partitions.cell_complex import AtCorner, InCell, OnEdge, Place
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.choices import Choice, choices_at
@@ -37,7 +37,7 @@ from nonsmooth.analysis.trajectories.result import (
 from nonsmooth.analysis.trajectories.sampling import sample_times
 from nonsmooth.analysis.trajectories.slides import Slide
 from nonsmooth.analysis.trajectories.turns import Spiral, Turns
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 MAX_LEGS = (
     10_000  # between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand

@@ -14,7 +14,7 @@ from nonsmooth.analysis.fields.convex_weights import (
     least_mix,
     least_norm_weights,
 )
-from nonsmooth.analysis.fields.smooth_field import Face, Vector, Velocity, unit_normal
+from nonsmooth.analysis.fields.switched_field import Face, Vector, Velocity, unit_normal
 
 # Relative to the fields around a point: normal speeds below are zero, since a state found on a surface is off by some
 # 1e-12 of its size and gradients by difference err by 1e-11.

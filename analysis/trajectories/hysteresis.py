@@ -16,8 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import Vector, Velocity
-from nonsmooth.analysis.fields.switching_modes import AnyField, Mode, Modes, modes_of
+from nonsmooth.analysis.fields.switched_field import Mode, SwitchedField, Vector, Velocity
 from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Trajectory, TrajectoryError
 
 RELATIVE_TOLERANCE = 1e-9  # of the adaptive integrator within a mode: far below the error of any usable width
@@ -28,7 +27,7 @@ LOCATED = 0.5  # of the width: a switch farther off is not resolved by floats, a
 
 
 def simulate_hysteresis(
-    field: AnyField, start: Sequence[float], until: float, width: float, step: float | None = None
+    field: SwitchedField, start: Sequence[float], until: float, width: float, step: float | None = None
 ) -> Trajectory:
     """Relay with hysteresis: a mode is left ``width`` beyond its border.
 
@@ -47,20 +46,20 @@ def simulate_hysteresis(
     """
     if not width > 0 or not 0 < until < math.inf or (step is not None and not step > 0):
         raise ValueError(f"required a positive width, last time and step, received {width}, {until} and {step}")
-    modes, x = modes_of(field), np.array([float(value) for value in start])
-    mode = modes.initial(x)
+    x = np.array([float(value) for value in start])
+    mode = field.mode_at(x)
     if mode is None:
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
-    run = _Relay(modes, width, until)
+    run = _Relay(field, width, until)
     run.follow(mode, x, step)
-    return run.result(str(getattr(field, "kinematics", "given")))
+    return run.result()
 
 
 class _Relay:
     """A run with hysteresis."""
 
-    def __init__(self, modes: Modes, width: float, until: float) -> None:
-        self.modes, self.width, self.until = modes, width, until
+    def __init__(self, field: SwitchedField, width: float, until: float) -> None:
+        self.field, self.width, self.until = field, width, until
         self.times: list[float] = []
         self.states: list[Vector] = []
         self.events: list[Event] = []
@@ -76,11 +75,11 @@ class _Relay:
             left = self._adaptive(mode) if step is None else self._fixed(mode, step)
             if not left:
                 return
-            following = self.modes.following(mode, self.states[-1], self.width)
+            following = self.field.following(mode, self.states[-1], self.width)
             if following is None:
                 self.reason = EndReason.OUTSIDE
                 return
-            names = f"{self.modes.name(mode)} | {self.modes.name(following)}"
+            names = f"{self.field.mode_name(mode)} | {self.field.mode_name(following)}"
             self.events.append(Event(self.times[-1], tuple(self.states[-1].tolist()), EventKind.CROSS, names))
             if len(self.events) >= MAX_SWITCHES:
                 self.reason = EndReason.EVENTS
@@ -91,11 +90,11 @@ class _Relay:
         from scipy.integrate import solve_ivp
 
         def beyond(t: float, x: Vector) -> float:
-            return self.modes.margin(mode, x) + self.width
+            return self.field.margin(mode, x) + self.width
 
         beyond.terminal, beyond.direction = True, -1  # type: ignore[attr-defined]  # SciPy reads these
         solution = solve_ivp(
-            self.modes.velocity(mode),
+            self.field.velocity(mode),
             (self.times[-1], self.until),
             self.states[-1],
             events=beyond,
@@ -114,22 +113,24 @@ class _Relay:
 
     def _fixed(self, mode: Mode, step: float) -> bool:
         """Steps of one size until a step ends ``width`` beyond the border of the mode."""
-        velocity = self.modes.velocity(mode)
+        velocity = self.field.velocity(mode)
         t, x = self.times[-1], self.states[-1]
         while t < self.until:
             size = min(step, self.until - t)
             t, x = t + size, _runge_kutta(velocity, t, x, size)
             self.times.append(t)
             self.states.append(x)
-            if self.modes.margin(mode, x) <= -self.width:
+            if self.field.margin(mode, x) <= -self.width:
                 return True
         return False
 
-    def result(self, kinematics: str) -> Trajectory:
+    def result(self) -> Trajectory:
         """The samples as a trajectory."""
         states = tuple(tuple(x.tolist()) for x in self.states)
         end = End(self.times[-1], states[-1], self.reason)
-        return Trajectory(kinematics, "hysteresis", tuple(self.times), states, tuple(self.events), end, None)
+        return Trajectory(
+            str(self.field.kinematics), "hysteresis", tuple(self.times), states, tuple(self.events), end, None
+        )
 
 
 def _runge_kutta(velocity: Velocity, t: float, x: Vector, step: float) -> Vector:
@@ -141,7 +142,7 @@ def _runge_kutta(velocity: Velocity, t: float, x: Vector, step: float) -> Vector
     return x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def simulate_smoothed(field: AnyField, start: Sequence[float], until: float, width: float) -> Trajectory:
+def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float, width: float) -> Trajectory:
     """Signs smoothed over ``width`` to either side of a surface, by SciPy's LSODA (which turns implicit where stiff).
 
     Raises:
@@ -153,8 +154,8 @@ def simulate_smoothed(field: AnyField, start: Sequence[float], until: float, wid
 
     if not width > 0 or not 0 < until < math.inf:
         raise ValueError(f"required a positive width and last time, received {width} and {until}")
-    modes, x = modes_of(field), np.array([float(value) for value in start])
-    if modes.initial(x) is None:
+    x = np.array([float(value) for value in start])
+    if field.mode_at(x) is None:
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
 
     evaluations = itertools.count(1)
@@ -164,12 +165,11 @@ def simulate_smoothed(field: AnyField, start: Sequence[float], until: float, wid
             raise ValueError(
                 f"required a width that {MAX_EVALUATIONS} evaluations resolve, received {width:g} at t = {t:.6g}"
             )
-        return np.asarray(sum(weight * velocity(t, x) for velocity, weight in modes.blend(x, width)))
+        return np.asarray(sum(weight * velocity(t, x) for velocity, weight in field.blend(x, width)))
 
     solution = solve_ivp(mixed, (0.0, until), x, method="LSODA", rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
     if solution.status < 0:
         raise TrajectoryError(f"the integrator stopped at t = {solution.t[-1]:.6g}: {solution.message}")
     states = tuple(tuple(row) for row in solution.y.T.tolist())
     end = End(float(solution.t[-1]), states[-1], EndReason.TIME)
-    kinematics = str(getattr(field, "kinematics", "given"))
-    return Trajectory(kinematics, "smoothed", tuple(solution.t.tolist()), states, (), end, None)
+    return Trajectory(str(field.kinematics), "smoothed", tuple(solution.t.tolist()), states, (), end, None)

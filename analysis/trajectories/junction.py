@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.partitions.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot
 
 # Relative to the largest speed in the domain: directions and velocities err by a few 2^-53, so a smaller normal
 # speed is a tangent one.

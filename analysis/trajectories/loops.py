@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.analysis.fields.smooth_field import Vector
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.result import Piece
 
 ZENO_ERROR = 1e-12  # relative to the time passed: the integrator's own error

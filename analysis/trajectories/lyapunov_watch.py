@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.result import Piece
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot
 
 # Relative to the largest V: states and times err by a few 2^-53 per event, and V doubles that.
 RISE_SLACK = 1e-12

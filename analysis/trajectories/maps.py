@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.fields.switched_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, Report
 from nonsmooth.analysis.trajectories.result import EndReason
 

@@ -17,10 +17,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
-from nonsmooth.analysis.fields.switched_field import Flow
+from nonsmooth.analysis.fields.constant_field import Flow
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import dot, turned
+from nonsmooth.symbolic.plane import dot, turned
 
 State: TypeAlias = tuple[Any, Any, Any]
 

@@ -18,13 +18,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.convex_weights import least_mix
-from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Ray, Signs
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 # Relative to the products compared: normal speeds whose quotient is constant to this vanish at one point together.
 PROPORTIONAL_DOUBT = 1e-12

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK, Face, SmoothField, Surface, Vector
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, SwitchedField, Vector
 from nonsmooth.analysis.trajectories.face_motion import largest
 from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
 from nonsmooth.analysis.trajectories.loops import LoopMemory
@@ -44,7 +44,7 @@ RULE = "the path drawn keeps to the surfaces if it can, with the velocity of lea
 
 
 def follow_smooth(
-    field: SmoothField,
+    field: SwitchedField,
     start: Sequence[float],
     until: float,
     watch: LyapunovWatch | None = None,
@@ -80,7 +80,7 @@ class _SmoothPath:
 
     def __init__(
         self,
-        field: SmoothField,
+        field: SwitchedField,
         x: Vector,
         until: float,
         watch: LyapunovWatch | None,
@@ -191,7 +191,7 @@ class _SmoothPath:
         notes = [f"keep to {c.motion.face.name}" for c in choices[1:]]
         if choice.free:
             notes.append("theta may drift at any rate of an interval" if choice.rates else "the weights are free")
-        tied = [member.name for member in face.members if member.name in self.field.tied]
+        tied = [member.name for member in face.members if member.name in self.field.tied_members]
         if tied and self.unique is not False:
             notes.append(f"any mixture of the motions that tie in {tied[0]}")
         doubts = self._doubts(choice)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import Vector, Velocity
 
 PROBED = 50  # steps from one measurement to the next: four evaluations each, against 12 per step of DOP853
 # Step times rate: what is stable is 6, but two may cost steps that the fast motion spoils; at 1e-12 accuracy alone

@@ -12,18 +12,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
-from nonsmooth.analysis.fields.smooth_field import SmoothField
-from nonsmooth.analysis.fields.switched_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.switched_field import SwitchedField
 from nonsmooth.analysis.trajectories.constant import follow_constant
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 
 __all__ = ["SwitchedField", "simulate"]
-
-SwitchedField: TypeAlias = ConstantField | SmoothField
 
 
 def simulate(

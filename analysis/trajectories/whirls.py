@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.analysis.fields.smooth_field import Face, Surface, Vector, unit_normal
+from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import FaceMotion, largest
 
 # Relative to the size of the states: turns within this are drawn as their corner; a pixel of a figure.

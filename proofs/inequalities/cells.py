@@ -23,7 +23,7 @@ from nonsmooth.proofs.inequalities.forms import Form, Problem, Vector
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 PLANE = ("x", "y")
 EXTENDED = ("x", "y", "theta", "abs_theta", "r")

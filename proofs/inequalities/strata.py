@@ -1,8 +1,8 @@
 """The derivative of V part by part: closed cells, edges on which V bends, and their corners, with the evidence of each.
 
 On a closed cell V and the fields are polynomials, and the sign of ``grad V . f`` is an inequality.  V bends where two
-pieces meet with different gradients: there the sets of :mod:`nonsmooth.proofs.systems.ladder` are decided along the
-whole edge (:mod:`nonsmooth.proofs.inequalities.kinks`) and at its ends.  A V that jumps across an edge is refuted;
+pieces meet with different gradients: there the sets of :mod:`nonsmooth.proofs.inequalities.ladder` are decided along
+the whole edge (:mod:`nonsmooth.proofs.inequalities.kinks`) and at its ends.  A V that jumps across an edge is refuted;
 one that bends along a curve is left undecided.
 """
 
@@ -18,9 +18,9 @@ from nonsmooth.analysis.fields.switched_cells import LyapunovCell, distinct, gra
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, common_edges
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends, worst
+from nonsmooth.proofs.inequalities.ladder import Interval, Ladder, ladder_at
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
-from nonsmooth.proofs.systems.ladder import Interval, Ladder, ladder_at
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 

@@ -14,13 +14,13 @@ from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import ResultRow, Rows, asserted
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 STATE, TIME, RATES = "state scale", "time scale", "ratio of rates"
 SAME = "the verdict of the system in its own units, with evidence that verifies"
 
 
-def system_verdict_rows(scene: SystemScene) -> Rows:
+def system_verdict_rows(scene: SwitchedSystem) -> Rows:
     """Scales of state and time, then ratios of the two rates."""
     unit = system_check(scene)
     for power in POWERS:

@@ -3,8 +3,8 @@
 V is a polynomial on each cell (:mod:`nonsmooth.analysis.fields.switched_cells`); it is positive if it is on every
 closed cell. Its derivative is decided part by part (:mod:`nonsmooth.proofs.inequalities.strata`): on each *closed*
 cell ``grad V . f`` (the hull on a surface holds the fields of both sides, so for smooth V nothing else is needed:
-Filippov 1988, sec. 15), and the sets of :mod:`nonsmooth.proofs.systems.ladder` on each edge and at each corner where
-V bends.  Then along every solution
+Filippov 1988, sec. 15), and the sets of :mod:`nonsmooth.proofs.inequalities.ladder` on each edge and at each corner
+where V bends.  Then along every solution
 
 - largest value of Bacciotti and Ceragioli's set <= 0 everywhere: V does not increase, the equilibrium is stable;
 - < 0 everywhere but at the equilibrium: no solution stays where 0 is in the set, so it is asymptotically stable
@@ -26,10 +26,10 @@ from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.inequalities.cells import Claim, build_parts
 from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
+from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, stratum_of
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
-from nonsmooth.proofs.systems.ladder import Interval
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 EMPTINESS_WORK = 2_000  # coefficients looked at to find that a cell beside a curve is empty; kept otherwise

@@ -10,10 +10,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from nonsmooth.analysis.fields.switched_cells import FieldCell, distinct
-from nonsmooth.analysis.partitions.polygon import Point, hull_holds_zero
+from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import cone_region
 from nonsmooth.proofs.inequalities.germs import Adherence, Extent, adherence, sectors
 from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.symbolic.plane import hull_holds_zero
 
 
 def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:

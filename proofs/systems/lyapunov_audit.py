@@ -31,7 +31,7 @@ from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.system import PLANE, SystemScene
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 KEY = "lyapunov"
 
@@ -63,7 +63,7 @@ class AuditResult:
         result: all inequalities; None for a contact rule without cells.
     """
 
-    scene: Scene | SystemScene
+    scene: Scene | SwitchedSystem
     lyapunov: str
     verdict: AuditVerdict
     proves: Translation | None
@@ -86,7 +86,7 @@ class AuditResult:
         return about_them and self.result.check() and self == _result(self.scene, self.lyapunov, self.result)
 
 
-def audit(scene: Scene | SystemScene, lyapunov: str) -> AuditResult:
+def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
     """Check a Lyapunov function.
 
     Args:
@@ -101,14 +101,14 @@ def audit(scene: Scene | SystemScene, lyapunov: str) -> AuditResult:
     return _result(scene, lyapunov, None if cells is None else examine(cells))
 
 
-def audited_cells(scene: Scene | SystemScene, lyapunov: str) -> tuple[LyapunovCell, ...] | None:
+def audited_cells(scene: Scene | SwitchedSystem, lyapunov: str) -> tuple[LyapunovCell, ...] | None:
     """The domain, cut until the field and V are smooth; None for a rule without cells.
 
     Raises:
         SceneError: for text that is no formula of the states over the scene's field.
     """
     file = scene.origin
-    states = scene.states if isinstance(scene, SystemScene) else PLANE
+    states = scene.states if isinstance(scene, SwitchedSystem) else PLANE
     formula = parse_lyapunov(lyapunov, states, file, KEY)
     if not all(scene.field.has_angle(turn) for turn in formula.turns()):
         raise SceneError(file, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
@@ -116,15 +116,15 @@ def audited_cells(scene: Scene | SystemScene, lyapunov: str) -> tuple[LyapunovCe
     return None if cells is None else lyapunov_cells(cells, formula, states, file, KEY)
 
 
-def _field_cells(scene: Scene | SystemScene, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
-    if isinstance(scene, SystemScene):
+def _field_cells(scene: Scene | SwitchedSystem, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
+    if isinstance(scene, SwitchedSystem):
         return system_cells(scene, domains(scene, lyapunov)[0])
     if not isinstance(rule_of(scene), CellRule):
         return None
     return partition_cells(build_partition(scene.recentred()))
 
 
-def _result(scene: Scene | SystemScene, lyapunov: str, result: LyapunovResult | None) -> AuditResult:
+def _result(scene: Scene | SwitchedSystem, lyapunov: str, result: LyapunovResult | None) -> AuditResult:
     """The verdict that follows from the inequalities."""
     if result is None:
         rule = scene.contact.rule if isinstance(scene, Scene) else None

@@ -19,15 +19,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity
+from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.region import Region, cone_region
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
-from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, same_direction
 
 DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
 HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
@@ -39,7 +38,7 @@ class LinearCone:
 
     start: int
     end: int
-    velocity: Velocity
+    velocity: PlaneField
 
 
 def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:
@@ -109,7 +108,7 @@ def linear_cones(cells: Sequence[FieldCell], halvings: int) -> tuple[list[Point]
 
     def number(ray: Point) -> int:
         for k, known in enumerate(rays):
-            if not cross(known, ray) and sign(dot(known, ray)) > 0:
+            if same_direction(known, ray):
                 return k
         rays.append(ray)
         return len(rays) - 1

@@ -29,15 +29,6 @@ from nonsmooth.analysis.fields.switched_cells import (
     system_cells,
 )
 from nonsmooth.analysis.partitions.region import Region, cone_region
-from nonsmooth.proofs.clauses.translation.ray_moves import (
-    ConstantFan,
-    RayKind,
-    RayMove,
-    are_cones,
-    decide_constant_fan,
-    ray_moves,
-    resting_edges,
-)
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
@@ -49,13 +40,22 @@ from nonsmooth.proofs.systems.piecewise_quadratic import (
     linear_parts,
     restricted,
 )
+from nonsmooth.proofs.systems.ray_moves import (
+    ConstantFan,
+    RayKind,
+    RayMove,
+    are_cones,
+    decide_constant_fan,
+    ray_moves,
+    resting_edges,
+)
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.system import PLANE, SystemScene
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 SHRINKING = Fraction(1, 16)  # of the checked square, where V fails on all of it
 SEARCH_SCALES = (1, SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square, for a V that is searched
@@ -106,7 +106,7 @@ class SystemResult:
         rays: rays of escape and rest of a system of cones, sides of rest of any other.
     """
 
-    scene: SystemScene
+    scene: SwitchedSystem
     verdict: Translation
     reason: str
     method: Method
@@ -177,7 +177,7 @@ class SystemResult:
         )
 
 
-def system_check(scene: SystemScene) -> SystemResult:
+def system_check(scene: SwitchedSystem) -> SystemResult:
     """Decide the stability of a plain system's equilibrium.
 
     Raises:
@@ -205,7 +205,7 @@ def system_check(scene: SystemScene) -> SystemResult:
 
 
 def _searched(
-    scene: SystemScene, cells: Sequence[FieldCell], *, may_grow: bool
+    scene: SwitchedSystem, cells: Sequence[FieldCell], *, may_grow: bool
 ) -> tuple[LyapunovResult | None, Domain | None, bool]:
     """A piecewise quadratic V that is proved to fall, or else one that grows; with its domain, and whether it grows."""
     for turned, grows in ((tuple, False), (reversed_cells, True)) if may_grow else ((tuple, False),):
@@ -251,7 +251,7 @@ def conclude(
     return Translation.UNDECIDED, "no Lyapunov function was found, and no solution that leaves", Method.NONE
 
 
-def domain_names(scene: SystemScene, lyapunov: PiecewiseExpression) -> list[Domain]:
+def domain_names(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[Domain]:
     """Where V is tried, in order; a system of cones with homogeneous V looks the same at every distance."""
     cells = lyapunov_cells(plane_cells(scene), lyapunov, scene.states, scene.origin)
     if are_cones(cells) and all(cell.potential.is_homogeneous for cell in cells):
@@ -259,18 +259,18 @@ def domain_names(scene: SystemScene, lyapunov: PiecewiseExpression) -> list[Doma
     return [Domain(scene.check.radius * factor) for factor in (1, SHRINKING)]
 
 
-def domains(scene: SystemScene, lyapunov: PiecewiseExpression) -> list[tuple[Region, ...]]:
+def domains(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[tuple[Region, ...]]:
     """The regions of :func:`domain_names`."""
     names = domain_names(scene, lyapunov)
     return [plane(scene) if d.radius is None else square_regions(d.radius) for d in names]
 
 
-def plane_cells(scene: SystemScene) -> tuple[FieldCell, ...]:
+def plane_cells(scene: SwitchedSystem) -> tuple[FieldCell, ...]:
     """The cells of the whole plane."""
     return system_cells(scene, plane(scene))
 
 
-def scene_cells(scene: SystemScene, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
+def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
     """The cells of some regions, cut further where the scene's V bends."""
     return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
 
@@ -281,7 +281,7 @@ def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:
 
 
 def _certificate(
-    scene: SystemScene, reported: LyapunovResult, others: Sequence[Sequence[Region]]
+    scene: SwitchedSystem, reported: LyapunovResult, others: Sequence[Sequence[Region]]
 ) -> tuple[LyapunovResult | None, Domain | None]:
     """The best of the scene's V on the given domains: a strict one at once, the first weak one otherwise."""
     weak: tuple[LyapunovResult | None, Domain | None] = None, None
@@ -295,7 +295,7 @@ def _certificate(
 
 
 def _examined(
-    scene: SystemScene, reported: LyapunovResult, others: Sequence[Sequence[Region]]
+    scene: SwitchedSystem, reported: LyapunovResult, others: Sequence[Sequence[Region]]
 ) -> Iterator[LyapunovResult]:
     yield reported
     for regions in others:

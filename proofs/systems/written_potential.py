@@ -11,7 +11,7 @@ from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, same_direction
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class PotentialPiece:
         return f"{self.potential} from ray {first} to ray {last}"
 
 
-def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, str]) -> tuple[PotentialPiece, ...]:
+def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, ...]) -> tuple[PotentialPiece, ...]:
     """The pieces of a V whose cells are cones, or parts of cones, at the origin."""
     spans: dict[Polynomial, list[tuple[Point, Point]]] = {}
     for cell in cells:
@@ -55,15 +55,11 @@ def _joined(spans: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
     """Cones with a common ray made one (of at most a half turn), each direction once."""
     joined: list[tuple[Point, Point]] = []
     for start, end in spans:
-        if any(_same_ray(start, s) and _same_ray(end, e) for s, e in joined):
+        if any(same_direction(start, s) and same_direction(end, e) for s, e in joined):
             continue
-        before = next((k for k, (_, e) in enumerate(joined) if _same_ray(e, start)), None)
+        before = next((k for k, (_, e) in enumerate(joined) if same_direction(e, start)), None)
         if before is not None and sign(cross(joined[before][0], end)) >= 0:
             joined[before] = (joined[before][0], end)
         else:
             joined.append((start, end))
     return joined
-
-
-def _same_ray(first: Point, second: Point) -> bool:
-    return not cross(first, second) and sign(dot(first, second)) > 0

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.system import SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -45,7 +45,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     Exit status: 0 holds (or stable), 1 fails or hypotheses not met, 2 bad input, 3 undecided; of many the worst.
     """
     from nonsmooth.symbolic.files.system_file import load_any
-    from nonsmooth.symbolic.system import SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
     rules = chosen_rules(rule)
     path = None if certificate is None else _certificate_path(certificate, len(rules))
@@ -57,14 +57,14 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     if len(scenes) > 1:
         _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
         return _check_many(loaded, prune=not no_prune, json=json)
-    if isinstance(loaded[0], SystemScene):
+    if isinstance(loaded[0], SwitchedSystem):
         _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
         return _check_system(loaded[0], json=json)
-    arrays = [scene for scene in loaded if not isinstance(scene, SystemScene)]
+    arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
     return _check_array(arrays, path, prune=not no_prune, continuum=continuum, json=json)
 
 
-def _check_many(scenes: Sequence[Scene | SystemScene], *, prune: bool, json: bool) -> int:
+def _check_many(scenes: Sequence[Scene | SwitchedSystem], *, prune: bool, json: bool) -> int:
     """Many scenes: one line each, the worst exit status."""
     from nonsmooth.reports.summary import check_all, summary_view, worst_status
 
@@ -137,7 +137,7 @@ def _require_one_scene(asked: dict[str, bool], count: int) -> None:
         raise RefusedError(f"{option}: required one scene, received {count}")
 
 
-def _require_array(scene: SystemScene, asked: dict[str, bool]) -> None:
+def _require_array(scene: SwitchedSystem, asked: dict[str, bool]) -> None:
     """Refuse what only an array of wheels has."""
     wanted = next((name for name, given in asked.items() if given), None)
     if wanted is not None:
@@ -146,7 +146,7 @@ def _require_array(scene: SystemScene, asked: dict[str, bool]) -> None:
         )
 
 
-def _check_system(scene: SystemScene, *, json: bool) -> int:
+def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.systems.system_stability import system_check
     from nonsmooth.proofs.verified import verified

@@ -101,7 +101,7 @@ def _draw_array(scene: Scene, path: Path) -> int:
 
 def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
     """The three contact rules side by side."""
-    from nonsmooth.analysis.partitions.agreement import compare_rules
+    from nonsmooth.analysis.minimizers.agreement import compare_rules
     from nonsmooth.reports.agreement_views import agreement_map, agreement_record, agreement_view
     from nonsmooth.reports.files import write_whole
 

@@ -16,10 +16,10 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.reports.settle_maps import GridRun
+    from nonsmooth.reports.basins import GridRun
     from nonsmooth.reports.simulate import Run
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_equations import SwitchedEquations
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 2.0  # last time of a single path, where none is given
 OF_BODIES = ("mass", "inertia", "compare_masses")  # parameters of full dynamics
@@ -105,8 +105,8 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     """
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.files import PICTURES, output_path
-    from nonsmooth.symbolic.files.equations_file import holds_system, load_equations
     from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.files.system_file import holds_system, load_system
 
     if until is not None:
         _positive("--until", until)
@@ -118,9 +118,9 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         refuse_given(context, OF_ARRAYS, "an array of wheels", "a plain switched system")
         if method is Method.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
-        equations = load_equations(scene)
-        numbers = _start(start, equations.states)
-        return _follow_system(equations, numbers, until or UNTIL, (method, width), path, json=json)
+        system = load_system(scene)
+        numbers = _start(start, system.states)
+        return _follow_system(system, numbers, until or UNTIL, (method, width), path, json=json)
     if grid is not None:
         refuse_given(context, NOT_MAPPED, "one path (maps are of the open loop, by events)", "--grid")
         map_run = _grid_run(grid, heading, until, kinematics)
@@ -169,7 +169,7 @@ def _outside(scene: Scene, start: Sequence[float]) -> str:
 
 
 def _follow_system(
-    equations: SwitchedEquations,
+    system: SwitchedSystem,
     start: tuple[float, ...],
     until: float,
     how: tuple[Method, float],
@@ -181,11 +181,14 @@ def _follow_system(
     from nonsmooth.analysis.trajectories.result import TrajectoryError
     from nonsmooth.reports.shown import show
     from nonsmooth.reports.system_paths import follow_system
+    from nonsmooth.symbolic.scene_error import SceneError
 
     try:
-        solution = follow_system(equations, start, until, *how)
+        solution = follow_system(system, start, until, *how)
+    except SceneError:
+        raise
     except (ValueError, TrajectoryError) as error:
-        raise RefusedError(f"{equations.origin}: {error}") from None
+        raise RefusedError(f"{system.origin}: {error}") from None
     show(solution, path, json=json)
     return 0
 
@@ -203,7 +206,7 @@ def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
 
 
 def _grid_run(count: int, heading: float, until: float | None, kinematics: Kinematics) -> GridRun:
-    from nonsmooth.reports.settle_maps import GridRun
+    from nonsmooth.reports.basins import GridRun
 
     if not 2 <= count <= MAX_GRID:
         raise RefusedError(f"--grid: required 2 to {MAX_GRID} starts in a row, received {count}")

@@ -18,6 +18,7 @@ from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.reports.document import cell_mark
 from nonsmooth.reports.figures.wheels import ARROW, INK, XY, Segment, draw_wheel, floats, wheels_in_view
 from nonsmooth.symbolic.formulas import decimal_text
+from nonsmooth.symbolic.plane import between
 from nonsmooth.symbolic.scene_error import Fact, SceneError, one_line
 
 if TYPE_CHECKING:
@@ -139,8 +140,8 @@ def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_
         return
     shaft = _draw_velocity(axes, cell, centre, 0.65 * room)
     obstacles = [*sides, *shaft, *marks]
-    corners = [*vertices, *(_between(start, end, 0.5) for start, end in sides)]
-    places = [centre, *(_between(centre, corner, t / 10) for corner in corners for t in range(1, 9))]
+    corners = [*vertices, *(between(start, end, 0.5) for start, end in sides)]
+    places = [centre, *(between(centre, corner, t / 10) for corner in corners for t in range(1, 9))]
     place = max(places, key=lambda place: clearance(place, obstacles))
     label = f"{cell.index}{TURNS[cell.twists[0].omega.sign()]}"
     if clearance(place, obstacles) * points_per_length >= LABEL_ROOM * len(label):
@@ -174,12 +175,8 @@ def _distance(place: XY, start: XY, end: XY) -> float:
     dx, dy = end[0] - start[0], end[1] - start[1]
     squared = dx * dx + dy * dy
     t = ((place[0] - start[0]) * dx + (place[1] - start[1]) * dy) / squared if squared else 0.0
-    x, y = _between(start, end, min(max(t, 0.0), 1.0))
+    x, y = between(start, end, min(max(t, 0.0), 1.0))
     return math.hypot(place[0] - x, place[1] - y)
-
-
-def _between(start: XY, end: XY, t: float) -> XY:
-    return start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])
 
 
 def draw_switching(axes: Axes, partition: Partition) -> list[EdgeKind]:

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.trajectory import draw_curves, draw_path, explain
-from nonsmooth.reports.system_paths import SystemPath
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,17 +23,17 @@ MESH = 160  # points in a row at which a switching function is evaluated
 MARGIN = 0.15  # of the larger side of the path's box, around it
 
 
-def phase_plane_figure(path: SystemPath, suffix: str) -> bytes:
+def phase_plane_figure(system: SwitchedSystem, field: SignField, trajectory: Trajectory, suffix: str) -> bytes:
     """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(path), suffix)
+    return figure_bytes(lambda: build_figure(system, field, trajectory), suffix)
 
 
-def build_figure(path: SystemPath) -> Figure:
+def build_figure(system: SwitchedSystem, field: SignField, trajectory: Trajectory) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    states, trajectory = path.equations.states, path.trajectory
+    states = system.states
     planar = len(states) == 2
     figure = Figure(figsize=(WIDTH, max(LEAST_HEIGHT, CURVE * len(states))), layout="constrained")
     grid = figure.add_gridspec(len(states), 2 if planar else 1)
@@ -39,32 +41,32 @@ def build_figure(path: SystemPath) -> Figure:
     draw_curves(curves, trajectory, states)
     others = []
     if planar:
-        _draw_plane(figure.add_subplot(grid[:, 1]), path)
+        _draw_plane(figure.add_subplot(grid[:, 1]), system, field, trajectory)
         others = [Line2D([], [], color=SURFACE, linestyle="--", label="switching surface")]
-    title = f"{one_line(path.equations.name)}: method {trajectory.method}"
+    title = f"{one_line(system.name)}: method {trajectory.method}"
     figure.suptitle(title, fontsize="medium", parse_math=False)
-    explain(figure, trajectory, others if path.field.surfaces else ())
+    explain(figure, trajectory, others if field.surfaces else ())
     return figure
 
 
-def _draw_plane(axes: Axes, path: SystemPath) -> None:
+def _draw_plane(axes: Axes, system: SwitchedSystem, field: SignField, trajectory: Trajectory) -> None:
     """The path over the switching surfaces."""
-    left, right, low, high = _view(path)
+    left, right, low, high = _view(trajectory, float(system.check.radius))
     xs, ys = np.linspace(left, right, MESH), np.linspace(low, high, MESH)
-    for surface in path.field.surfaces:
+    for surface in field.surfaces:
         heights = np.array([[surface.value(np.array([x, y])) for x in xs] for y in ys])
         if not heights.min() < 0 < heights.max():
             continue
         axes.contour(xs, ys, heights, levels=[0.0], colors=SURFACE, linestyles="--", linewidths=1.2, zorder=1)
-    draw_path(axes, path.trajectory)
-    x, y = path.equations.states
+    draw_path(axes, trajectory)
+    x, y = system.states
     axes.set(xlim=(left, right), ylim=(low, high), xlabel=x, ylabel=y, aspect="equal")
 
 
-def _view(path: SystemPath) -> tuple[float, float, float, float]:
-    """A square around the path."""
-    states = path.trajectory.array
+def _view(trajectory: Trajectory, radius: float) -> tuple[float, float, float, float]:
+    """A square around the path; of the given half-width about a path that stays where it is."""
+    states = trajectory.array
     centre = (states.min(axis=0) + states.max(axis=0)) / 2
-    half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or float(path.equations.radius)
+    half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or radius
     x, y = (float(value) for value in centre)
     return x - half, x + half, y - half, y + half

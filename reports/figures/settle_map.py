@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap
+from nonsmooth.reports.basins import Basin, GridRun, basins
 from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes, require_drawable
 from nonsmooth.reports.figures.wheels import INK
-from nonsmooth.reports.settle_maps import Basin, GridRun, basins
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:

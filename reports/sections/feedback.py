@@ -32,7 +32,8 @@ from nonsmooth.reports.document import (
 )
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.symbolic.formulas import brief_text, decimal_latex, lower_text
-from nonsmooth.symbolic.scene import Scene, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene
 
 _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import all_rules
-from nonsmooth.analysis.partitions.agreement import Agreement, TwistDifference
+from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
 from nonsmooth.analysis.partitions.loads import LoadError
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table

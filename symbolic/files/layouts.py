@@ -20,7 +20,7 @@ from nonsmooth.symbolic.files.scene_values import (
     angles,
 )
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
-from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 MAX_WHEELS = 250_000  # about 10 s to load; a larger array would not be checked in a day

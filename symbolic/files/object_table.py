@@ -9,8 +9,8 @@ from pydantic import PlainValidator
 
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, OptionalExact, Table, read_pair
-from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Vector, cross
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.plane import Vector, cross, minus, same_direction
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
@@ -101,8 +101,7 @@ def _is_simple(vertices: list[Vector]) -> bool:
 
 def _folds(corner: Vector, a: Vector, b: Vector) -> bool:
     """Whether two sides leave a corner in the same direction."""
-    u, v = (a[0] - corner[0], a[1] - corner[1]), (b[0] - corner[0], b[1] - corner[1])
-    return not cross(u, v) and sign(u[0] * v[0] + u[1] * v[1]) > 0
+    return same_direction(minus(a, corner), minus(b, corner))
 
 
 def _meet(first: tuple[Vector, Vector], second: tuple[Vector, Vector]) -> bool:
@@ -117,4 +116,4 @@ def _meet(first: tuple[Vector, Vector], second: tuple[Vector, Vector]) -> bool:
 
 
 def _side(a: Vector, b: Vector, p: Vector) -> int:
-    return cross((b[0] - a[0], b[1] - a[1]), (p[0] - a[0], p[1] - a[1])).sign()
+    return cross(minus(b, a), minus(p, a)).sign()

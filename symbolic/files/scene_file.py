@@ -26,7 +26,8 @@ from nonsmooth.symbolic.files.toml_bounds import toml_excess
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 __all__ = [

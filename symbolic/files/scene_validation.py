@@ -7,8 +7,8 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
-from nonsmooth.symbolic.files.scene_values import Table, requirement
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.files.scene_values import Table
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 
 Model = TypeVar("Model", bound=Table)
 

@@ -20,8 +20,8 @@ from nonsmooth.symbolic.numbers.measured_angles import choose_angles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.scene import Vector
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
@@ -165,8 +165,3 @@ def short_number(number: Number) -> str:
     """Exact text where it is short, six digits otherwise."""
     text = str(number)
     return text if len(text) <= 24 else f"{float(number):.6g}"
-
-
-def requirement(error: ValueError) -> str:
-    """X of a message ``required X, received Y``."""
-    return str(error).removeprefix("required ").split(", received ")[0]

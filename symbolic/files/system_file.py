@@ -1,4 +1,4 @@
-"""Scene files with a ``[system]`` table: a plain switched system in two states.
+"""Scene files with a ``[system]`` table: a switched system in any number of states.
 
 Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise`.  Whatever is wrong ends in one
 :class:`SceneError`, as for wheel arrays.
@@ -17,12 +17,23 @@ from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, PairField, Table, angles, field_of, requirement
+from nonsmooth.symbolic.files.scene_values import (
+    Exact,
+    ExactField,
+    Numbers,
+    Table,
+    angles,
+    field_of,
+    read_exact,
+)
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import Fact, SceneError
-from nonsmooth.symbolic.system import SystemCheck, SystemScene
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.switched_system import SwitchedSystem, SystemCheck
 
+MAX_STATES = 8
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
 _RESERVED = {*NUMBERS, *SWITCHES}
 
@@ -32,47 +43,58 @@ def is_state(value: object) -> bool:
     return isinstance(value, str) and _STATE.fullmatch(value) is not None and value not in _RESERVED
 
 
-def read_states(value: object) -> tuple[str, str]:
-    """Two different names.
+def read_states(value: object) -> tuple[str, ...]:
+    """One or more different names.
 
     Raises:
         ValueError: for anything else.
     """
-    names = value if isinstance(value, list) and len(value) == 2 else []
+    names = value if isinstance(value, list) else []
     fit = [name for name in names if is_state(name)]
-    if len(set(fit)) != 2:
-        raise ValueError('required two different names such as ["x", "y"] (only planar systems are supported)')
-    return fit[0], fit[1]
+    if not 1 <= len(set(fit)) == len(names) <= MAX_STATES:
+        raise ValueError(f'required 1 to {MAX_STATES} different names such as ["x", "y"]')
+    return tuple(fit)
 
 
-def read_two(value: object) -> tuple[object, object]:
-    """A list of two formulas.
+def read_formulas(value: object) -> tuple[object, ...]:
+    """A list of formulas.
 
     Raises:
         ValueError: for anything else.
     """
-    if not isinstance(value, list) or len(value) != 2:
-        raise ValueError("required two formulas, one for each state")
-    return value[0], value[1]
+    if not isinstance(value, list):
+        raise ValueError("required a list of formulas, one for each state")
+    return tuple(value)
+
+
+def read_numbers(value: object) -> tuple[Exact, ...]:
+    """A list of numbers.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, list):
+        raise ValueError("required a list of numbers, one for each state")
+    return tuple(map(read_exact, value))
 
 
 class SystemTable(Table):
-    """``[system]``: two states and their right-hand sides."""
+    """``[system]``: the states and one right-hand side for each."""
 
-    states: Annotated[tuple[str, str], PlainValidator(read_states)]
-    rhs: Annotated[tuple[object, object], PlainValidator(read_two)]
+    states: Annotated[tuple[str, ...], PlainValidator(read_states)]
+    rhs: Annotated[tuple[object, ...], PlainValidator(read_formulas)]
 
 
 class SystemCheckTable(Table):
-    """``[check]``: the equilibrium, the half-width of the square about it, and a Lyapunov function V."""
+    """``[check]``: the equilibrium, the half-width of the cube about it, and a Lyapunov function V."""
 
-    equilibrium: PairField = (Fraction(0), Fraction(0))
+    equilibrium: Annotated[tuple[Exact, ...] | None, PlainValidator(read_numbers)] = None
     radius: ExactField = Fraction(1, 2)
     lyapunov: object = None
 
 
 class SystemDocument(Table):
-    """A whole scene file of a plain switched system."""
+    """A whole scene file of a switched system."""
 
     name: Name = None
     description: Name = None
@@ -87,7 +109,7 @@ def load_any(
     radius: str | None = None,
     at: str | None = None,
     allow_outside: bool = False,
-) -> Scene | SystemScene:
+) -> Scene | SwitchedSystem:
     """Read a wheel array or a plain switched system, whichever the file holds; arguments as for ``load_scene``.
 
     Raises:
@@ -102,12 +124,12 @@ def load_any(
         return _system(data, file, path)
 
 
-def load_system(source: str | Path, *, radius: str | None = None, at: str | None = None) -> SystemScene:
+def load_system(source: str | Path, *, radius: str | None = None, at: str | None = None) -> SwitchedSystem:
     """Read a plain switched system.
 
     Args:
         source: path of a scene file, or the name of a built-in system.
-        radius: half-width of the checked square that replaces the file's, as text.
+        radius: half-width of the checked cube that replaces the file's, as text.
         at: equilibrium ``x,y`` that replaces the file's, as text.
 
     Raises:
@@ -118,6 +140,18 @@ def load_system(source: str | Path, *, radius: str | None = None, at: str | None
         if "system" not in data:
             raise SceneError(file, "system", "a plain switched system, [system]", Fact("nothing"))
         return _system(data, file, path)
+
+
+def holds_system(source: str | Path) -> bool:
+    """Whether a scene is a plain switched system.
+
+    Raises:
+        SceneError: for a file that cannot be read.
+    """
+    try:
+        return "system" in read_document(source)[0]
+    except RecursionError:
+        return False
 
 
 def system_descriptions() -> dict[str, str]:
@@ -137,31 +171,50 @@ def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -
         raise SceneError(file, key, requirement(error), text) from None
 
 
-def _system(data: dict[str, Any], file: str, path: Path) -> SystemScene:
+def _system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
     document = validate(SystemDocument, data, file)
-    table, check = document.system, document.check
-    first, second = (
-        parse_lyapunov(text, table.states, file, f"system.rhs[{k}]") for k, text in enumerate(table.rhs, 1)
-    )
-    default = " + ".join(f"{name}**2" for name in table.states)
-    lyapunov = parse_lyapunov(
-        default if check.lyapunov is None else check.lyapunov, table.states, file, "check.lyapunov"
-    )
-    turns = [turn for formula in (first, second, lyapunov) for turn in formula.turns()]
+    states, check = document.system.states, document.check
+    _require_one_each(states, document.system.rhs, file, "system.rhs", "formulas")
+    rhs = tuple(parse_lyapunov(text, states, file, f"system.rhs[{k}]") for k, text in enumerate(document.system.rhs, 1))
+    default = " + ".join(f"{name}**2" for name in states)
+    lyapunov = parse_lyapunov(default if check.lyapunov is None else check.lyapunov, states, file, "check.lyapunov")
+    turns = [turn for formula in (*rhs, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
-    x, y = (numbers(value, "check.equilibrium") for value in check.equilibrium)
-    checked = SystemCheck((x, y), numbers.positive(check.radius, "check.radius"), lyapunov, check.lyapunov is None)
-    scene = SystemScene(document.name or path.stem, numbers.field, table.states, (first, second), checked, file)
-    for sign in (1, -1):  # two of the smooth pieces: the rest is looked at where it is used
-        _try_pieces(scene, sign)
-    return scene
+    checked = SystemCheck(
+        _equilibrium(check, states, numbers),
+        numbers.positive(check.radius, "check.radius"),
+        lyapunov,
+        check.lyapunov is None,
+    )
+    system = SwitchedSystem(document.name or path.stem, numbers.field, states, rhs, checked, file)
+    for side in (1, -1):
+        _try_pieces(system, side)
+    return system
 
 
-def _try_pieces(scene: SystemScene, sign: int) -> None:
-    """Refuse formulas that are no polynomials where all inner expressions have one sign."""
-    scene.velocity(lambda _: sign)
-    lyapunov = scene.check.lyapunov
+def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:
+    """The checked point, the origin unless the file names one."""
+    key = "check.equilibrium"
+    values = (Fraction(0),) * len(states) if check.equilibrium is None else check.equilibrium
+    _require_one_each(states, values, numbers.file, key, "numbers")
+    return tuple(numbers(value, key) for value in values)
+
+
+def _require_one_each(states: tuple[str, ...], values: tuple[object, ...], file: str, key: str, kind: str) -> None:
+    if len(values) != len(states):
+        raise SceneError(file, key, f"{len(states)} {kind}, one for each state", Fact(f"{len(values)}"))
+
+
+def _try_pieces(system: SwitchedSystem, side: int) -> None:
+    """Refuse formulas that are no polynomials at one state; the other pieces are looked at where they are used."""
+    state = [Fraction(side * (k * k + 1), k + 2) for k in range(1, len(system.states) + 1)]
+
+    def sign_of(expression: Polynomial) -> int:
+        return expression(state).sign() or side
+
+    system.velocity(sign_of)
+    lyapunov = system.check.lyapunov
     try:
-        scene.potential(lyapunov, lambda _: sign)
+        lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
     except ExpressionError as error:
-        raise SceneError(scene.source, "check.lyapunov", requirement(error), lyapunov.text) from None
+        raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None

@@ -25,7 +25,7 @@ from nonsmooth.symbolic.files.scene_values import (
     read_exact,
     read_pair,
 )
-from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.plane import Vector
 
 Psi: TypeAlias = Callable[[Vector], Vector]
 Speed: TypeAlias = Literal["unit", "magnitude"] | Exact

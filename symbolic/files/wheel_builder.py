@@ -9,7 +9,8 @@ from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, short_number
 from nonsmooth.symbolic.files.velocity_fields import INWARD, Speed
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Friction, Vector, Wheel
+from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.scene import Friction, Wheel
 from nonsmooth.symbolic.scene_error import Fact, SceneError
 
 

@@ -14,9 +14,9 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, Place
-from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact, requirement
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
 
 
 def _heading_cell(text: str) -> Heading:

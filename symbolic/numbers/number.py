@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from flint import arb, ctx, fmpq, fmpz
 
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
+from nonsmooth.symbolic.numbers.printing import latex_sum, number_summands, number_to_sympy, plain_sum
+from nonsmooth.symbolic.numbers.root_masks import bits
 
 if TYPE_CHECKING:
     import sympy
@@ -63,11 +65,6 @@ def _product_units(a: Number, b: Number) -> int:
     """What a product costs, in products of short rationals: by the number of its terms and the length of the first."""
     length = _height(next(iter(a.terms.values()))) + _height(next(iter(b.terms.values())))
     return len(a.terms) * len(b.terms) * a.field.base_degree * (1 + length // _UNIT_BITS)
-
-
-def bits(mask: int) -> list[int]:
-    """Indices of the set bits of a mask, ascending."""
-    return [i for i in range(mask.bit_length()) if mask >> i & 1]
 
 
 class Number(ExactReal):
@@ -310,20 +307,14 @@ class Number(ExactReal):
         return self.field.sqrt(self)
 
     def __str__(self) -> str:
-        from nonsmooth.symbolic.printing import number_text
-
-        return number_text(self)
+        return plain_sum(number_summands(self))
 
     def _repr_latex_(self) -> str:
-        from nonsmooth.symbolic.formulas import number_latex
-
-        return f"${number_latex(self)}$"
+        return f"${latex_sum(number_summands(self))}$"
 
     def __repr__(self) -> str:
         return f"Number({self})"
 
     def to_sympy(self) -> sympy.Expr:
         """The same number as a SymPy expression (square roots and cosines)."""
-        from nonsmooth.symbolic.printing import number_to_sympy
-
         return number_to_sympy(self)

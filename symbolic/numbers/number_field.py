@@ -19,8 +19,10 @@ from fractions import Fraction
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
-from nonsmooth.symbolic.numbers.number import HUGE, Coefficient, Number, Rational, as_fmpq, bits
+from nonsmooth.symbolic.numbers.number import HUGE, Coefficient, Number, Rational, as_fmpq
 from nonsmooth.symbolic.numbers.rational_directions import rational_direction
+from nonsmooth.symbolic.numbers.root_masks import bits
+from nonsmooth.symbolic.numbers.square_roots import square_root
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 
@@ -127,8 +129,6 @@ class NumberField:
         """
         number = self(value)
         if number not in self._square_roots:
-            from nonsmooth.symbolic.numbers.square_roots import square_root
-
             self._square_roots[number] = square_root(self, number)
         return self._square_roots[number]
 

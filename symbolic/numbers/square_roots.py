@@ -14,11 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import count
+from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 
-from nonsmooth.symbolic.numbers.number import Number, as_fmpq, bits
-from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number import Number, as_fmpq
+from nonsmooth.symbolic.numbers.root_masks import bits
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.numbers.number_field import NumberField
 
 _FACTOR_BITS = 128  # longer cofactors are not factored (quadratic sieve takes over a second there)
 _SMOOTH_BITS = 16

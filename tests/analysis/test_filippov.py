@@ -20,15 +20,16 @@ from nonsmooth.analysis.fields.filippov import (
     points_into,
     upper_derivative_at,
 )
-from nonsmooth.analysis.fields.hulls import hull_upper_derivative_at, hull_upper_derivative_on
-from nonsmooth.analysis.fields.sampling import literal_twist, sample_upper_derivative
+from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_at, hull_upper_derivative_on
+from nonsmooth.analysis.minimizers.sampling import literal_twist, sample_upper_derivative
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:

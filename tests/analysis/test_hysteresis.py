@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.smooth_field import affine_surface
-from nonsmooth.analysis.fields.switched_field import array_field
-from nonsmooth.analysis.fields.switching_modes import AnyField
+from nonsmooth.analysis.fields.switched_field import SwitchedField, affine_surface
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories import hysteresis
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 START, UNTIL = (0.4, 0.15, 0.0), 0.5
-Method = Callable[[AnyField, float], Trajectory]
+Method = Callable[[SwitchedField, float], Trajectory]
 METHODS: dict[str, Method] = {
     "adaptive": lambda field, width: simulate_hysteresis(field, START, UNTIL, width),
     "fixed step": lambda field, width: simulate_hysteresis(field, START, UNTIL, width, step=width),
@@ -49,7 +48,7 @@ def error(path: Trajectory, reference: Trajectory) -> float:
 
 
 @pytest.fixture(params=["leading", "exact", "feedback", "plain"])
-def field(request: pytest.FixtureRequest, arrays: Arrays) -> AnyField:
+def field(request: pytest.FixtureRequest, arrays: Arrays) -> SwitchedField:
     if request.param == "plain":
         return relay_system()
     partition = build_nearest_partition(arrays.four_wheel())
@@ -59,7 +58,7 @@ def field(request: pytest.FixtureRequest, arrays: Arrays) -> AnyField:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_errors_shrink_with_the_width(field: AnyField, method: str) -> None:
+def test_errors_shrink_with_the_width(field: SwitchedField, method: str) -> None:
     reference = simulate(field, START, UNTIL)
     for width in (2e-2, 5e-3, 1e-3):
         path = METHODS[method](field, width)

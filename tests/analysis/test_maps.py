@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, square

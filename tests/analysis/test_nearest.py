@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.sampling import literal_twist
+from nonsmooth.analysis.minimizers.sampling import literal_twist
 from nonsmooth.analysis.partitions.nearest import bisector, build_nearest_partition, nearest_states
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.partitions.polygon import Point

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from nonsmooth.analysis.fields.switched_field import ConstantField, piecewise_constant
+from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.analysis.trajectories.result import EndReason

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Polygon, hull_holds_zero, intersection, square
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Polygon, intersection, square
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.plane import hull_holds_zero
 
 Embed: TypeAlias = Callable[[Fraction | int], Any]
 

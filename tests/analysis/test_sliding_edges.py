@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, SwitchingStretch, switching_stretches
-from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EventKind

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.smooth_field import affine_surface
+from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.measurements.slopes import log_slope
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 

@@ -10,11 +10,11 @@ import pytest
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.convex_weights import basic_weights, central_weights
-from nonsmooth.analysis.fields.equations_field import build_sign_field
+from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.guards import find_root
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.equations_file import load_equations
+from nonsmooth.symbolic.files.system_file import load_system
 from tests.analysis.stick_slip import random_stick_slip, reference_events
 
 EVENT_ERROR = 1e-9
@@ -24,7 +24,7 @@ UNTIL = 5.0
 def follow(tmp_path: Path, states: str, rhs: list[str], start: list[float], until: float) -> Trajectory:
     file = tmp_path / "my.toml"
     file.write_text(f"[system]\nstates = {list(states)}\nrhs = {rhs}\n", encoding="utf-8")
-    return simulate(build_sign_field(load_equations(file), start), start, until)
+    return simulate(system_field(load_system(file), start), start, until)
 
 
 def event_times(path: Trajectory) -> list[float]:

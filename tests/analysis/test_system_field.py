@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.fields.switched_field import DIFFERENCE_STEP, Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import builtin_systems
@@ -39,7 +40,7 @@ LITERAL: dict[str, Callable[[float, float], tuple[float, float]]] = {
 def test_modes_are_the_formulas_off_the_surfaces(name: str) -> None:
     field, rng = system_field(load_system(name)), np.random.default_rng(1)
     for x in rng.uniform(-0.5, 0.5, (40, 2)):
-        assert field.flow(field.signs_at(x))(0.0, x) == pytest.approx(LITERAL[name](x[0], x[1]), abs=ROUNDING)
+        assert field.flow(field.mode_at(x))(0.0, x) == pytest.approx(LITERAL[name](x[0], x[1]), abs=ROUNDING)
 
 
 def test_relays_may_ask_for_patterns_without_a_cell() -> None:
@@ -65,3 +66,52 @@ def test_linear_modes_have_none(tmp_path: Path) -> None:
     assert constant_system(load_system("flower")) is None
     (tmp_path / "my.toml").write_text('[system]\nstates = ["x", "y"]\nrhs = ["-sign(x**2 + y**2 - 1)", "0"]\n')
     assert constant_system(load_system(tmp_path / "my.toml")) is not None  # the curve lies outside the square
+
+
+# ---- formulas in any number of states, read as Python would ----
+
+POLYNOMIAL_ROUNDING = 1e-13  # of polynomials of degree three at states of size two
+DIFFERENCE = 1e-8  # of central differences
+
+FORMULAS: list[tuple[list[str], list[str], Callable[[Vector], list[float]]]] = [
+    (["x"], ["-x*sign(x - 1)"], lambda s: [-s[0] * np.sign(s[0] - 1)]),
+    (
+        ["x", "v"],
+        ["v", "-x - Abs(v)*v/2 - sign(x*v)"],
+        lambda s: [s[1], -s[0] - abs(s[1]) * s[1] / 2 - np.sign(s[0] * s[1])],
+    ),
+    (
+        ["x", "y", "z"],
+        ["sign(x + Abs(y - z))", "x*y*z - sqrt(2)*sign(x**2 + y**2 - z)", "3"],
+        lambda s: [
+            np.sign(s[0] + abs(s[1] - s[2])),
+            s[0] * s[1] * s[2] - np.sqrt(2) * np.sign(s[0] ** 2 + s[1] ** 2 - s[2]),
+            3.0,
+        ],
+    ),
+]
+
+
+@pytest.mark.parametrize(("states", "rhs", "value"), FORMULAS)
+def test_the_flow_of_the_mode_at_a_state_is_the_formula(
+    states: list[str], rhs: list[str], value: Callable[[Vector], list[float]], tmp_path: Path
+) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n")
+    field = system_field(load_system(file), [1.0] * len(states))
+    rng = np.random.default_rng(7)
+    for state in rng.uniform(-2, 2, (200, len(states))):
+        found = field.flow(field.mode_at(state))(0.0, state)
+        assert found == pytest.approx(value(state), abs=POLYNOMIAL_ROUNDING)
+        for surface in field.surfaces:
+            for k, slope in enumerate(surface.gradient(state)):
+                step = DIFFERENCE_STEP * np.eye(len(states))[k]
+                change = (surface.value(state + step) - surface.value(state - step)) / (2 * DIFFERENCE_STEP)
+                assert slope == pytest.approx(change, abs=DIFFERENCE)
+
+
+def test_the_size_of_the_states(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text('[system]\nstates = ["x"]\nrhs = ["sign(x)"]\n[check]\nradius = 3\n')
+    equations = load_system(file)
+    assert (system_field(equations, [0.0]).size, system_field(equations, [-5.0]).size) == (3.0, 5.0)

@@ -14,12 +14,12 @@ import pytest
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
 from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.smooth_field import SmoothField, Surface, Vector, affine_surface, smooth_surface
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field, piecewise_constant
+from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface, smooth_surface
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.partitions.polygon import HalfPlane, square
@@ -64,10 +64,10 @@ def quad_system(equation: int) -> SignField:
 
 
 @pytest.fixture(params=["array", "exact array", "array by DOP853", "plain system"])
-def quad(request: pytest.FixtureRequest, arrays: Arrays) -> Callable[[int], ConstantField | SmoothField]:
+def quad(request: pytest.FixtureRequest, arrays: Arrays) -> Callable[[int], SwitchedField]:
     """The four-wheel array with leading-order kinematics, eq. (3) or (4), in four forms."""
 
-    def build(equation: int) -> ConstantField | SmoothField:
+    def build(equation: int) -> SwitchedField:
         friction = ROLL if equation == 4 else SIDE
         partition = build_nearest_partition(arrays.four_wheel(friction, radius=1))
         match request.param:
@@ -81,7 +81,7 @@ def quad(request: pytest.FixtureRequest, arrays: Arrays) -> Callable[[int], Cons
     return build
 
 
-Quad = Callable[[int], ConstantField | SmoothField]
+Quad = Callable[[int], SwitchedField]
 
 
 def test_quad_field_slides_to_the_origin(quad: Quad) -> None:

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.analysis.fields.equations_field import build_sign_field
+from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.equations_file import load_equations
+from nonsmooth.symbolic.files.system_file import load_system
 
 
 def follow(tmp_path: Path, rhs: list[str], start: list[float]) -> Trajectory:
     file = tmp_path / "my.toml"
     states = ["x", "y", "z"][: len(rhs)]
     file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n", encoding="utf-8")
-    return simulate(build_sign_field(load_equations(file), start), start, 1.0)
+    return simulate(system_field(load_system(file), start), start, 1.0)
 
 
 def squeezed(first: str, second: str) -> list[str]:

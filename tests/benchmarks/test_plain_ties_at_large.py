@@ -16,7 +16,7 @@ from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, random_tie
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.system import SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
     from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
@@ -25,7 +25,7 @@ EQUILIBRIA, VERDICTS = 5_000, 300
 FIRST = 10_000  # seeds apart from those of the tests
 
 
-def load(folder: Path, seed: int) -> SystemScene:
+def load(folder: Path, seed: int) -> SwitchedSystem:
     first, second = random_tie(seed).rhs
     file = folder / "tie.toml"
     file.write_text(f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n', encoding="utf-8")

@@ -14,7 +14,7 @@ from nonsmooth.symbolic.files.system_file import load_any
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.system import SystemScene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
     from tests.benchmarks.conftest import Stopwatch
     from tests.conftest import Arrays
 
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.benchmark
 LEAST_ROWS, MINUTES = 30, 5
 
 
-def hold(name: str, scene: Scene | SystemScene, stopwatch: Stopwatch) -> None:
+def hold(name: str, scene: Scene | SwitchedSystem, stopwatch: Stopwatch) -> None:
     start = time.perf_counter()
     rows = measure(scene, CASES).rows
     seconds = time.perf_counter() - start

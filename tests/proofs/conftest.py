@@ -9,16 +9,16 @@ from typing import TypeAlias
 import pytest
 
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-Load: TypeAlias = Callable[..., SystemScene]
+Load: TypeAlias = Callable[..., SwitchedSystem]
 
 
 @pytest.fixture
 def load(tmp_path: Path) -> Load:
     """A system from its right-hand sides; further keys of [check] as TOML values."""
 
-    def load_system_text(first: str, second: str, **check: str) -> SystemScene:
+    def load_system_text(first: str, second: str, **check: str) -> SwitchedSystem:
         keys = "".join(f"{key} = {value}\n" for key, value in check.items())
         text = f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n[check]\n{keys}'
         (tmp_path / "my.toml").write_text(text, encoding="utf-8")

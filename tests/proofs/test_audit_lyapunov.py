@@ -23,7 +23,7 @@ from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -33,7 +33,7 @@ DECREASING = [11, 13, 17, 19, 28, 29, 33, 43]  # random arrays on which the rand
 BESIDE = 1e-9  # how far outside a cell a witness on its side may be rounded (length)
 
 
-def audited(scene: Scene | SystemScene, lyapunov: str) -> AuditResult:
+def audited(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
     result = audit(scene, lyapunov)
     assert result.check()
     assert (result.witness is None) == (result.verdict is not AuditVerdict.INVALID)

@@ -16,15 +16,15 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
+from nonsmooth.proofs.inequalities.ladder import Interval, ladder_at
 from nonsmooth.proofs.inequalities.strata import Part, derivatives_at
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
-from nonsmooth.proofs.systems.ladder import Interval, ladder_at
 from nonsmooth.proofs.systems.system_stability import plane_cells, system_check
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -37,11 +37,11 @@ Vector: TypeAlias = tuple[int, int]
 Bounds: TypeAlias = tuple[float, float] | None
 
 
-def cells_of(scene: SystemScene, lyapunov: str) -> tuple[LyapunovCell, ...]:
+def cells_of(scene: SwitchedSystem, lyapunov: str) -> tuple[LyapunovCell, ...]:
     return lyapunov_cells(plane_cells(scene), parse_piecewise(lyapunov, scene.states), scene.states, "test")
 
 
-def examined(scene: SystemScene, lyapunov: str) -> LyapunovResult:
+def examined(scene: SwitchedSystem, lyapunov: str) -> LyapunovResult:
     result = examine(cells_of(scene, lyapunov))
     assert result.check()
     return result

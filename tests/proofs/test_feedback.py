@@ -23,7 +23,8 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Friction, Scene, dot, turned
+from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.scene import Friction, Scene
 from tests.conftest import HALF, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
 

@@ -18,7 +18,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.system import PLANE
+from nonsmooth.symbolic.switched_system import PLANE
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load

@@ -13,7 +13,8 @@ import pytest
 from nonsmooth.analysis.fields.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Vector, Wheel
+from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
 from tests.clauses import drift, verdicts
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -14,12 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.analysis.fields.switched_cells import plane, square_regions, system_cells, velocities_at
-from nonsmooth.analysis.fields.switching_patterns import build_switched_system
-from nonsmooth.analysis.partitions.polygon import hull_holds_zero
-from nonsmooth.proofs.clauses.translation.ray_moves import RayKind, decide_constant_fan
+from nonsmooth.analysis.fields.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
+from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.ladder import Interval
+from nonsmooth.proofs.systems.lyapunov_audit import audit
+from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import Method, SystemResult, plane_cells, system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.expression import ExpressionError
@@ -28,11 +28,12 @@ from nonsmooth.symbolic.files.system_file import load_any, load_system, system_d
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.plane import hull_holds_zero
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
-from nonsmooth.symbolic.system import PLANE, SystemScene
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 RANDOM = settings(max_examples=60)
 
 
-def float_field(scene: SystemScene, x: float, y: float) -> tuple[float, float]:
+def float_field(scene: SwitchedSystem, x: float, y: float) -> tuple[float, float]:
     """The right-hand side in floats, by Python's own evaluation of the trusted test text."""
     names: dict[str, Any] = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt, scene.states[0]: x, scene.states[1]: y}
     first, second = (eval(f.text, {"__builtins__": {}}, names) for f in scene.rhs)  # noqa: S307 - texts of this test
@@ -211,13 +212,13 @@ def test_defaults_and_displacement(load: Load) -> None:
     assert scene.check.lyapunov.text == "x**2 + y**2"
     assert [str(p) for p in scene.velocity(lambda _: 1)] == ["-x + 1", "-y"]
     moved = load("-x + 1", "-y", equilibrium="[1, 0]")
-    assert [str(p) for p in moved.velocity(lambda _: 1)] == ["-x", "-y"]
+    assert [str(p) for p in moved.velocity(lambda _: 1, moved.displaced(PLANE))] == ["-x", "-y"]
 
 
 def test_arrays_and_systems_are_told_apart(tmp_path: Path) -> None:
     assert isinstance(load_any("four-wheel", radius="1/3"), Scene)
     system = load_any("flower", radius="1/3", at="1,2")
-    assert isinstance(system, SystemScene)
+    assert isinstance(system, SwitchedSystem)
     assert system.check.radius == Fraction(1, 3)
     assert system.check.equilibrium[1] == 2
     with pytest.raises(SceneError, match="an array of wheels"):
@@ -241,13 +242,11 @@ def test_names_and_descriptions_of_built_in_systems() -> None:
 
 
 MALFORMED = [
-    ('[system]\nstates = ["x"]\nrhs = ["x"]', "system.states", "two different names"),
-    ('[system]\nstates = ["x", "x"]\nrhs = ["x", "x"]', "system.states", "two different names"),
-    ('[system]\nstates = ["x", "y", "theta"]\nrhs = ["x", "y", "0"]', "system.states", "planar"),
-    ('[system]\nstates = ["sign", "y"]\nrhs = ["1", "y"]', "system.states", "two different names"),
-    ('[system]\nstates = ["x", "1y"]\nrhs = ["1", "1"]', "system.states", "two different names"),
-    ('[system]\nstates = ["x", "y"]\nrhs = ["x"]', "system.rhs", "two formulas"),
-    ('[system]\nstates = ["x", "y"]\nrhs = "x"', "system.rhs", "two formulas"),
+    ('[system]\nstates = ["x", "x"]\nrhs = ["x", "x"]', "system.states", "1 to 8 different names"),
+    ('[system]\nstates = ["sign", "y"]\nrhs = ["1", "y"]', "system.states", "1 to 8 different names"),
+    ('[system]\nstates = ["x", "1y"]\nrhs = ["1", "1"]', "system.states", "1 to 8 different names"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x"]', "system.rhs", "2 formulas, one for each state"),
+    ('[system]\nstates = ["x", "y"]\nrhs = "x"', "system.rhs", "formulas, one for each state"),
     ('[system]\nstates = ["x", "y"]', "system.rhs", "a value"),
     ('[system]\nrhs = ["x", "y"]', "system.states", "a value"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\nmodes = 2', "system.modes", "states, rhs"),
@@ -260,7 +259,7 @@ MALFORMED = [
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nlyapunov = "x**2 + z"', "check.lyapunov", "required"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nlyapunov = "x/y"', "check.lyapunov", "polynomials"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nradius = 0', "check.radius", "positive"),
-    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nequilibrium = 1', "check.equilibrium", "two numbers"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nequilibrium = 1', "check.equilibrium", "one for each"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[friction]\nmu_roll = 1', "friction", "one of the keys"),
 ]  # fmt: skip
 
@@ -274,6 +273,17 @@ def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> N
     assert line.isprintable()
     assert f"my.toml: {key}: required" in line
     assert words in line
+
+
+@pytest.mark.parametrize("states", [["x"], ["x", "y", "theta"]])
+@pytest.mark.parametrize("decide", [system_check, lambda system: audit(system, "x**2")])
+def test_stability_is_decided_for_two_states(
+    tmp_path: Path, states: list[str], decide: Callable[[SwitchedSystem], object]
+) -> None:
+    text = f"[system]\nstates = {states}\nrhs = {states}"
+    (tmp_path / "my.toml").write_text(text.replace("'", '"'), encoding="utf-8")
+    with pytest.raises(SceneError, match=r"my\.toml: system\.states: required two states .*planar"):
+        decide(load_system(tmp_path / "my.toml"))
 
 
 def test_a_division_by_zero_on_some_cell_only(load: Load) -> None:
@@ -292,7 +302,7 @@ def test_too_many_surfaces(load: Load) -> None:
 # ---- verdicts ----------------------------------------------------------------------------------
 
 
-def verdict(scene: SystemScene) -> SystemResult:
+def verdict(scene: SwitchedSystem) -> SystemResult:
     result = system_check(scene)
     assert result.check()
     return result
@@ -384,7 +394,7 @@ def test_the_flower_needs_a_piecewise_quadratic() -> None:
     assert len({str(cell.potential) for cell in result.certificate.cells}) > 1
 
 
-def simulated_distance(scene: SystemScene, start: tuple[float, float], time: float, steps: int) -> float:
+def simulated_distance(scene: SwitchedSystem, start: tuple[float, float], time: float, steps: int) -> float:
     """Distance from the origin at the end, by Euler's method (it chatters along sliding surfaces)."""
     x, y = start
     for _ in range(steps):
@@ -426,20 +436,20 @@ def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: 
 def test_modes_by_sign_pattern(name: str) -> None:
     """Only patterns that occur are kept, and at random points each gives the field of the formulas."""
     scene = load_system(name)
-    system = build_switched_system(scene)
+    surfaces, modes = fields_by_signs(scene)
     expected = {"eq-3": 8, "eq-4": 8, "flower": 4, "escaping-slide": 2, "line-of-equilibria": 2}
-    assert len(system.modes) == expected.get(name, 4)
+    assert len(modes) == expected.get(name, 4)
     rng = np.random.default_rng(9)
     for x, y in rng.normal(size=(40, 2)):
         point = (scene.field(Fraction(x)), scene.field(Fraction(y)))
-        f, g = system.modes[tuple(surface(point).sign() for surface in system.surfaces)]
+        f, g = modes[tuple(surface(point).sign() for surface in surfaces)]
         assert (float(f(point)), float(g(point))) == pytest.approx(float_field(scene, x, y), abs=1e-12)
 
 
 def test_patterns_that_no_point_has_are_left_out(load: Load) -> None:
-    system = build_switched_system(load("-sign(x - 1)*sign(x + 1)", "-sign(y)*sign(x**2 + y**2 + 1)"))
-    assert {str(surface) for surface in system.surfaces} >= {"x - 1", "x + 1", "y"}
-    assert len(system.modes) == 6  # not x < -1 and x > 1
+    surfaces, modes = fields_by_signs(load("-sign(x - 1)*sign(x + 1)", "-sign(y)*sign(x**2 + y**2 + 1)"))
+    assert {str(surface) for surface in surfaces} >= {"x - 1", "x + 1", "y"}
+    assert len(modes) == 6  # not x < -1 and x > 1
 
 
 # ---- results that claim more than they show -------------------------------------------------------

@@ -19,7 +19,8 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, dec
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.scene import Scene, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS, ROLL, SIDE
 
 if TYPE_CHECKING:

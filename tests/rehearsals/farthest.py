@@ -9,7 +9,7 @@ import numpy as np
 
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.fields.sampling import greedy_twist
+from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.analysis.partitions.nearest import bisector, greedy_states
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Polygon, square

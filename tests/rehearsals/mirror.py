@@ -11,7 +11,8 @@ from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, number_fact
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.symbolic.scene import Scene, Vector, dot
+from nonsmooth.symbolic.plane import Vector, dot
+from nonsmooth.symbolic.scene import Scene
 
 
 class Mirror(StrEnum):

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.contact_rule import all_rules
+from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.partitions.agreement import compare_rules
+from nonsmooth.analysis.minimizers.agreement import compare_rules
 from nonsmooth.reports.agreement_views import agreement_map, agreement_record
 from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.symbolic.files.scene_file import load_scene

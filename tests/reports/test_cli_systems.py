@@ -86,6 +86,26 @@ def test_the_function_of_the_scene_is_audited_unless_one_is_given(
     assert (given.status, given.record["V"]) == (1, other)
 
 
+@pytest.mark.parametrize("command", [["check"], ["audit", "--lyapunov", "a**2 + b**2 + c**2"], ["stress"]])
+def test_three_states_are_followed_but_not_judged(invoke: Invoke, tmp_path: Path, command: list[str]) -> None:
+    scene = tmp_path / "three.toml"
+    scene.write_text('[system]\nstates = ["a", "b", "c"]\nrhs = ["-sign(a)", "-b", "-c"]\n', encoding="utf-8")
+    assert invoke("simulate", str(scene), "--from=1,1,1", "--json").record["states"] == ["a", "b", "c"]
+    refused = invoke(command[0], str(scene), *command[1:])
+    assert (refused.status, refused.out) == (BAD_INPUT, "")
+    assert "three.toml: system.states: required two states" in refused.err
+    assert refused.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("check", ["equilibrium = [0]", 'lyapunov = "1/x"', "radius = -1"])
+def test_a_broken_check_is_refused_by_every_command(invoke: Invoke, tmp_path: Path, check: str) -> None:
+    scene = tmp_path / "my.toml"
+    scene.write_text(f'[system]\nstates = ["x", "y"]\nrhs = ["-x", "-y"]\n[check]\n{check}\n', encoding="utf-8")
+    messages = {invoke(*command).err for command in (["check", str(scene)], ["simulate", str(scene), "--from=1,1"])}
+    assert len(messages) == 1
+    assert f"check.{check.split(maxsplit=1)[0]}: required" in messages.pop()
+
+
 def test_no_function_at_all_is_refused(tmp_path: Path, invoke: Invoke) -> None:
     path = tmp_path / "scene.toml"
     for scene in (WHEELS, SYSTEM):

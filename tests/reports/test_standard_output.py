@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.symbolic.scene import Vector
+from nonsmooth.symbolic.plane import Vector
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

@@ -12,7 +12,8 @@ import pytest
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.symbolic.constraints import Twist, outer, scene_rows, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
 
 HALF = Fraction(1, 2)

@@ -13,7 +13,8 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.measured_angles import MOST_DEGREE, angle_notes, choose_angles, degree_of
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS, rational_direction, simplest_between
-from nonsmooth.symbolic.scene import Scene, dot
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene
 
 DEGREE = Fraction(1, 180)
 DIGITS = 40

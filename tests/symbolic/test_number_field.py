@@ -14,8 +14,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from nonsmooth.symbolic.numbers.number import Number, bits
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from nonsmooth.symbolic.numbers.root_masks import bits
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 RANDOM = settings(max_examples=60)

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Scene
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'
 TWO = "[[wheel]]\nposition = [1, 0]\n[[wheel]]\nposition = [0, 2]\n"

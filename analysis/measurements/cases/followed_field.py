@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.smooth_field import SURFACE_SLACK
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.measurements.references.reference_fields import (
     ReferenceField,
@@ -25,7 +25,7 @@ from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.smooth import onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 START = (0.6171, 0.3443)  # in units of the square's half-width: a place of no symmetry
 HEADING = 0.1  # start of theta
@@ -110,9 +110,9 @@ def cells_of(scene: Scene) -> Partition | RefusalError:
         return refusal
 
 
-def followed_fields(scene: Scene | SystemScene, kinematics: Kinematics) -> tuple[FollowedField, ...]:
+def followed_fields(scene: Scene | SwitchedSystem, kinematics: Kinematics) -> tuple[FollowedField, ...]:
     """The field of a scene; none where a contact rule has no cells, which the case of scales says once."""
-    if isinstance(scene, SystemScene):
+    if isinstance(scene, SwitchedSystem):
         return (followed_system(scene),)
     cells = cells_of(scene)
     return () if isinstance(cells, RefusalError) else (followed_array(cells, kinematics),)
@@ -126,9 +126,9 @@ def followed_array(partition: Partition, kinematics: Kinematics) -> FollowedFiel
     return FollowedField(field, array_reference(partition, kinematics), radius, (float(x), float(y)), field.cells.slack)
 
 
-def followed_system(scene: SystemScene) -> FollowedField:
+def followed_system(scene: SwitchedSystem) -> FollowedField:
     """A plain system, followed by the general integrator."""
-    field, radius = system_field(scene), float(scene.check.radius)
+    field, radius = system_field(scene, centred=True), float(scene.check.radius)
     return FollowedField(field, system_reference(scene), radius, (0.0, 0.0), SURFACE_SLACK * radius)
 
 

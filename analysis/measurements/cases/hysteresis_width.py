@@ -15,7 +15,7 @@ from nonsmooth.analysis.trajectories.hysteresis import RELATIVE_TOLERANCE, simul
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 CASE = "hysteresis width"
 WIDTHS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9)  # in half-widths of the square
@@ -63,7 +63,7 @@ def _surface_start(followed: FollowedField) -> tuple[float, ...]:
     return followed.place(*START)
 
 
-def _scene_rows(scene: Scene | SystemScene) -> Rows:
+def _scene_rows(scene: Scene | SwitchedSystem) -> Rows:
     for followed in followed_fields(scene, Kinematics.EXACT):
         yield from hysteresis_rows(followed)
 

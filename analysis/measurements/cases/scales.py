@@ -23,7 +23,7 @@ from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten
 OFFSETS = (3, 6, 9)  # powers of ten, in units of length
@@ -44,7 +44,7 @@ def array_scale_rows(scene: Scene) -> Rows:
     yield outside_row(followed_array(cells, Kinematics.LEADING))
 
 
-def system_scale_rows(scene: SystemScene) -> Rows:
+def system_scale_rows(scene: SwitchedSystem) -> Rows:
     """A plain system in other units of length and of time."""
     for power in POWERS:
         yield _row(

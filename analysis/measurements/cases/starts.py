@@ -18,7 +18,7 @@ from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asser
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DISTANCES = (1e-9, 1e-12)  # in half-widths
 ANGLES = (0.3, 1.9, 3.7, 5.1)  # directions from the checked point, radians
@@ -69,7 +69,7 @@ def _array_rows(scene: Scene) -> Rows:
             yield from start_rows(followed, case)
 
 
-def _system_rows(scene: SystemScene) -> Rows:
+def _system_rows(scene: SwitchedSystem) -> Rows:
     return start_rows(followed_system(scene), "start")
 
 

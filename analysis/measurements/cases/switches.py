@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField, Flow
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.cases.followed_field import START, FollowedField, followed_fields
 from nonsmooth.analysis.measurements.harness import Case
@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SPIRAL, LONG = "spiral of many switches", "path followed for long"
 LOSSES = (1e-3, 1e-5, 1e-8, 1e-11)  # share of the distance lost per turn
@@ -125,9 +125,9 @@ def _turn_at_60_digits(field: ConstantField, rays: Sequence[Ray], distance: floa
         return (s / distance).mid(), time.mid()
 
 
-def _scene_rows(scene: Scene | SystemScene) -> Rows:
+def _scene_rows(scene: Scene | SwitchedSystem) -> Rows:
     for followed in followed_fields(scene, Kinematics.LEADING):
-        field = constant_system(scene) if isinstance(scene, SystemScene) else followed.field
+        field = constant_system(scene) if isinstance(scene, SwitchedSystem) else followed.field
         if isinstance(field, ConstantField):
             yield from spiral_rows(field)
         yield from long_rows(followed)

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
-from nonsmooth.analysis.fields.switching_patterns import build_switched_system
+from nonsmooth.analysis.fields.switched_cells import fields_by_signs
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.references.taylor import (
     Form,
@@ -29,7 +29,7 @@ from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.system import SystemScene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 def ball(number: Any) -> Any:
@@ -78,14 +78,14 @@ def gradient_reference(partition: Partition, gain: float) -> ReferenceField:
         return ReferenceField(_with_sides(partition, laws))
 
 
-def system_reference(scene: SystemScene) -> ReferenceField:
+def system_reference(scene: SwitchedSystem) -> ReferenceField:
     """The modes of a plain system, each bounded by every surface."""
-    system = build_switched_system(scene)
+    surfaces, modes = fields_by_signs(scene)
     pieces = []
     with precision():
-        surfaces = [polynomial_form(surface) for surface in system.surfaces]
-        for signs, velocity in system.modes.items():
-            sides = tuple(_signed(surface, sign) for surface, sign in zip(surfaces, signs, strict=True))
+        forms = [polynomial_form(surface) for surface in surfaces]
+        for signs, velocity in modes.items():
+            sides = tuple(_signed(surface, sign) for surface, sign in zip(forms, signs, strict=True))
             pieces.append(ReferencePiece(sides, _both(*map(polynomial_form, velocity))))
     return ReferenceField(tuple(pieces), constant_system(scene, exact=True))
 

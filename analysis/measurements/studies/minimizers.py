@@ -32,9 +32,9 @@ from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solve
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.symbolic.scene import Scene
 
 Entrant = tuple[str, float | None, Minimizer]  # method, tolerance, minimizer

@@ -21,9 +21,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
-from nonsmooth.analysis.fields.smooth_field import Member, Vector, Velocity
-from nonsmooth.analysis.fields.switched_field import ConstantField
-from nonsmooth.analysis.fields.switching_modes import CellModes
+from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.polygon_field import PolygonField
+from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_paths import ExactPath, reference_paths
@@ -102,11 +102,10 @@ def _entrants(field: ConstantField, radius: float) -> Iterator[tuple[str, Follow
         yield "hysteresis", partial(_by_hysteresis, smooth, width), "width", width
     for width in (share * radius for share in WIDTHS):
         yield "smoothed", partial(_by_smoothing, smooth, width), "width", width
-    modes = CellModes(smooth)
     for name in SOLVERS:
         for tolerance in TOLERANCES:
             both = (tolerance, tolerance * radius)
-            yield name, partial(follow_without_events, modes, name, both), "tolerance", tolerance
+            yield name, partial(follow_without_events, field, name, both), "tolerance", tolerance
 
 
 def _follow_all(follow: Follow, paths: Sequence[ExactPath], clock: Clock) -> list[Followed]:
@@ -152,12 +151,12 @@ def _by_smoothing(field: CellwiseField, width: float, path: ExactPath, clock: Cl
 
 
 def follow_without_events(
-    modes: CellModes, method: str, tolerances: tuple[float, float], path: ExactPath, clock: Clock
+    field: PolygonField, method: str, tolerances: tuple[float, float], path: ExactPath, clock: Clock
 ) -> Followed:
     """SciPy's ``solve_ivp`` on the field as it stands, jumps and all.
 
     Args:
-        modes: the cells; outside the domain the nearest one rules.
+        field: the field; outside the domain the nearest one rules.
         method: a method of ``solve_ivp``.
         tolerances: relative and absolute.
         path: where to start and when to end.
@@ -169,7 +168,7 @@ def follow_without_events(
 
     def velocity(t: float, x: Vector) -> Vector:
         clock.check()
-        return modes.velocity(modes.nearest(x))(t, x)
+        return field.velocity(field.nearest_mode(x))(t, x)
 
     with np.errstate(all="ignore"):  # the implicit methods difference the field across its jumps
         found = solve_ivp(velocity, (0.0, path.until), path.start, method, rtol=tolerances[0], atol=tolerances[1])

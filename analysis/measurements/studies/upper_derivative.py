@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.fields.filippov import cell_derivatives
-from nonsmooth.analysis.fields.hulls import hull_upper_derivative_on
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
+from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_on
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import Partition, RefusalError

@@ -6,7 +6,6 @@ is whether the origin lies in the convex hull of finitely many plane vectors: an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
@@ -16,7 +15,7 @@ from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Vector, cross, dot
+from nonsmooth.symbolic.plane import Vector, dot, separating_direction
 
 
 @dataclass(frozen=True)
@@ -71,25 +70,3 @@ def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     if mixture is not None:
         return EquilibriumResult(Equilibrium.HOLDS, twists, mixture.weights, None)
     return EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction([t.velocity for t in twists]))
-
-
-def separating_direction(velocities: Sequence[Vector]) -> Vector:
-    """A vector with positive product against every velocity, for velocities in an open half-plane.
-
-    With first and last velocity in the counterclockwise order, ``J first - J last`` serves.
-
-    Raises:
-        ValueError: if the velocities do not lie in an open half-plane.
-    """
-    first = last = velocities[0]
-    for v in velocities:
-        if cross(first, v).sign() < 0:
-            first = v
-        if cross(last, v).sign() > 0:
-            last = v
-    direction = (last[1] - first[1], first[0] - last[0])
-    if not cross(first, last):
-        direction = first
-    if any(dot(direction, v).sign() <= 0 for v in velocities):
-        raise ValueError("required velocities in an open half-plane")
-    return direction

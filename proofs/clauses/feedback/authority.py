@@ -12,7 +12,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from nonsmooth.symbolic.constraints import Triple, complement, independent, inner
-from nonsmooth.symbolic.scene import Scene, Wheel, dot, turned
+from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 
 @dataclass(frozen=True)

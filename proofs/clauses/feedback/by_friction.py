@@ -14,7 +14,7 @@ With ``V = |c|^2 + theta^2`` one has ``V'/2 = g . xi``, ``g = (c, theta)``, unde
 
 Between the two stand, under rule ``box``, an exact balance of frictions at c* (a slope of D that vanishes there), and
 under rule ``ellipse`` twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
-(:mod:`nonsmooth.analysis.fields.closed_loop`); samples decide nothing.
+(:mod:`nonsmooth.analysis.minimizers.closed_loop`); samples decide nothing.
 """
 
 from __future__ import annotations
@@ -49,10 +49,11 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.closed_loop import LoopSample
+    from nonsmooth.analysis.minimizers.closed_loop import LoopSample
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
 ENOUGH = 60  # candidates beyond which three firm independent twists end the search: a better rate is not sought
@@ -148,8 +149,8 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
 
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The same with two laws of the field sampled in the checked square of the centred scene."""
-    from nonsmooth.analysis.fields.closed_loop import Law, LoopSample, sample_closed_loop
     from nonsmooth.analysis.fields.contact_model import contact_model
+    from nonsmooth.analysis.minimizers.closed_loop import Law, LoopSample, sample_closed_loop
     from nonsmooth.analysis.minimizers.proved import free_motions
 
     functional = rule_of(scene).functional

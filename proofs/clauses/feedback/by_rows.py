@@ -40,7 +40,8 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.formulas import brief_text
-from nonsmooth.symbolic.scene import Wheel, dot, turned
+from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.scene import Wheel
 
 LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
 SHAPED_LAW = (

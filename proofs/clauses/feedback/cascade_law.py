@@ -32,7 +32,8 @@ from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_cones, sl
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import Wheel, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Wheel
 
 LAW = (
     "u_w = d_w . (v + omega J p_w) for w = i, j with omega = -k theta, v = k |c| e - (n_i . J p_i) omega n_i, "

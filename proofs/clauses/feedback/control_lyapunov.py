@@ -25,7 +25,7 @@ from nonsmooth.proofs.clauses.translation.decrease_region import squared_distanc
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, shaped
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Vector, dot, turned
+from nonsmooth.symbolic.plane import Vector, dot, turned
 
 Shape: TypeAlias = tuple[Fraction, Fraction]
 

@@ -37,7 +37,7 @@ from nonsmooth.proofs.clauses.translation.quadratic import root_above
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot
 
 DIGITS = 4  # significant digits of the certified rate
 _BISECTIONS = 60

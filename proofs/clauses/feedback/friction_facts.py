@@ -13,7 +13,7 @@ from nonsmooth.symbolic.formulas import lower_text
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.closed_loop import LoopSample
+    from nonsmooth.analysis.minimizers.closed_loop import LoopSample
 
 ROUNDING = 1e-12  # of a sampled V'/V at gain one: less is noise
 

@@ -14,7 +14,8 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Wheel, dot, turned
+from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.scene import Wheel
 
 
 @dataclass(frozen=True)

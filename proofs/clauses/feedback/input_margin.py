@@ -39,7 +39,8 @@ from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Wheel, cross, dot, turned
+from nonsmooth.symbolic.plane import cross, dot, turned
+from nonsmooth.symbolic.scene import Wheel
 
 DIGITS = 10**4  # denominator of a rational lower bound
 NO_COMMON = "no common input lowers V in both cells at this c and theta (read c as a direction)"

@@ -20,7 +20,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot
 
 DIGITS = 4  # significant digits of a level
 NEXT_BELOW = 1 - Fraction(1, 10 ** (DIGITS - 1))  # next try where rounding made a level too large

@@ -37,7 +37,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.feedback.level_region import DIGITS, NEXT_BELOW, ball_of, fills, is_above, segments
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import dot, turned
+from nonsmooth.symbolic.plane import dot, turned
 
 _STEPS = 80  # proposals for x_0 and for q
 _TOPS = (-4.0, -0.3)  # decimal exponents of x_0

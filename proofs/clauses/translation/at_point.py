@@ -17,7 +17,7 @@ from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.sampling import SampledDerivative
+    from nonsmooth.analysis.minimizers.sampling import SampledDerivative
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def decide_translation_at(
     """
     sampled = None
     if samples and (lemma is None or always):
-        from nonsmooth.analysis.fields.sampling import sample_ellipse_derivative
+        from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
 
         sampled = sample_ellipse_derivative(point.scene, samples)
     return EllipseTranslation(point, lemma, sampled)

@@ -20,7 +20,7 @@ from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.support import limiting_support
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot
 
 Floats: TypeAlias = tuple[float, float]
 State: TypeAlias = tuple[int, int]  # position of a cell, and of a state in it

@@ -16,7 +16,7 @@ from nonsmooth.proofs.facts import Fact, Quantity, number_fact, said
 from nonsmooth.proofs.verdicts import Theorem4, Translation
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.sampling import SampledDerivative
+    from nonsmooth.analysis.minimizers.sampling import SampledDerivative
     from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 AnyTranslation: TypeAlias = TranslationResult | EllipseTranslation

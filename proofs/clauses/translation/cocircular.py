@@ -15,7 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True)

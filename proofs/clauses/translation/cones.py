@@ -10,7 +10,7 @@ from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from nonsmooth.analysis.fields.filippov import CellDerivative
 from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.enclosures import rational_below, square_root
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 
 def region_radius(

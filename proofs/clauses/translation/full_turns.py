@@ -36,7 +36,7 @@ from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 
 class Growth(Enum):

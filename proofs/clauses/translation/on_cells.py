@@ -36,7 +36,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot
 
 LYAPUNOV = "x**2 + y**2"
 

@@ -22,7 +22,7 @@ from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Vector, dot
+from nonsmooth.symbolic.plane import Vector, dot
 
 DENOMINATOR = 2**12  # of the rounded a and b
 _DECAY_STEPS = 40

@@ -12,7 +12,7 @@ from nonsmooth.reports.document import Block, Code, Entry, display, number, tabl
 from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import dot, turned
+from nonsmooth.symbolic.plane import dot, turned
 
 
 @dataclass(frozen=True)

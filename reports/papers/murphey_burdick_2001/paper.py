@@ -21,7 +21,8 @@ from nonsmooth.reports.papers.murphey_burdick_2001.stability import audit_rotati
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene, cross, dot
+from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.scene import Scene
 
 PAPER = "Murphey and Burdick, On the Stability and Design of Distributed Manipulation Control Systems (2001)"
 

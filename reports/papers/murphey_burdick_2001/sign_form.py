@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 from nonsmooth.symbolic.formulas import Formula, number_latex
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Terms, multiply_terms
-from nonsmooth.symbolic.printing import number_summands
+from nonsmooth.symbolic.numbers.printing import number_summands
 
 MOST_FACTORS = 6  # 2^6 products make 2016 pairs
 

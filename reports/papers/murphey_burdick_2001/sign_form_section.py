@@ -9,7 +9,7 @@ from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import cross
+from nonsmooth.symbolic.plane import cross
 
 _LEFT = (("v_x", "v_x"), ("v_y", "v_y"), ("omega", r"\omega"))
 

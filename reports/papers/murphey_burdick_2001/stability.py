@@ -18,7 +18,7 @@ from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
     rate_of_section_3_2,
 )
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot
 
 if TYPE_CHECKING:
     import sympy

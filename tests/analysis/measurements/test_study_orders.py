@@ -14,10 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.cellwise_field import smooth_form
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import ConstantField, array_field
-from nonsmooth.analysis.fields.switching_modes import CellModes
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Plan
 from nonsmooth.analysis.measurements.references.reference_paths import ExactPath
@@ -87,10 +85,10 @@ def test_a_step_across_a_switch_errs_by_the_tolerance(method: str) -> None:
     starts = np.random.default_rng(0).uniform(-0.45, 0.45, (120, 2)).tolist()
     paths = [path for x, y in starts if (path := crossing_path(field, (x, y, 0.0))) is not None][:30]
     assert len(paths) == 30
-    modes, tolerances = CellModes(smooth_form(field)), [10.0**-k for k in range(3, 9)]
+    tolerances = [10.0**-k for k in range(3, 9)]
     means = []
     for tolerance in tolerances:
-        followed = [follow_without_events(modes, method, (tolerance,) * 2, p, Clock(SECONDS)) for p in paths]
+        followed = [follow_without_events(field, method, (tolerance,) * 2, p, Clock(SECONDS)) for p in paths]
         errors = [p.error_at(f.times[-1], f.states[-1]) for p, f in zip(paths, followed, strict=True)]
         means.append(math.exp(float(np.mean(np.log(errors)))))
     assert log_slope(tolerances, means) == pytest.approx(1, abs=WITHIN)

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import pytest
 
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import array_field
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.references.reference_fields import (
     array_reference,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import fmpq
 
-from nonsmooth.symbolic.numbers.number import bits
+from nonsmooth.symbolic.numbers.root_masks import bits
 
 if TYPE_CHECKING:
     import sympy
@@ -79,13 +79,11 @@ def latex_sum(summands: Iterable[Summand]) -> str:
     return "".join(signed(s, s.latex, first=not k) for k, s in enumerate(summands)) or "0"
 
 
-def number_text(number: Number) -> str:
-    """Plain text that :mod:`nonsmooth.symbolic.expression` reads back to the same number."""
-    return plain_sum(number_summands(number))
-
-
 def number_summands(number: Number) -> list[Summand]:
-    """The number as signed products of a rational, at most one cosine, and square roots."""
+    """The number as signed products of a rational, at most one cosine, and square roots.
+
+    Their plain sum is text that :mod:`nonsmooth.symbolic.expression` reads back to the same number.
+    """
     parts: list[Summand] = []
     for mask in _ordered_masks(number):
         plain_roots, latex_roots = _roots(number, mask)

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, cell_rules
+from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.point_location import PointLocator
 from nonsmooth.analysis.partitions.polygon import Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy

@@ -15,7 +15,7 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, Velocity, velocities_at
+from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, by_angle
 from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_cones
@@ -23,14 +23,14 @@ from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
+from nonsmooth.proofs.inequalities.ladder import mixtures
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
-from nonsmooth.proofs.systems.ladder import mixtures
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.scene import dot
+from nonsmooth.symbolic.plane import dot, turned
 
 
 class RayKind(StrEnum):
@@ -98,7 +98,7 @@ def resting_edges(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
                 yield RayMove(RayKind.REST, ray, ray[0] - ray[0])
 
 
-def _rests_along(first: Velocity, second: Velocity, ray: Point) -> bool:
+def _rests_along(first: PlaneField, second: PlaneField, ray: Point) -> bool:
     """Whether two fields are opposed, or one vanishes, at all points ``t ray`` with small t > 0."""
     x, y = ray
     t = Polynomial.variable(first[0].field, ("t",), "t")
@@ -111,7 +111,7 @@ def _rests_along(first: Velocity, second: Velocity, ray: Point) -> bool:
 
 
 def _boundary_moves(cells: Sequence[FieldCell], ray: Point) -> Iterator[RayMove]:
-    values = [dot(ray, f) for f in mixtures(velocities_at(cells, ray), (-ray[1], ray[0]))]
+    values = [dot(ray, f) for f in mixtures(velocities_at(cells, ray), turned(ray))]
     signs = [sign(speed) for speed in values]
     for speed, here in zip(values, signs, strict=True):
         if here >= 0:
@@ -191,7 +191,7 @@ def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
     if here is None or any(p.degree for cell in here for v in cell.velocities for p in v):
         return None
     zero = cells[0].velocities[0][0].field.zero
-    pieces: list[tuple[Point, tuple[Velocity, ...]]] = [
+    pieces: list[tuple[Point, tuple[PlaneField, ...]]] = [
         ((a[0], a[1]), cell.velocities) for cell in here for a, _ in directions(cell.region)
     ]
     pieces.sort(key=lambda piece: by_angle(piece[0]))

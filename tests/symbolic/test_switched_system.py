@@ -1,29 +1,28 @@
-"""Switched equations in any number of states: their surfaces, their pieces, and what is refused."""
+"""Switched systems in any number of states: their surfaces, their pieces, and what is refused."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
+from itertools import product
 from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.equations_file import MAX_STATES, holds_system, load_equations
 from nonsmooth.symbolic.files.scene_file import builtin_systems
-from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.files.system_file import MAX_STATES, holds_system, load_system
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.surfaces import switching_factors
-from nonsmooth.symbolic.switched_equations import SwitchedEquations, UnknownSign
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
 
-Load = Callable[..., SwitchedEquations]
+Load = Callable[..., SwitchedSystem]
 
 
 @pytest.fixture
 def load(tmp_path: Path) -> Load:
-    def from_text(states: list[str], rhs: list[str], rest: str = "") -> SwitchedEquations:
+    def from_text(states: list[str], rhs: list[str], rest: str = "") -> SwitchedSystem:
         file = tmp_path / "my.toml"
         file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n{rest}")
-        return load_equations(file)
+        return load_system(file)
 
     return from_text
 
@@ -46,24 +45,37 @@ def test_surfaces_are_irreducible_and_listed_once(load: Load, rhs: list[str], su
 
 
 @pytest.mark.parametrize("name", builtin_systems())
-def test_planar_pieces_are_those_that_are_checked(name: str) -> None:
-    """About the origin both readers give the same polynomials for the same signs."""
-    equations, scene = load_equations(name), load_system(name)
-    signs = {surface: 1 if k % 2 else -1 for k, surface in enumerate(equations.surfaces())}
-    pieces = equations.velocity(signs)
-
-    def sign_of(surface: Polynomial) -> int:
-        total, factors = switching_factors(surface)
-        for factor in factors:
-            total *= next(sign for own, sign in signs.items() if str(own) == str(factor))
-        return total
-
-    assert [str(piece) for piece in pieces] == [str(piece) for piece in scene.velocity(sign_of)]
+def test_pieces_in_the_displacement_are_those_in_the_states(name: str) -> None:
+    """For every pattern of signs, whatever point is checked."""
+    system = load_system(name, at="1/3,-2/7")
+    x, y = Fraction(3, 11), Fraction(5, 13)
+    there = (x + Fraction(1, 3), y - Fraction(2, 7))
+    displaced = system.displaced(PLANE)
+    pairs = list(zip(system.surfaces(), system.surfaces(displaced), strict=True))
+    for signs in product((-1, 1), repeat=len(pairs)):
+        own, moved = ({pair[k]: sign for pair, sign in zip(pairs, signs, strict=True)} for k in (0, 1))
+        expected = system.velocity(signs_by_factors(own))
+        found = system.velocity(signs_by_factors(moved), displaced)
+        assert [piece((x, y)) for piece in found] == [piece(there) for piece in expected]
+    assert all(moved((x, y)) == own(there) for own, moved in pairs)
 
 
 def test_an_open_sign_is_asked_for(load: Load) -> None:
     with pytest.raises(UnknownSign):
-        load(["x"], ["sign(x)"]).velocity({})
+        load(["x"], ["sign(x)"]).velocity(signs_by_factors({}))
+
+
+def test_what_is_checked_in_three_states(load: Load) -> None:
+    system = load(["a", "b", "c"], ["-sign(a)", "-b", "1 - c"], '[check]\nequilibrium = [0, "1/2", 1]')
+    assert list(map(str, system.check.equilibrium)) == ["0", "1/2", "1"]
+    assert system.check.lyapunov.text == "a**2 + b**2 + c**2"
+    with pytest.raises(SceneError, match=r"check\.equilibrium: required 3 numbers"):
+        load(["a", "b", "c"], ["-sign(a)", "-b", "1 - c"], "[check]\nequilibrium = [0, 1]")
+
+
+def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
+    system = load(["x"], ["1/(sign(x) - sign(-x))"])
+    assert len(system.surfaces()) == 1
 
 
 def test_plain_systems_are_told_from_arrays() -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ def greedy_twist(ordered: Sequence[Wheel]) -> tuple[NDArray[np.float64], int]:
 def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
     """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
     p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
-    n, moved = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
+    n, moved = turned(d), turned(p)
     roll = float(wheel.friction.roll), np.append(d, d @ moved), float(wheel.speed)
     side = float(wheel.friction.side), np.append(n, n @ moved), 0.0
     ordered = (side, roll) if side[0] > roll[0] else (roll, side)

@@ -19,13 +19,14 @@ from enum import StrEnum
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats, turn
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
+from nonsmooth.analysis.plane_arrays import turned
 
 GAIN = 1.0  # k, 1/time: the rate scales with it
 SEARCH_ROUNDS = 4
@@ -132,7 +133,7 @@ def paper_speeds(model: ContactModel, states: Floats) -> Floats:
 def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
     """``u_i = d_i . (v + omega J(p_i - c))`` for the wanted pose rate ``(v, omega) = -k (c, theta)``."""
     arms = model.positions - states[:, None, :2]
-    turning = turn(arms) * states[:, None, 2:]
+    turning = turned(arms) * states[:, None, 2:]
     return np.asarray(-GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1))
 
 

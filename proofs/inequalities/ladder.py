@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from nonsmooth.analysis.partitions.polygon import Point, hull_holds_zero
+from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import cross, dot
+from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def ladder_at(velocities: Sequence[Point], gradients: Sequence[Point]) -> Ladder
 def _shevitz_paden(velocities: Sequence[Point], gradients: Sequence[Point]) -> Interval | None:
     candidates = list(velocities)
     for g, h in combinations(gradients, 2):
-        candidates += mixtures(velocities, (g[0] - h[0], g[1] - h[1]))
+        candidates += mixtures(velocities, minus(g, h))
     if hull_holds_zero(velocities):
         zero = velocities[0][0] - velocities[0][0]
         candidates.append((zero, zero))
@@ -68,7 +68,7 @@ def _shevitz_paden(velocities: Sequence[Point], gradients: Sequence[Point]) -> I
 
 def _bacciotti_ceragioli(velocities: Sequence[Point], gradients: Sequence[Point]) -> Interval | None:
     first = gradients[0]
-    bends = [(g[0] - first[0], g[1] - first[1]) for g in gradients[1:] if g != first]
+    bends = [minus(g, first) for g in gradients[1:] if g != first]
     if not bends:
         values = [dot(first, f) for f in velocities]
     elif any(cross(bends[0], bend) for bend in bends[1:]):

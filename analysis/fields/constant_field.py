@@ -1,0 +1,211 @@
+"""Switched fields that are constant on polygons of the plane: what closed-form simulation needs.
+
+A cell has one twist ``(v, omega)`` and a body whose centre of mass c lies in it moves by ``theta' = omega`` and
+
+- leading-order kinematics (the paper's): ``c' = v``;
+- exact pose kinematics: ``c' = v + omega J c``.
+
+Both are ``c' = v + turn J c`` with ``turn`` zero or ``omega``, so one code serves both.  On a cell boundary the motion
+is any element of the convex hull of the neighbours' motions (Filippov 1988, sec. 4); the values of the field on the
+boundary itself are ignored.  Where a rule ties (mu_R = mu_S) a cell has several twists and its hull is used at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.polygon_field import PolygonField
+from nonsmooth.analysis.fields.switched_field import Velocity
+from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
+from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
+from nonsmooth.symbolic.constraints import Twist
+
+Entry: TypeAlias = Any  # int, float, Fraction or a field element
+
+
+@dataclass(frozen=True)
+class Flow:
+    """``c' = (vx, vy) + turn J c``, ``theta' = omega``."""
+
+    vx: Entry
+    vy: Entry
+    omega: Entry
+    turn: Entry
+
+    def velocity(self, point: Point) -> Point:
+        """``c'`` at a point."""
+        if not self.turn:
+            return self.vx, self.vy
+        return self.vx - self.turn * point[1], self.vy + self.turn * point[0]
+
+    def floats(self) -> Flow:
+        """Rounded numbers."""
+        return Flow(float(self.vx), float(self.vy), float(self.omega), float(self.turn))
+
+    def of_pose(self) -> Velocity:
+        """The motion as a field of the pose, in floats."""
+        vx, vy, omega, turn = (float(value) for value in (self.vx, self.vy, self.omega, self.turn))
+        return lambda t, x: np.array([vx - turn * x[1], vy + turn * x[0], omega])
+
+
+@dataclass(frozen=True)
+class ConstantField(PolygonField):
+    """One constant twist (several where the rule ties) on each cell of a polygonal domain.
+
+    Attributes:
+        cells: the cell complex; exact numbers or floats.
+        flows: the flows of each cell; in a tied cell the drawn path takes the first.
+        names: what each cell is called in events and pieces.
+        kinematics: how the pose follows from the twist.
+        centre: the point about which ``|c - c*|^2`` is watched.
+    """
+
+    cells: CellComplex
+    flows: tuple[tuple[Flow, ...], ...]
+    names: tuple[str, ...]
+    kinematics: Kinematics
+    centre: Point
+
+    @property
+    def exact(self) -> bool:
+        """Whether its numbers are exact."""
+        return not self.cells.slack
+
+    @cached_property
+    def speed_scale(self) -> float:
+        """Bound on all velocities in the domain (length/time)."""
+        size = self.cells.size
+        speeds = [
+            float(abs(f.vx)) + float(abs(f.vy)) + 2 * size * float(abs(f.turn)) for own in self.flows for f in own
+        ]
+        return max(speeds)
+
+    @cached_property
+    def turn_scale(self) -> float:
+        """Largest rate at which a velocity turns (1/time)."""
+        return max(float(abs(flow.turn)) for own in self.flows for flow in own)
+
+    @cached_property
+    def rate_scale(self) -> float:
+        """Largest rotation rate (1/time)."""
+        return max(float(abs(flow.omega)) for own in self.flows for flow in own)
+
+    def tied(self, cell: int) -> bool:
+        """Whether several motions tie in a cell."""
+        return len(set(self.flows[cell])) > 1
+
+    @property
+    def tied_members(self) -> frozenset[str]:
+        """Names of the cells in which several motions tie."""
+        return frozenset(name for cell, name in enumerate(self.names) if self.tied(cell))
+
+    def velocity(self, mode: int) -> Velocity:
+        """The (first) motion of a cell as a field of the pose, in floats."""
+        return self._velocities[mode]
+
+    @cached_property
+    def _velocities(self) -> tuple[Velocity, ...]:
+        return tuple(own[0].of_pose() for own in self.flows)
+
+    def mode_name(self, mode: int) -> str:
+        """The name of a cell."""
+        return self.names[mode]
+
+    def floats(self) -> ConstantField:
+        """The same field in floats."""
+        flows = tuple(tuple(flow.floats() for flow in own) for own in self.flows)
+        centre = (float(self.centre[0]), float(self.centre[1]))
+        return replace(self, cells=self.cells.floats(), flows=flows, centre=centre)
+
+    def number(self, value: Entry) -> Entry:
+        """A start value in the field's numbers: exact fields read floats as the binary fractions that they are."""
+        if not self.exact:
+            return float(value)
+        zero = self.centre[0] * 0
+        return zero + (Fraction(value) if isinstance(value, float | int) else value)
+
+    def place_name(self, place: Place) -> str:
+        """For example ``cell 1``, ``cell 1 | cell 2``, ``corner (0, 0)``."""
+        match place:
+            case InCell(cell):
+                return self.names[cell]
+            case OnEdge(edge):
+                return " | ".join(self.names[cell] for cell in self.cells.edges[edge].cells)
+            case AtCorner(corner):
+                x, y = self.cells.points[corner]
+                return f"corner ({float(x):.6g}, {float(y):.6g})"
+
+
+def flow_of(twist: Sequence[Entry], kinematics: Kinematics) -> Flow:
+    """The flow of a constant twist ``(vx, vy, omega)``."""
+    vx, vy, omega = twist
+    return Flow(vx, vy, omega, omega if kinematics is Kinematics.EXACT else omega * 0)
+
+
+def array_field(partition: Partition, kinematics: Kinematics, *, exact: bool = False) -> ConstantField:
+    """The field of an array under rule ``nearest`` or ``box``, with the scene's own speeds.
+
+    Raises:
+        ValueError: for exact numbers with exact pose kinematics, whose arcs are transcendental.
+    """
+    if exact and kinematics is Kinematics.EXACT:
+        raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
+    cells = partition.complex
+    flows = tuple(tuple(flow_of(twist, kinematics) for twist in cell.twists) for cell in partition.cells)
+    names = tuple(f"cell {cell.index}" for cell in partition.cells)
+    field = ConstantField(cells, flows, names, kinematics, partition.scene.check.equilibrium)
+    return field if exact else field.floats()
+
+
+def piecewise_constant(
+    domain: Polygon,
+    pieces: Sequence[tuple[Sequence[HalfPlane], Sequence[Entry]]],
+    kinematics: Kinematics = Kinematics.LEADING,
+    *,
+    exact: bool = False,
+) -> ConstantField:
+    """A plain piecewise-constant system: convex cells by their half-planes, each with ``(x', y', theta')``.
+
+    Floats are read as the binary fractions that they are, so cells meet exactly.  The part of the domain outside all
+    cells is outside the field.
+
+    Raises:
+        ValueError: for a cell without area in the domain, or exact numbers with exact pose kinematics.
+    """
+    if exact and kinematics is Kinematics.EXACT:
+        raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
+    polygons, flows = [], []
+    whole = Polygon(tuple(_exact_point(p) for p in domain.vertices), tuple(_exact_side(s) for s in domain.sides))
+    for number, (half_planes, rates) in enumerate(pieces, 1):
+        polygon: Polygon | None = whole
+        for side in half_planes:
+            polygon = None if polygon is None else polygon.clipped(_exact_side(side))
+        if polygon is None:
+            raise ValueError(f"required cells with area in the domain, received none for piece {number}")
+        polygons.append(polygon)
+        flows.append((flow_of(Twist(*(_exact(rate) for rate in rates)), kinematics),))
+    size = max(abs(float(x)) for vertex in whole.vertices for x in vertex)
+    names = tuple(f"cell {k}" for k in range(1, len(pieces) + 1))
+    zero = whole.vertices[0][0] * 0
+    field = ConstantField(build_complex(polygons, size), tuple(flows), names, kinematics, (zero, zero))
+    return field if exact else field.floats()
+
+
+def _exact(value: Entry) -> Entry:
+    return Fraction(float(value)) if isinstance(value, float | int | np.floating) else value
+
+
+def _exact_point(point: Point) -> Point:
+    return _exact(point[0]), _exact(point[1])
+
+
+def _exact_side(side: HalfPlane) -> HalfPlane:
+    return HalfPlane(_exact_point(side.normal), _exact(side.offset), side.label)

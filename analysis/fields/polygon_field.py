@@ -1,0 +1,184 @@
+"""Switched fields whose cells are polygons of the plane of (x, y): their faces and modes, whatever moves inside.
+
+The faces of such a field are those of its cell complex: cells, edges between two cells, corners.  Its modes are the
+cells.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.switched_field import (
+    SURFACE_SLACK,
+    Face,
+    Member,
+    Surface,
+    Vector,
+    Velocity,
+    affine_surface,
+)
+from nonsmooth.analysis.partitions.cell_complex import CellComplex
+
+
+class PolygonField(ABC):
+    """A field of ``(x, y, theta)`` on polygonal cells; a mode is the number of a cell.
+
+    Attributes:
+        cells: the cell complex, in floats or exact numbers.
+    """
+
+    states: ClassVar[tuple[str, ...]] = ("x", "y", "theta")
+    heading: ClassVar[int | None] = 2
+    cells: CellComplex
+
+    @abstractmethod
+    def velocity(self, mode: int) -> Velocity:
+        """The field of a cell, in floats."""
+
+    @abstractmethod
+    def mode_name(self, mode: int) -> str:
+        """The name of a cell."""
+
+    @property
+    def size(self) -> float:
+        """Size of the domain (length)."""
+        return self.cells.size
+
+    def faces_at(self, x: Vector) -> list[Face]:
+        """Corners, edges and cells whose closure holds the position."""
+        slack = SURFACE_SLACK * self.size
+        at_corner = np.hypot(*(self._points - x[:2]).T) <= slack
+        found = [self._corners[k] for k in np.flatnonzero(at_corner)]
+        found += [edge for edge in self._edges if self._holds(edge, x, slack)]
+        return found + [cell for cell in self._cells if self._holds(cell, x, slack)]
+
+    def has_contact(self, x: Vector) -> bool:
+        """Polygons have no curved sides."""
+        return False
+
+    def on_border(self, x: Vector) -> bool:
+        """Whether the position lies on an edge with a cell on one side only."""
+        slack = SURFACE_SLACK * self.size
+        for line, first, last in self._borders:
+            off, along, back = line.value(x), first.value(x), last.value(x)
+            if abs(off) <= slack and along >= -slack and back >= -slack:
+                return True
+        return False
+
+    @cached_property
+    def _floats(self) -> CellComplex:
+        """The cells in floats."""
+        return self.cells if self.cells.slack else self.cells.floats()
+
+    @cached_property
+    def _members(self) -> tuple[Member, ...]:
+        return tuple(Member(self.mode_name(k), self.velocity(k)) for k in range(len(self.cells.polygons)))
+
+    def _holds(self, face: Face, x: Vector, slack: float) -> bool:
+        """Whether a closed face holds a position."""
+        inside = all(side * surface.value(x) >= -slack for surface, side in face.bounds)
+        return inside and all(abs(surface.value(x)) <= slack for surface in face.keep)
+
+    @cached_property
+    def _points(self) -> Vector:
+        return np.array(self._floats.points)
+
+    @cached_property
+    def _cells(self) -> tuple[Face, ...]:
+        faces = []
+        for polygon, member in zip(self._floats.polygons, self._members, strict=True):
+            sides = [affine_surface("", (*side.normal, 0.0), side.offset) for side in polygon.sides]
+            faces.append(Face(member.name, (), tuple((surface, -1) for surface in sides), (member,)))
+        return tuple(faces)
+
+    @cached_property
+    def _edges(self) -> tuple[Face, ...]:
+        faces = []
+        for number, edge in enumerate(self._floats.edges):
+            if edge.left is None or edge.right is None:
+                continue
+            line, first, last = self._frame(number)
+            beside = (self._members[edge.left], self._members[edge.right])
+            name = " | ".join(member.name for member in beside)
+            faces.append(Face(name, (line,), ((first, 1), (last, 1)), beside))
+        return tuple(faces)
+
+    @cached_property
+    def _borders(self) -> tuple[tuple[Surface, Surface, Surface], ...]:
+        return tuple(self._frame(k) for k, edge in enumerate(self._floats.edges) if len(edge.cells) < 2)
+
+    @cached_property
+    def _corners(self) -> tuple[Face, ...]:
+        faces = []
+        for corner in self._floats.corners:
+            x, y = corner.point
+            keep = (affine_surface("x", (1, 0, 0), x), affine_surface("y", (0, 1, 0), y))
+            around = tuple(self._members[cell] for cell in corner.cells)
+            faces.append(Face(f"corner ({x:.6g}, {y:.6g})", keep, (), around))
+        return tuple(faces)
+
+    def _frame(self, number: int) -> tuple[Surface, Surface, Surface]:
+        """The line of an edge (positive on its left) and its two ends (positive inside)."""
+        a, b = self._floats.direction(number)
+        (x1, y1), (x2, y2) = (
+            self._floats.points[k] for k in (self._floats.edges[number].start, self._floats.edges[number].end)
+        )
+        return (
+            affine_surface("line", (-b, a, 0), a * y1 - b * x1),
+            affine_surface("start", (a, b, 0), a * x1 + b * y1),
+            affine_surface("end", (-a, -b, 0), -a * x2 - b * y2),
+        )
+
+    # ---- modes ---------------------------------------------------------------------------
+
+    def mode_at(self, x: Vector) -> int | None:
+        """The cell that holds the position; None outside the domain."""
+        margins = self._margins(x)
+        best = int(np.argmax(margins))
+        return best if margins[best] >= 0 else None
+
+    def nearest_mode(self, x: Vector) -> int:
+        """The cell that holds the position or, outside the domain, violates the least."""
+        return int(np.argmax(self._margins(x)))
+
+    def margin(self, mode: int, x: Vector) -> float:
+        """Distance from the nearest side, negative outside."""
+        sides = self._floats.polygons[mode].sides
+        return min(side.offset - side.normal[0] * x[0] - side.normal[1] * x[1] for side in sides)
+
+    def following(self, mode: int, x: Vector, width: float) -> int | None:
+        """The cell that holds the position now."""
+        return self.mode_at(x)
+
+    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+        """Weights that fall from one to zero between ``width`` inside and ``width`` outside a cell, normalized.
+
+        On the border of the domain, where nothing lies beyond, the cells inside keep all the weight.
+        """
+        margins = self._margins(x)
+        shares = np.clip((margins + width) / (2 * width), 0.0, 1.0)
+        if not shares.any():
+            shares = (margins == margins.max()).astype(float)
+        shares = shares / shares.sum()
+        for k in np.flatnonzero(shares):
+            yield self._members[k].velocity, float(shares[k])
+
+    def _margins(self, x: Vector) -> Vector:
+        """Signed distance of a position from the border of every cell."""
+        normals, offsets, starts = self._sides
+        return np.asarray(np.minimum.reduceat(offsets - normals @ x[:2], starts))
+
+    @cached_property
+    def _sides(self) -> tuple[Vector, Vector, NDArray[np.intp]]:
+        """Normals and offsets of all sides, cell by cell, and where each cell's sides begin."""
+        polygons = self._floats.polygons
+        sides = [side for polygon in polygons for side in polygon.sides]
+        counts = [len(polygon.sides) for polygon in polygons]
+        starts = np.cumsum([0, *counts[:-1]])
+        return np.array([side.normal for side in sides]), np.array([side.offset for side in sides]), starts

@@ -1,0 +1,46 @@
+"""A map of ends: which starts are followed, and the kinds of ends that read the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.trajectories.maps import SettleMap
+from nonsmooth.analysis.trajectories.result import EndReason
+
+PLACED = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)  # ends whose place is where the body stays
+
+
+@dataclass(frozen=True)
+class GridRun:
+    """What to map.
+
+    Attributes:
+        count: starts in a row and in a column.
+        theta: heading at the start (radian).
+        until: time at which the map is taken; None follows every start to its end.
+        kinematics: exact pose or leading order.
+    """
+
+    count: int
+    theta: float
+    until: float | None
+    kinematics: Kinematics
+
+
+@dataclass(frozen=True)
+class Basin:
+    """Kinds of ends that read the same: their numbers in the map, and the share of the starts that end so."""
+
+    text: str
+    kinds: tuple[int, ...]
+    share: float
+
+
+def basins(found: SettleMap) -> list[Basin]:
+    """The ends, largest share first; told apart by place only where the body stays there."""
+    kinds: dict[str, list[int]] = {}
+    for k, (reason, place) in enumerate(found.ends):
+        kinds.setdefault(f"{reason.value}: {place}" if reason in PLACED else reason.value, []).append(k)
+    found_basins = [Basin(text, tuple(own), sum(found.shares[k] for k in own)) for text, own in kinds.items()]
+    return sorted(found_basins, key=lambda basin: -basin.share)

@@ -1,0 +1,72 @@
+"""Vectors of the plane over exact numbers: products, the quarter turn, and whether zero lies in a convex hull.
+
+The same functions serve floats and other numbers that know their sign; float arrays of many vectors have
+:mod:`nonsmooth.analysis.plane_arrays`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+from nonsmooth.symbolic.numbers.number import Number, sign
+
+Vector: TypeAlias = tuple[Number, Number]
+
+
+def turned(vector: Vector) -> Vector:
+    """``J vector``: a quarter turn counterclockwise, ``J = [[0, -1], [1, 0]]``."""
+    return -vector[1], vector[0]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """``a - b``."""
+    return a[0] - b[0], a[1] - b[1]
+
+
+def dot(a: Vector, b: Vector) -> Number:
+    """Inner product."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def cross(a: Vector, b: Vector) -> Number:
+    """``a_x b_y - a_y b_x``."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def between(start: tuple[Any, Any], end: tuple[Any, Any], share: Any) -> tuple[Any, Any]:
+    """The point after a share of the way from start to end."""
+    return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+
+
+def same_direction(a: Vector, b: Vector) -> bool:
+    """Whether two nonzero vectors are positive multiples of each other."""
+    return not cross(a, b) and sign(dot(a, b)) > 0
+
+
+def hull_holds_zero(vectors: Sequence[tuple[Any, Any]]) -> bool:
+    """Whether the convex hull of plane vectors holds zero: no open half-plane holds them all (none hold nothing)."""
+    return bool(vectors) and separating_direction(vectors) is None
+
+
+def separating_direction(vectors: Sequence[tuple[Any, Any]]) -> Vector | None:
+    """A vector with a positive product against every vector; None where their convex hull holds zero.
+
+    The cone of the vectors seen so far is kept by its first and last direction, as long as it is less than a half turn.
+    With these, ``J first - J last`` serves.
+    """
+    if not all(any(v) for v in vectors):
+        return None
+    first = last = vectors[0]
+    for v in vectors[1:]:
+        from_first, from_last = sign(cross(first, v)), sign(cross(last, v))
+        if from_first >= 0 >= from_last:
+            if not from_first and not from_last and sign(dot(first, v)) < 0:
+                return None  # opposite to a single direction
+        elif from_first > 0:
+            last = v
+        elif from_last < 0:
+            first = v
+        else:
+            return None  # opposite to the cone, or to one of its ends
+    return minus(turned(first), turned(last)) if cross(first, last) else first

@@ -1,0 +1,178 @@
+"""Switched systems ``x' = f(x)`` in any number of states, and what is to be checked of them.
+
+The right-hand sides are formulas with ``sign`` and ``Abs``: polynomials on each cell that the switching surfaces cut.
+On the surfaces the values of f are ignored (Filippov 1988, sec. 4).  Solutions are followed in any number of states;
+stability is decided for two (:func:`require_plane`), in the displacement from the checked point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.surfaces import switching_factors
+
+PLANE = ("x", "y")  # the displacement of two states
+MAX_PATTERNS = 4_096  # sign patterns of one right-hand side: twelve surfaces that cross
+
+
+class UnknownSign(Exception):
+    """A surface whose sign is asked for and not given."""
+
+    def __init__(self, surface: Polynomial) -> None:
+        super().__init__(surface)
+        self.surface = surface
+
+
+@dataclass(frozen=True)
+class SystemCheck:
+    """What is checked: the equilibrium ``x*``, and the cube ``|x_k - x*_k| <= radius`` about it.
+
+    ``lyapunov`` is V in the displacement from ``x*``, written with the states' names; ``is_default`` where the scene
+    names none, so that it is the sum of their squares.
+    """
+
+    equilibrium: tuple[Number, ...]
+    radius: Number
+    lyapunov: PiecewiseExpression
+    is_default: bool = False
+
+    @property
+    def named_lyapunov(self) -> str | None:
+        """The V that the scene names."""
+        return None if self.is_default else self.lyapunov.text
+
+
+@dataclass(frozen=True)
+class SwitchedSystem:
+    """A switched system with everything a check needs; numbers live in one field.
+
+    Attributes:
+        name: of the scene.
+        field: the number field.
+        states: their names.
+        rhs: one right-hand side per state.
+        check: what is checked.
+        source: where it came from (a file or a built-in name).
+    """
+
+    name: str
+    field: NumberField
+    states: tuple[str, ...]
+    rhs: tuple[PiecewiseExpression, ...]
+    check: SystemCheck
+    source: str = ""
+
+    @property
+    def origin(self) -> str:
+        """Where the scene came from, for messages: its file or built-in name, else its own name."""
+        return self.source or self.name
+
+    def coordinates(self) -> tuple[Polynomial, ...]:
+        """The states as polynomials in themselves."""
+        return tuple(Polynomial.variable(self.field, self.states, name) for name in self.states)
+
+    def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
+        """The states as polynomials in the displacement from the checked point, whose entries have these names."""
+        variables = (Polynomial.variable(self.field, tuple(names), name) for name in names)
+        return tuple(v + centre for v, centre in zip(variables, self.check.equilibrium, strict=True))
+
+    def velocity(self, sign_of: SignOf, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
+        """The smooth field for the given signs of the inner expressions.
+
+        Args:
+            sign_of: sign of an inner expression of ``sign`` or ``Abs``.
+            states: the states as polynomials; :meth:`coordinates` unless given.
+
+        Raises:
+            SceneError: where a piece is no polynomial.
+        """
+        values = self.coordinates() if states is None else states
+        return tuple(self._piece(k, sign_of, values) for k in range(len(self.rhs)))
+
+    def surfaces(self, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
+        """Every surface on which some right-hand side may switch, each once, with leading coefficient 1.
+
+        Every right-hand side is asked with every answer of the signs it asks for.  Answers are not tested for being
+        possible together, so a surface may be listed that switches nothing: the field is the same on both sides.
+
+        Args:
+            states: as for :meth:`velocity`.
+
+        Raises:
+            SceneError: for too many patterns of signs, or where no piece is a polynomial.
+        """
+        values = self.coordinates() if states is None else states
+        found: dict[Polynomial, None] = {}
+        for k in range(len(self.rhs)):
+            found.update(dict.fromkeys(self._surfaces_of(k, values)))
+        return tuple(found)
+
+    def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
+        found: dict[Polynomial, None] = {}
+        waiting: list[dict[Polynomial, int]] = [{}]
+        ended, refusal = 0, None
+        while waiting:
+            signs = waiting.pop()
+            try:
+                self._piece(k, signs_by_factors(signs), values)
+            except UnknownSign as unknown:
+                found[unknown.surface] = None
+                waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
+                if len(waiting) + ended > MAX_PATTERNS:
+                    expected = "a formula with fewer switching surfaces"
+                    raise self._error(k, expected, Fact(f"over {MAX_PATTERNS} sign patterns")) from None
+                continue
+            except SceneError as error:  # perhaps of a pattern that no state has
+                refusal = error
+                continue
+            ended += 1
+        if not ended and refusal is not None:
+            raise refusal
+        return list(found)
+
+    def _piece(self, k: int, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
+        try:
+            return self.rhs[k].polynomial(dict(zip(self.states, values, strict=True)), sign_of)
+        except ExpressionError as error:
+            raise self._error(k, requirement(error), self.rhs[k].text) from None
+
+    def _error(self, k: int, expected: str, received: object) -> SceneError:
+        return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)
+
+
+def require_plane(system: SwitchedSystem) -> None:
+    """Refuse a system in another number of states than two.
+
+    Raises:
+        SceneError: for such a system.
+    """
+    if len(system.states) != len(PLANE):
+        expected = "two states (stability is decided for planar systems only)"
+        raise SceneError(system.origin, "system.states", expected, list(system.states))
+
+
+def sign_by_factors(expression: Polynomial, sign_of_factor: Callable[[Polynomial], int]) -> int:
+    """Sign of an inner expression from the signs of the surfaces that are its factors."""
+    if not expression:
+        return 0
+    total, factors = switching_factors(expression)
+    return total * prod(map(sign_of_factor, factors))
+
+
+def signs_by_factors(signs: Mapping[Polynomial, int]) -> SignOf:
+    """The sign of any inner expression for given signs of the surfaces; it raises UnknownSign for another surface."""
+
+    def known(surface: Polynomial) -> int:
+        if surface not in signs:
+            raise UnknownSign(surface)
+        return signs[surface]
+
+    return lambda expression: sign_by_factors(expression, known)
