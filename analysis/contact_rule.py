@@ -50,16 +50,6 @@ class ContactRule(ABC):
         """The dissipation functional that the motion minimizes; None where it minimizes none."""
         return None
 
-    @abstractmethod
-    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics.
-
-        Raises:
-            RefusalError: where the motion is not determined.
-            ValueError: for a start outside the checked square.
-            TrajectoryError: where the path cannot be followed.
-        """
-
 
 class CellRule(ContactRule):
     """A rule under which the checked square falls into polygons with a constant twist each."""
@@ -91,14 +81,6 @@ class CellRule(ContactRule):
         """The wheels that have a say somewhere in the checked square, where that is cheaply known; else all."""
         return scene.wheels
 
-    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The Filippov path through the cells, by events."""
-        from nonsmooth.analysis.fields.constant_field import array_field
-        from nonsmooth.analysis.fields.kinematics import Kinematics
-        from nonsmooth.analysis.trajectories.trajectory import simulate
-
-        return simulate(array_field(self.build_partition(scene), Kinematics.EXACT), start, until)
-
 
 class SmoothRule(ContactRule):
     """A rule under which the twist is a continuous function of the centre of mass: there are no cells."""
@@ -106,6 +88,16 @@ class SmoothRule(ContactRule):
     @abstractmethod
     def minima(self, scene: Scene, points: Floats) -> Minima:
         """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it."""
+
+    @abstractmethod
+    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
+        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics; through cells it is by events.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+            ValueError: for a last time that is not positive, or numbers that are not finite.
+            TrajectoryError: where the path cannot be followed.
+        """
 
 
 @cache

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from nonsmooth.analysis.measurements.harness import Measured, Run, Study
+from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.analysis.measurements.slopes import Slope, fitted_slopes
 from nonsmooth.reports.terminal import header_table
@@ -51,7 +51,7 @@ class MeasurementView:
         """The errors as the bytes of a file; ``suffix`` as for the cell map."""
         from nonsmooth.reports.figures.measurements import measurement_figure
 
-        return measurement_figure(self, suffix)
+        return measurement_figure(self.head, self.run, suffix, of_studies=isinstance(self, Precision))
 
 
 class Precision(MeasurementView):
@@ -196,11 +196,6 @@ def number_text(value: float | None) -> str:
 def slopes_of(measured: Measured) -> list[Slope]:
     """The slope of every method with a setting."""
     return [] if measured.plan is None else fitted_slopes(measured.of.name, measured.plan, measured.rows)
-
-
-def study_of(measured: Measured) -> Study:
-    """The study that was measured."""
-    return cast(Study, measured.of)
 
 
 def _study_view(measured: Measured) -> RenderableType:

@@ -19,7 +19,6 @@ from nonsmooth.analysis.measurements.slopes import Slope
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
 from nonsmooth.proofs.measurements.registry import STUDIES
-from nonsmooth.reports.figures.measurements import measurement_figure
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.measurements import Precision, error_text, number_text, setting_text, slopes_of, study_of
 from nonsmooth.reports.progress import Report, progress
@@ -42,7 +41,7 @@ def write_page(folder: Path, report: Report) -> Path:
     pruned = [_whole(name, [PRUNING], PRUNING_LIMITS, report) for name in builtin_scenes()]
     figure, page = folder / "precision" / f"{SHOWN}.svg", folder / "precision.md"
     figure.parent.mkdir(exist_ok=True)
-    write_whole(output_path(str(figure), (".svg",)), measurement_figure(Precision(shown), ".svg"))
+    write_whole(output_path(str(figure), (".svg",)), Precision(shown).picture(".svg"))
     text = page_text(page.read_text(encoding="utf-8"), shown, pruned)
     write_whole(output_path(str(page), (".md",)), text.encode())
     return page

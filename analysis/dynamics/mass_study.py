@@ -20,11 +20,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nonsmooth.analysis.contact_rule import all_rules, contact_rule
+from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
+from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.scene import Scene
 
@@ -161,7 +165,11 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
         ValueError: for a start outside the checked square.
         TrajectoryError: where the path cannot be followed.
     """
-    return contact_rule(rule).path(replace(scene, contact=replace(scene.contact, rule=rule)), start, until)
+    chosen = replace(scene, contact=replace(scene.contact, rule=rule))
+    own = contact_rule(rule)
+    if isinstance(own, SmoothRule):
+        return own.path(chosen, start, until)
+    return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
 
 
 def path_distance(rule: str, path: Trajectory, other: Trajectory, until: float) -> PathDistance:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from nonsmooth.analysis.measurements.plan import LeftOut, Plan, Trial
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, asserted
@@ -185,3 +185,8 @@ def measure(scene: Any, measurements: Iterable[Measurement], limits: Limits = US
             return Run(scene, limits, tuple(finished), complete=False)
         finished.append(measured)
     return Run(scene, limits, tuple(finished), complete=True)
+
+
+def study_of(measured: Measured) -> Study:
+    """The study that was measured."""
+    return cast("Study", measured.of)

@@ -34,6 +34,7 @@ SEARCH_BEST = 8  # worst states around which each round looks
 SEARCH_TRIES = 8  # random states per worst state and round
 # Relative to V: a minimizer with a duality gap of 1e-9 may err by its square root in the twist.
 ZERO_RATE = 1e-4
+RATE_NOISE = 1e-12  # of a sampled V'/V at gain one: less is noise
 
 
 class Law(StrEnum):
@@ -60,6 +61,12 @@ class LoopSample:
     worst_rate: float | None
     worst_state: tuple[float, float, float] | None
     not_certified: str = ""
+
+    @property
+    def rate_text(self) -> str:
+        """The rate in three digits; rounding noise is zero, and so is nothing."""
+        rate = self.worst_rate or 0.0
+        return f"{rate:.3g}" if abs(rate) > RATE_NOISE else "0"
 
     @property
     def fails(self) -> bool | None:

@@ -13,7 +13,7 @@ from nonsmooth.analysis.partitions.loads import load_regions
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
 from nonsmooth.proofs.clauses.clause import ClauseResult
-from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray, cocircular_array
+from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.symbolic.scene import Scene
 
 LEMMA = "V* <= 0 by the lemma on inward rims on one circle"

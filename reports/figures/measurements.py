@@ -11,11 +11,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.measurements.harness import Measured
+from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
-from nonsmooth.reports.measurements import MeasurementView, Precision, study_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,30 +31,29 @@ CASE_HEIGHT = 0.24  # inches
 Points = list[tuple[float, float]]
 
 
-def measurement_figure(view: MeasurementView, suffix: str) -> bytes:
+def measurement_figure(head: str, run: Run, suffix: str, *, of_studies: bool) -> bytes:
     """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(view), suffix)
+    return figure_bytes(lambda: build_figure(head, run, of_studies=of_studies), suffix)
 
 
-def build_figure(view: MeasurementView) -> Figure:
+def build_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
     """The picture as a Matplotlib figure: one panel for each study, or one for all cases."""
     from matplotlib.figure import Figure
 
-    studies = [measured for measured in view.run.measured if any(row.setting is not None for row in measured.rows)]
-    of_studies = isinstance(view, Precision)
+    studies = [measured for measured in run.measured if any(row.setting is not None for row in measured.rows)]
     panels = len(studies) if of_studies else 1
     columns, rows = min(COLUMNS, max(1, panels)), max(1, math.ceil(panels / COLUMNS))
-    cases = list(dict.fromkeys(row.name for row in view.run.rows))
+    cases = list(dict.fromkeys(row.name for row in run.rows))
     height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
     figure = Figure(figsize=(PANEL[0] * columns, height * rows + 0.8), layout="constrained")
-    figure.suptitle(view.head, fontsize="large", parse_math=False)
+    figure.suptitle(head, fontsize="large", parse_math=False)
     if not of_studies:
-        _draw_cases(figure.add_subplot(), view.run.rows, cases)
+        _draw_cases(figure.add_subplot(), run.rows, cases)
     elif not studies:
         figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
     else:
         for k, measured in enumerate(studies):
-            _draw_study(figure.add_subplot(rows, columns, k + 1), measured, view.run.limits.seconds)
+            _draw_study(figure.add_subplot(rows, columns, k + 1), measured, run.limits.seconds)
     _explain(figure, "out of time or failed" if of_studies else "without an error, such as a refusal", of_studies)
     return figure
 

@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.partitions.loads import LoadError
-from nonsmooth.proofs.clauses.translation.cocircular import cocircular_array, failed_hypotheses
+from nonsmooth.proofs.clauses.cocircular import cocircular_array, failed_hypotheses
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 
 if TYPE_CHECKING:

@@ -174,6 +174,10 @@ def test_scenes_of_rule_ellipse_leave_out_what_has_no_cells() -> None:
 # ---- figure --------------------------------------------------------------------------------------
 
 
+def drawn(view: Precision) -> Figure:
+    return build_figure(view.head, view.run, of_studies=True)
+
+
 def figure() -> Figure:
     works: dict[str, Any] = {
         "converges": proportional,
@@ -181,7 +185,7 @@ def figure() -> Figure:
         "slow": lambda s: endless if s < 1e-2 else proportional(s),
         "fails": lambda s: gives_up,
     }
-    return build_figure(measured(study(works), study({"other": proportional}, "other")))
+    return drawn(measured(study(works), study({"other": proportional}, "other")))
 
 
 def test_axes_have_names_units_and_logarithms() -> None:
@@ -239,7 +243,7 @@ def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.Mo
 
 
 def test_nothing_to_draw_is_said() -> None:
-    assert [text.get_text() for text in build_figure(measured()).texts][1:] == ["no rows with a setting to draw"]
+    assert [text.get_text() for text in drawn(measured()).texts][1:] == ["no rows with a setting to draw"]
 
 
 def test_the_page_keeps_its_text_and_measures_the_rest_anew() -> None:

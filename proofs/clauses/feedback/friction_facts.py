@@ -15,8 +15,6 @@ from nonsmooth.symbolic.scene import Scene
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample
 
-ROUNDING = 1e-12  # of a sampled V'/V at gain one: less is noise
-
 
 def driven_facts(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Iterator[Fact]:
     """The cones of the law, its certified rate, and what was sampled."""
@@ -33,9 +31,9 @@ def driven_facts(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Ite
     yield Fact("sampled", [_sample_record(sample) for sample in feedback.samples])
     for sample in feedback.samples:
         if sample.worst_rate is not None:
-            rate = f"{sample.worst_rate:.3g}" if abs(sample.worst_rate) > ROUNDING else "0"
             yield said(
-                f"{sample.law} (sampled): largest V'/V found {rate} k over {sample.states} states", explained=True
+                f"{sample.law} (sampled): largest V'/V found {sample.rate_text} k over {sample.states} states",
+                explained=True,
             )
         if sample.not_certified:
             yield said(f"{sample.law} (sampled): largest V'/V not certified: {sample.not_certified}", explained=True)

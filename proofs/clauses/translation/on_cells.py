@@ -27,7 +27,7 @@ from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_deriv
 from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.partitions.support import Support, limiting_support
-from nonsmooth.proofs.clauses.translation.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.translation.decrease_region import region_radius, squared_reach
 from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_fan
