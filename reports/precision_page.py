@@ -13,14 +13,14 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from nonsmooth.analysis.measurements.harness import Measured, Run, Study, measure
+from nonsmooth.analysis.measurements.harness import Measured, Run, Study, measure, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.analysis.measurements.slopes import Slope
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
 from nonsmooth.proofs.measurements.registry import STUDIES
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.measurements import Precision, error_text, number_text, setting_text, slopes_of, study_of
+from nonsmooth.reports.measurements import Precision, error_text, number_text, setting_text, slopes_of
 from nonsmooth.reports.progress import Report, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 
