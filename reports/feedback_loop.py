@@ -147,17 +147,25 @@ class FeedbackLoop:
 
         return feedback_field(partition, law, self.kinematics)
 
+    @property
+    def theta_decays(self) -> bool:
+        """Whether the certified law takes theta to zero from everywhere, whatever c does."""
+        cascade = self.feedback.cascade
+        return cascade is not None and cascade.descent is not Descent.SLOW_TURNS
+
     def refuse_contradiction(self, path: Trajectory, centre: tuple[float, float] = (0.0, 0.0)) -> None:
         """Compare a path with what is certified about its start; ``centre`` is the checked point in its coordinates.
 
-        Where the law takes theta first and no region is known, theta decays from every start.
+        Within a region its function falls.  Without one the law is certified near the point only, and nothing is
+        compared, but where theta decays by itself from every start: then theta^2 falls.
 
         Raises:
             ContradictionError: where V (or theta) rises along the path, or the body leaves the checked square.
         """
         region = self.region
         poses = [_centred(state, centre) for state in path.states]
-        if not self.is_certified or (region is not None and not region.contains(poses[0])):
+        known = self.theta_decays if region is None else region.contains(poses[0])
+        if not (self.is_certified and known):
             return
         values = np.array([pose[2] ** 2 if region is None else region.value(pose) for pose in poses])
         rise = float((values - np.minimum.accumulate(values)).max())
