@@ -1,0 +1,273 @@
+"""What ``nonsmooth simulate`` can do: four modes, each with the options that are its own.
+
+A mode reads its options, refuses those of other modes in one line, and returns what is shown.  To add one, write a
+class on :class:`Mode` and name it in :func:`chosen_mode`.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.console import RefusedError, refusals_named
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.shown import Shown
+    from nonsmooth.reports.simulate import Run
+    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+UNTIL = 2.0  # last time of a single path, where none is given
+MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
+
+# Parameters of the command by the mode they belong to.
+OF_LOOPS = ("feedback", "law")
+OF_MAPS = ("grid", "heading")
+OF_BODIES = ("mass", "inertia", "compare_masses")
+OF_SCENES = ("rule", "radius", "at")
+
+Refuse: TypeAlias = Callable[[Collection[str], str, str], None]  # parameters, what is required for them, what is given
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of the command, as typed; None where an option has no value of its own.
+
+    Attributes:
+        start: numbers of ``--from``.
+        grid, heading: of a map of many starts.
+        until: last time.
+        kinematics: exact pose or leading order.
+        method, width: how a path is followed.
+        law: feedback law; None for the open loop.
+        mass, inertia, compare_masses: of a body with mass.
+        refuse: refuses parameters that were given on the command line.
+    """
+
+    start: str | None
+    grid: int | None
+    heading: float
+    until: float | None
+    kinematics: Kinematics
+    method: Method
+    width: float
+    law: Law | None
+    mass: float | None
+    inertia: float | None
+    compare_masses: bool
+    refuse: Refuse
+
+    def check(self) -> None:
+        """Refuse numbers that no mode takes.
+
+        Raises:
+            RefusedError: naming the option.
+        """
+        if self.until is not None:
+            _require_positive("--until", self.until)
+        _require_positive("--width", self.width)
+        if self.method not in (Method.HYSTERESIS, Method.SMOOTHED):
+            self.refuse(("width",), "--method hysteresis or smoothed", f"--method {self.method}")
+
+
+class Mode(ABC):
+    """One thing that the command does."""
+
+    @abstractmethod
+    def refuse_others(self, options: Options) -> None:
+        """Refuse options that do nothing here.
+
+        Raises:
+            RefusedError: naming the option and what it is for.
+        """
+
+    @abstractmethod
+    def shown(self, options: Options) -> Shown:
+        """Compute.
+
+        Raises:
+            RefusedError: where the scene or the start does not allow it.
+        """
+
+
+class SystemPath(Mode):
+    """One path of a plain switched system in any number of states."""
+
+    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
+        self._load = load
+
+    def refuse_others(self, options: Options) -> None:
+        """All that is for arrays."""
+        of_arrays = (*OF_MAPS, "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
+        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        if options.method is Method.DYNAMICS:
+            raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
+
+    def shown(self, options: Options) -> Shown:
+        """By events, hysteresis or smoothing."""
+        from nonsmooth.analysis.trajectories.result import TrajectoryError
+        from nonsmooth.reports.system_paths import follow_system
+        from nonsmooth.symbolic.scene_error import SceneError
+
+        system = self._load()
+        start = read_start(options.start, system.states)
+        try:
+            return follow_system(system, start, options.until or UNTIL, options.method, options.width)
+        except SceneError:
+            raise
+        except (ValueError, TrajectoryError) as error:
+            raise RefusedError(f"{system.origin}: {error}") from None
+
+
+class ArrayMode(Mode):
+    """A mode of an array of wheels."""
+
+    def __init__(self, load: Callable[[], Scene]) -> None:
+        self._load = load
+
+
+class StartsMap(ArrayMode):
+    """Where N x N starts end, in the open loop by events."""
+
+    def refuse_others(self, options: Options) -> None:
+        """All that is for one path."""
+        of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
+        options.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
+
+    def shown(self, options: Options) -> Shown:
+        """The ends of a grid of paths."""
+        from nonsmooth.analysis.partitions.contact_partition import build_partition
+        from nonsmooth.reports.basins import GridRun
+        from nonsmooth.reports.settle_maps import ShownMap, build_map
+
+        count = options.grid or 0
+        if not 2 <= count <= MAX_GRID:
+            raise RefusedError(f"--grid: required 2 to {MAX_GRID} starts in a row, received {count}")
+        if not math.isfinite(options.heading):
+            raise RefusedError(f"--heading: required a finite number (radian), received {options.heading}")
+        run = GridRun(count, options.heading, options.until, options.kinematics)
+        scene = self._load()
+        with refusals_named(scene):
+            partition = build_partition(scene)
+        return ShownMap(partition, run, build_map(partition, run))
+
+
+class ArrayPath(ArrayMode):
+    """One path of an array, in the open or the closed loop."""
+
+    def refuse_others(self, options: Options) -> None:
+        """All that is for maps and bodies with mass, and laws of the open loop."""
+        _refuse_map_options(options)
+        options.refuse(OF_BODIES, "--method dynamics", f"--method {options.method}")
+
+    def shown(self, options: Options) -> Shown:
+        """By events, hysteresis or smoothing, through the cells of the contact rule."""
+        from nonsmooth.analysis.partitions.contact_partition import build_partition
+        from nonsmooth.analysis.trajectories.result import TrajectoryError
+        from nonsmooth.reports.simulate import ShownTrajectory, follow, loop_of
+
+        run = _pose_run(options)
+        scene = self._load()
+        with refusals_named(scene):
+            partition = build_partition(scene)
+        try:
+            loop = loop_of(partition, run)
+            return ShownTrajectory(partition, run, follow(partition, run, loop), loop)
+        except (ValueError, TrajectoryError) as error:
+            raise RefusedError(_outside(scene, run.start) or f"{scene.origin}: {error}") from None
+
+
+class BodyPath(ArrayMode):
+    """A body with mass under full dynamics, or its distance from the path of every contact rule."""
+
+    def refuse_others(self, options: Options) -> None:
+        """Maps, feedback, and anything but the exact pose."""
+        _refuse_map_options(options)
+        if options.law is not None:
+            raise RefusedError("--feedback: required --method events or hysteresis, received --method dynamics")
+        if options.kinematics is not Kinematics.EXACT:
+            raise RefusedError(f"--kinematics: required exact with --method dynamics, received {options.kinematics}")
+
+    def shown(self, options: Options) -> Shown:
+        """One path, or a ladder of masses."""
+        from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
+        from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics
+        from nonsmooth.analysis.fields.contact_model import contact_model
+        from nonsmooth.analysis.trajectories.result import TrajectoryError
+        from nonsmooth.reports.dynamics import ShownMasses, ShownPath, chosen_body
+
+        run = _pose_run(options)
+        scene = self._load()
+        model = contact_model(scene)
+        try:
+            body = chosen_body(model, options.mass, options.inertia)
+            bodies = mass_ladder(body) if options.compare_masses else ()
+        except ValueError as error:
+            raise RefusedError(f"--{error}") from None
+        try:
+            with refusals_named(scene):
+                if bodies:
+                    return ShownMasses(scene, mass_study(scene, bodies, run.start, run.until))
+                return ShownPath(scene, simulate_dynamics(model, body, run.start, run.until))
+        except TrajectoryError as error:
+            raise RefusedError(f"{scene.origin}: {error}") from None
+
+
+def array_mode(options: Options, load: Callable[[], Scene]) -> ArrayMode:
+    """The mode of an array that the options ask for."""
+    if options.grid is not None:
+        return StartsMap(load)
+    return BodyPath(load) if options.method is Method.DYNAMICS else ArrayPath(load)
+
+
+def read_start(text: str | None, states: Sequence[str]) -> tuple[float, ...]:
+    """A finite number for each state, separated by commas.
+
+    Raises:
+        RefusedError: for anything else.
+    """
+    required = f"--from: required {len(states)} numbers {','.join(states)}"
+    if text is None:
+        raise RefusedError(f"{required}, received nothing")
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        values = ()
+    if len(values) != len(states) or not all(math.isfinite(value) for value in values):
+        raise RefusedError(f"{required}, received {text[:60]!r}")
+    return values
+
+
+def _refuse_map_options(options: Options) -> None:
+    options.refuse(("heading",), "--grid", "none")
+    if options.law is None:
+        options.refuse(("law",), "--feedback", "none")
+
+
+def _pose_run(options: Options) -> Run:
+    from nonsmooth.reports.simulate import POSE, Run
+
+    x, y, theta = read_start(options.start, POSE)
+    until = options.until or UNTIL
+    return Run((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
+
+
+def _outside(scene: Scene, start: Sequence[float]) -> str:
+    """What is wrong with a start outside the checked square; empty for one inside."""
+    radius = scene.check.radius
+    sides = [(float(centre - radius), float(centre + radius)) for centre in scene.check.equilibrium]
+    if all(low <= x <= high for (low, high), x in zip(sides, start, strict=False)):
+        return ""
+    square = " x ".join(f"[{low:g}, {high:g}]" for low, high in sides)
+    required = f"--from: required a start in the checked square {square}"
+    return f"{required}, received ({start[0]:g}, {start[1]:g}); --radius and --at set the square"
+
+
+def _require_positive(option: str, value: float) -> None:
+    if not (math.isfinite(value) and value > 0):
+        raise RefusedError(f"{option}: required a positive number, received {value}")
