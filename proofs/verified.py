@@ -1,4 +1,4 @@
-"""The last door before a verdict is shown: evidence that does not verify is a fault of the program, never a verdict."""
+"""The last check before a verdict is shown: evidence that does not verify is a fault of the program, no verdict."""
 
 from __future__ import annotations
 

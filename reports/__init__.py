@@ -1,6 +1,6 @@
-"""The room for people: the command line, derivation reports and figures.
+"""The package for people: the command line, derivation reports and figures.
 
-It may import every other room, and no other room imports it. Matplotlib and Jinja2 are imported
+It may import every other package, and no other package imports it. Matplotlib and Jinja2 are imported
 only inside the call that needs them.
 """
 

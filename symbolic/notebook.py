@@ -1,7 +1,8 @@
-"""What a notebook shows of a result, and how a room offers its public names: without any other room.
+"""What a notebook shows of a result, and how a package offers its public names: without any other package.
 
 Results have ``_repr_html_`` (a plain table) or ``_repr_latex_`` (a formula); the full reports are in
-``nonsmooth.reports``.  A room's names are looked up when they are first used, so that importing the room costs nothing.
+``nonsmooth.reports``.  A package's names are looked up when they are first used, so that importing it
+costs nothing.
 """
 
 from __future__ import annotations
@@ -19,17 +20,17 @@ def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[obje
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def on_demand(room: str, modules: Mapping[str, str]) -> Callable[[str], Any]:
-    """The ``__getattr__`` of a room that offers names of its modules (PEP 562).
+def on_demand(package: str, modules: Mapping[str, str]) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a package that offers names of its modules (PEP 562).
 
     Args:
-        room: the package's name.
-        modules: for each public name the module, below the room, that defines it.
+        package: the package's name.
+        modules: for each public name the module, below the package, that defines it.
     """
 
     def look_up(name: str) -> Any:
         if name not in modules:
-            raise AttributeError(f"module {room!r} has no attribute {name!r}")
-        return getattr(import_module(f"{room}.{modules[name]}"), name)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        return getattr(import_module(f"{package}.{modules[name]}"), name)
 
     return look_up

@@ -2,7 +2,7 @@
 
 World frame; the reference point of the body is its centre of mass ``c``.  Wheel ``i`` sits at ``p_i``, its
 rim points along ``d_i = D_i/|D_i|`` (``D_i`` is kept as the user wrote it: its length is the only square
-root of the wheel, so it is taken late), and its surface runs along ``d_i`` with speed ``u_i``.
+root of the wheel, so it is taken only when needed), and its surface runs along ``d_i`` with speed ``u_i``.
 """
 
 from __future__ import annotations

@@ -23,37 +23,37 @@ if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("symbolic", "analysis", "proofs", "reports")
+PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 HOSTILE = '<img src=x onerror="alert(1)">'
 
 
-def typed_names(room: str) -> dict[str, str]:
+def typed_names(package: str) -> dict[str, str]:
     """What a type checker sees: name and module, from the block that only it reads."""
-    tree = ast.parse((ROOT / room / "__init__.py").read_text(encoding="utf-8"))
+    tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
     block = next(node for node in tree.body if isinstance(node, ast.If))
     imported = [node for node in block.body if isinstance(node, ast.ImportFrom)]
     return {alias.name: str(node.module) for node in imported for alias in node.names}
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_public_names_exist_and_are_documented(room: str) -> None:
-    package = import_module(f"nonsmooth.{room}")
+@pytest.mark.parametrize("package", PACKAGES)
+def test_public_names_exist_and_are_documented(package: str) -> None:
+    imported = import_module(f"nonsmooth.{package}")
     page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
-    section = page.split(f"## `nonsmooth.{room}`")[1].split("\n## ")[0]
-    submodules = {module.name for module in pkgutil.iter_modules(package.__path__)}
-    assert typed_names(room)
-    for name, module in typed_names(room).items():
-        value = getattr(package, name)
+    section = page.split(f"## `nonsmooth.{package}`")[1].split("\n## ")[0]
+    submodules = {inner.name for inner in pkgutil.iter_modules(imported.__path__)}
+    assert typed_names(package)
+    for name, module in typed_names(package).items():
+        value = getattr(imported, name)
         assert value is getattr(import_module(module), name)
         assert value.__doc__
         assert name not in submodules
         assert re.search(rf"`[^`]*\b{name}\b[^`]*`", section), name
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_unknown_names_are_refused(room: str) -> None:
-    with pytest.raises(AttributeError, match=rf"module 'nonsmooth.{room}' has no attribute 'nothing'"):
-        getattr(import_module(f"nonsmooth.{room}"), "nothing")  # noqa: B009
+@pytest.mark.parametrize("package", PACKAGES)
+def test_unknown_names_are_refused(package: str) -> None:
+    with pytest.raises(AttributeError, match=rf"module 'nonsmooth.{package}' has no attribute 'nothing'"):
+        getattr(import_module(f"nonsmooth.{package}"), "nothing")  # noqa: B009
 
 
 def test_the_example_of_the_page_runs() -> None:

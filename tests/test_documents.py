@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 WITH_COMMANDS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 
-ROOMS = ("symbolic", "analysis", "proofs", "reports")
+PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 HERE_DOCUMENT = re.compile(r"cat > (\S+) <<'(\w+)'")
@@ -244,9 +244,9 @@ def test_names_of_code_exist(path: Path) -> None:
 
 
 def resolves(name: str) -> bool:
-    """Whether ``room.module.thing`` names a module, a thing in it, or a field or member of a class in it."""
-    room, *rest = name.split(".")
-    value: Any = import_module(f"nonsmooth.{room}")
+    """Whether ``package.module.thing`` names a module, a thing in it, or a field or member of a class in it."""
+    package, *rest = name.split(".")
+    value: Any = import_module(f"nonsmooth.{package}")
     while rest and find_spec(f"{value.__name__}.{rest[0]}") is not None:
         value = import_module(f"{value.__name__}.{rest.pop(0)}")
         if not hasattr(value, "__path__"):
@@ -269,7 +269,7 @@ def cited(text: str) -> set[tuple[str, str]]:
 def test_every_cited_source_is_in_the_references() -> None:
     theory, references = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8").split("## References")
     entries = [" ".join(entry.split()) for entry in references.split("\n- ")]
-    texts = {path: path.read_text(encoding="utf-8") for room in ROOMS for path in (ROOT / room).rglob("*.py")}
+    texts = {path: path.read_text(encoding="utf-8") for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     found = {(source, path.name) for path, text in texts.items() for source in cited(text)}
     found |= {(source, "theory.md") for source in cited(theory)}
     assert {("Filippov", "1988"), ("Paden", "1994")} <= {source for source, _ in found}

@@ -222,7 +222,7 @@ def gradients_at(cells: Iterable[LyapunovCell], point: Point) -> tuple[Point, ..
 
 
 def distinct(points: Iterable[Point]) -> tuple[Point, ...]:
-    """Points without repetitions (late numbers have no hash)."""
+    """Points without repetitions (lazy quotients have no hash)."""
     found: list[Point] = []
     for point in points:
         if not any(point[0] == x and point[1] == y for x, y in found):

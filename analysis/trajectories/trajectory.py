@@ -1,4 +1,4 @@
-"""Filippov trajectories: one front door for every kind of field and method.
+"""Filippov trajectories: one entry for every kind of field and method.
 
 Event-driven simulation follows a solution from event to event instead of stepping over the switches: in closed form
 where the twist is constant on polygons, by DOP853 with polished events elsewhere.  Hysteresis and smoothing, which

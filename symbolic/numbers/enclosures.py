@@ -10,13 +10,13 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
-EXACT_ROOTS = 4  # square roots of a field up to which a late number is carried out; beyond it may take minutes
+EXACT_ROOTS = 4  # square roots of a field up to which a lazy quotient is carried out; beyond it may take minutes
 MOST_BITS = 12_000  # of all coefficients of a number that is written down: some 3,600 digits
 PRECISION = 256  # bits of a ball that stands for a number
 
 
 def enclosure(value: Number | Lazy) -> arb:
-    """A ball that holds the number: at the working precision of a field element, as it is of a late quotient."""
+    """A ball that holds the number: at the working precision of a field element, as it is of a lazy quotient."""
     return value.ball if isinstance(value, Lazy) else value.ball()
 
 

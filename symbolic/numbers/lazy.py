@@ -1,4 +1,4 @@
-"""Numbers that are exact but evaluated late: a ball first, the field element only where the ball is undecided.
+"""Lazy quotients, exact but evaluated when needed: a ball first, the field element where the ball is undecided.
 
 Cell vertices are quotients of sums over many square roots.  Their exact form is long, and inverting such a sum
 doubles in length with every root; yet nearly every sign needed of them is clear from a 256-bit ball.  A
@@ -21,7 +21,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 
 # With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
 FEW_ROOTS = 2
-# Longer numbers are put off as well: balls of 256 bits are then much shorter than exact products.
+# Longer numbers are lazy as well: balls of 256 bits are then much shorter than exact products.
 FEW_BITS = 1024
 
 _PRECISION = 256
@@ -213,17 +213,17 @@ def _multiply(left: Quotient, right: Quotient) -> Quotient:
 
 
 def is_long(value: Any) -> bool:
-    """Whether a field element is better put off: over many square roots, or of many bits."""
+    """Whether a field element is better lazy: over many square roots, or of many bits."""
     return isinstance(value, Number) and (len(value.field.radicands) > FEW_ROOTS or value.size_bits > FEW_BITS)
 
 
 def divided(numerator: Number, denominator: Number) -> Any:
-    """The quotient: a field element over few square roots, late otherwise."""
+    """The quotient: a field element over few square roots, lazy otherwise."""
     if len(numerator.field.radicands) > FEW_ROOTS:
         return Lazy.of(numerator) / Lazy.of(denominator)
     return numerator / denominator
 
 
 def evaluated(value: Any) -> Any:
-    """The number itself, where it is a quotient that was put off; anything else as it is."""
+    """The number itself, where it is a lazy quotient; anything else as it is."""
     return value.exact() if isinstance(value, Lazy) else value

@@ -3,7 +3,7 @@
 Sparse, exact and immutable.  A polynomial of degree d becomes a form (homogeneous, one more variable ``w`` that
 stands for 1) by :meth:`Polynomial.homogenized`; then a polygon, an unbounded cone and a half-plane are all cones of
 generators ``(x, y, w)`` with ``w >= 0``, and :func:`in_generators` writes the form in those generators.  Points and
-generators may hold late numbers (:mod:`nonsmooth.symbolic.numbers.lazy`); coefficients are always field elements.
+generators may hold lazy quotients (:mod:`nonsmooth.symbolic.numbers.lazy`); coefficients are always field elements.
 """
 
 from __future__ import annotations

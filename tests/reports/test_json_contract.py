@@ -15,7 +15,7 @@ from nonsmooth.reports.console import run
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
-ROOMS = ("symbolic", "analysis", "proofs", "reports")
+PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 UNLISTED = {"schema", "exact"}  # described above the table
 ARRAY, SYSTEM = "nonsmooth-check/1", "nonsmooth-check/1` of a plain"
 CASES = {
@@ -81,7 +81,7 @@ def test_a_certificate_is_in_the_table(tmp_path: Path) -> None:
 
 
 def test_every_schema_of_the_code_is_in_the_table() -> None:
-    files = [path.read_text(encoding="utf-8") for room in ROOMS for path in (ROOT / room).rglob("*.py")]
+    files = [path.read_text(encoding="utf-8") for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
     schemas = {name for text in files for name in re.findall(r'"(nonsmooth-\w+/\d+)"', text)}
     assert len(schemas) > len(set(CASES.values())) - 2
     assert all(f"| `{name}`" in PAGE for name in schemas)
@@ -97,5 +97,9 @@ def test_every_command_is_in_the_table_and_has_an_example() -> None:
 
 
 def test_every_part_is_in_the_layout() -> None:
-    parts = {path.parent.relative_to(ROOT).as_posix() for room in ROOMS for path in (ROOT / room).rglob("__init__.py")}
+    parts = {
+        path.parent.relative_to(ROOT).as_posix()
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("__init__.py")
+    }
     assert {part for part in parts if f"| `{part}/` |" not in PAGE} == set()

@@ -154,11 +154,11 @@ def test_an_interrupt_while_building_keeps_earlier_studies() -> None:
 
 def test_a_study_that_is_left_out_says_why() -> None:
     def build(scene: Scene) -> Plan:
-        raise LeftOut("there is no yardstick")
+        raise LeftOut("there is no reference")
 
     found = measured(Study("absent", "absent", "error [1]", build), study({"exact": proportional}))
     absent, present = found.record()["studies"]
-    assert (absent["left_out"], absent["reference"]) == ("there is no yardstick", None)
+    assert (absent["left_out"], absent["reference"]) == ("there is no reference", None)
     assert present["left_out"] is None
     assert found.run.complete
 

@@ -122,7 +122,7 @@ def _judge(paths: Sequence[ExactPath], method: str, results: Sequence[Followed])
         known = [error for error in late if error is not None]
         details |= {"event time": max(known)} if known else {}
     steps = sum(r.steps for r in results)
-    return Finding(max(errors), details, {"steps": steps}, "the yardstick, found again" if method == EXACT else "")
+    return Finding(max(errors), details, {"steps": steps}, "the reference, found again" if method == EXACT else "")
 
 
 # ---- methods -------------------------------------------------------------------------------------

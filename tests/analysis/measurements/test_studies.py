@@ -46,7 +46,7 @@ def spend(seconds: float) -> float:
     return 0.0
 
 
-def test_a_row_holds_error_time_and_yardstick() -> None:
+def test_a_row_holds_error_time_and_reference() -> None:
     def work(clock: Clock) -> float:
         spend(PAUSE)
         return 0.25

@@ -1,4 +1,4 @@
-"""The rules of the house: what is packaged, who may import whom, and what the exact rooms may not contain."""
+"""The rules of the packages: what is packaged, who may import whom, and what the exact packages may not contain."""
 
 import ast
 import re
@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("symbolic", "analysis", "proofs", "reports")  # each may import the rooms to its left
+PACKAGES = ("symbolic", "analysis", "proofs", "reports")  # each may import the packages to its left
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
 IMPORTED_AS = {"python-flint": "flint", "mujoco-core": "mujoco", "z3-solver": "z3"}
@@ -23,8 +23,8 @@ TOLERANCE_NUMBER = re.compile(r"\b\d*\.?\d*e-\d+", re.IGNORECASE)
 Import = ast.Import | ast.ImportFrom
 
 
-def sources(room: str) -> list[Path]:
-    return sorted((ROOT / room).rglob("*.py"))
+def sources(package: str) -> list[Path]:
+    return sorted((ROOT / package).rglob("*.py"))
 
 
 def parse(path: Path) -> ast.Module:
@@ -42,9 +42,9 @@ def imported_modules(node: Import) -> list[str]:
     return [f"{node.module}.{alias.name}" for alias in node.names]
 
 
-def imports(room: str) -> Iterator[tuple[str, Import]]:
-    """Every import of a room, also those inside functions."""
-    for path in sources(room):
+def imports(package: str) -> Iterator[tuple[str, Import]]:
+    """Every import of a package, also those inside functions."""
+    for path in sources(package):
         for node in ast.walk(parse(path)):
             if isinstance(node, Import):
                 yield place(path, node.lineno), node
@@ -72,7 +72,7 @@ def listed_packages() -> list[str]:
 
 
 def test_listed_packages_are_those_on_disk() -> None:
-    folders = {path.parent for room in ROOMS for path in sources(room)}
+    folders = {path.parent for package in PACKAGES for path in sources(package)}
     on_disk = sorted(".".join(("nonsmooth", *folder.relative_to(ROOT).parts)) for folder in folders)
     assert sorted(listed_packages()) == on_disk
 
@@ -83,45 +83,45 @@ def test_package_has(package: str, file: str) -> None:
     assert ROOT.joinpath(*package.split(".")[1:], file).is_file()
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_imports_flow_one_way(room: str) -> None:
-    downstream = set(ROOMS[ROOMS.index(room) + 1 :])
+@pytest.mark.parametrize("package", PACKAGES)
+def test_imports_flow_one_way(package: str) -> None:
+    downstream = set(PACKAGES[PACKAGES.index(package) + 1 :])
     found = [
         f"{where} imports {module}"
-        for where, node in imports(room)
+        for where, node in imports(package)
         for module in imported_modules(node)
         if module.startswith("nonsmooth.") and module.split(".")[1] in downstream
     ]
     assert found == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_imports_are_absolute_and_through_nonsmooth(room: str) -> None:
+@pytest.mark.parametrize("package", PACKAGES)
+def test_imports_are_absolute_and_through_nonsmooth(package: str) -> None:
     found = [
         where
-        for where, node in imports(room)
+        for where, node in imports(package)
         if (isinstance(node, ast.ImportFrom) and node.level > 0)
-        or any(module.split(".")[0] in ROOMS for module in imported_modules(node))
+        or any(module.split(".")[0] in PACKAGES for module in imported_modules(node))
     ]
     assert found == []
 
 
-@pytest.mark.parametrize("room", NEVER_IMPORTED)
-def test_room_does_not_import(room: str) -> None:
+@pytest.mark.parametrize("package", NEVER_IMPORTED)
+def test_package_does_not_import(package: str) -> None:
     found = [
         f"{where} imports {module}"
-        for where, node in imports(room)
+        for where, node in imports(package)
         for module in imported_modules(node)
-        if module.split(".")[0] in NEVER_IMPORTED[room]
+        if module.split(".")[0] in NEVER_IMPORTED[package]
     ]
     assert found == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_heavy_libraries_are_imported_by_the_call_that_needs_them(room: str) -> None:
+@pytest.mark.parametrize("package", PACKAGES)
+def test_heavy_libraries_are_imported_by_the_call_that_needs_them(package: str) -> None:
     found = [
         f"{place(path, node.lineno)} imports {module}"
-        for path in sources(room)
+        for path in sources(package)
         for node in imports_at_load(parse(path))
         for module in imported_modules(node)
         if module.split(".")[0] in LAZILY_IMPORTED
@@ -129,10 +129,10 @@ def test_heavy_libraries_are_imported_by_the_call_that_needs_them(room: str) -> 
     assert found == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_text_is_never_evaluated(room: str) -> None:
+@pytest.mark.parametrize("package", PACKAGES)
+def test_text_is_never_evaluated(package: str) -> None:
     found = []
-    for path in sources(room):
+    for path in sources(package):
         for node in ast.walk(parse(path)):
             if isinstance(node, ast.Call):
                 name = ast.unparse(node.func).rsplit(".", maxsplit=1)[-1]
@@ -145,10 +145,10 @@ def test_text_is_never_evaluated(room: str) -> None:
     assert found == []
 
 
-@pytest.mark.parametrize("room", ["symbolic", "proofs"])
-def test_exact_rooms_have_no_tolerance(room: str) -> None:
+@pytest.mark.parametrize("package", ["symbolic", "proofs"])
+def test_exact_rooms_have_no_tolerance(package: str) -> None:
     found = []
-    for path in sources(room):
+    for path in sources(package):
         with tokenize.open(path) as file:
             for token in tokenize.generate_tokens(file.readline):
                 small_number = token.type == tokenize.NUMBER and TOLERANCE_NUMBER.search(token.string)
@@ -174,7 +174,7 @@ def imported_libraries(folders: tuple[str, ...]) -> set[str]:
 
 
 def test_dependencies_are_those_that_are_imported() -> None:
-    assert imported_libraries(ROOMS) == declared("dependencies")
+    assert imported_libraries(PACKAGES) == declared("dependencies")
     for_tests = imported_libraries(("tests",)) - declared("dependencies")
     assert for_tests - declared("bench") <= declared("test")
     assert declared("test") - for_tests == RUN_AS_COMMANDS
