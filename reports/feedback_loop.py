@@ -12,6 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
 from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
@@ -24,8 +26,6 @@ from nonsmooth.analysis.fields.feedback_laws import (
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, gradient_text
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade

@@ -141,7 +141,7 @@ class StartsMap(ArrayMode):
 
     def shown(self, options: Options) -> Shown:
         """The ends of a grid of paths."""
-        from nonsmooth.analysis.partitions.contact_partition import build_partition
+        from nonsmooth.analysis.cells.contact_partition import build_partition
         from nonsmooth.reports.basins import GridRun
         from nonsmooth.reports.settle_maps import ShownMap, build_map
 
@@ -167,7 +167,7 @@ class ArrayPath(ArrayMode):
 
     def shown(self, options: Options) -> Shown:
         """By events, hysteresis or smoothing, through the cells of the contact rule."""
-        from nonsmooth.analysis.partitions.contact_partition import build_partition
+        from nonsmooth.analysis.cells.contact_partition import build_partition
         from nonsmooth.analysis.trajectories.result import TrajectoryError
         from nonsmooth.reports.simulate import ShownTrajectory, follow, loop_of
 

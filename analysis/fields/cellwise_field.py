@@ -12,12 +12,12 @@ from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.cells.cell_complex import CellComplex
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
-from nonsmooth.analysis.partitions.cell_complex import CellComplex
-from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.symbolic.contact_states import ContactState
 
 Speeds: TypeAlias = Callable[[Vector], Mapping[int, float]]  # pose to surface speed by wheel index

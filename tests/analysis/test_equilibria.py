@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.equilibria import Equilibrium, Place, find_equilibria, shared_sides
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.equilibria import Equilibrium, Place, find_equilibria, shared_sides
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Twist
 from tests.four_wheel import ROLL, SIDE

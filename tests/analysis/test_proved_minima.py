@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
 from nonsmooth.analysis.measurements.references.reference_twists import ellipse_references
@@ -25,7 +26,6 @@ from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
 from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
-from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.filippov import cell_derivatives
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
-from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.minimizers.closed_loop import Law, relative_rates, sample_closed_loop
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4

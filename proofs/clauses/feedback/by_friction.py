@@ -27,9 +27,9 @@ from itertools import pairwise
 from math import comb
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.feedback.balanced_twists import balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
 from nonsmooth.proofs.clauses.feedback.driven_law import (

@@ -25,9 +25,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, value_at
-from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, leading_one, outer, scaled, scene_rows
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene

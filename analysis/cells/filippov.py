@@ -16,8 +16,8 @@ from functools import cached_property
 
 from flint import arb, ctx
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, enclosure, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
