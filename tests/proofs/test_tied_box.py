@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
+from nonsmooth.proofs.verdicts import Translation
 from tests.oracles.agreement import box_contradiction
 from tests.oracles.box_paths import observe_box
 from tests.oracles.tied_box_arrays import tied_box
@@ -26,3 +27,14 @@ def test_verdicts_at_corners_of_cells_agree_with_paths(arrays: Arrays, block: in
         assert result.check()
         found = box_contradiction(result, observe_box(wheels, at))
         assert not found, f"seed {seed}: {found}; at {at}, {wheels}"
+
+
+def test_a_stable_corner_lets_the_distance_grow_two_hundredfold(arrays: Arrays) -> None:
+    """A velocity that leaves its cell at an angle of 0.0047 rad: paths grow as far as the fan bounds, and rest there."""
+    wheels, at, partition = tied_box(arrays, 1_000_254)
+    result = decide_translation(partition)
+    assert result.verdict is Translation.STABLE
+    assert result.fan is not None
+    assert result.fan.squared_overshoot is not None
+    assert 200 < float(result.fan.squared_overshoot) ** 0.5 < 220
+    assert observe_box(wheels, at).rested == 24
