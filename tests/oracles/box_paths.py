@@ -23,7 +23,7 @@ from tests.oracles.nearest_paths import Wheel
 Floats: TypeAlias = npt.NDArray[np.float64]
 
 STEP = 0.01  # of the distance from the point
-# A path that is so many times farther away, or nearer, than its start has left, or arrives.  A stable corner can let the
+# A path that is so many times farther away, or nearer, than its start has left, or arrives.  A stable corner lets the
 # distance grow too, by one over the sine of the angle between a velocity and a border: some 200-fold was seen.
 FAR = 1000.0
 STEPS = 2000

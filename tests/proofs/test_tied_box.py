@@ -30,7 +30,7 @@ def test_verdicts_at_corners_of_cells_agree_with_paths(arrays: Arrays, block: in
 
 
 def test_a_stable_corner_lets_the_distance_grow_two_hundredfold(arrays: Arrays) -> None:
-    """A velocity that leaves its cell at an angle of 0.0047 rad: paths grow as far as the fan bounds, and rest there."""
+    """A velocity that leaves its cell at an angle of 0.0047 rad: paths grow as far as the fan bounds, and rest."""
     wheels, at, partition = tied_box(arrays, 1_000_254)
     result = decide_translation(partition)
     assert result.verdict is Translation.STABLE
