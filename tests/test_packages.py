@@ -145,8 +145,8 @@ def test_text_is_never_evaluated(package: str) -> None:
     assert found == []
 
 
-@pytest.mark.parametrize("package", ["symbolic", "proofs"])
-def test_exact_rooms_have_no_tolerance(package: str) -> None:
+@pytest.mark.parametrize("package", ["symbolic", "analysis/cells", "proofs"])
+def test_exact_packages_have_no_tolerance(package: str) -> None:
     found = []
     for path in sources(package):
         with tokenize.open(path) as file:

@@ -32,12 +32,12 @@ from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, lea
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
-# Relative to the sum of absolute terms, whose rounding error stays below 1e-12 for up to a thousand terms:
+# Relative to the sum of absolute terms, whose rounding error stays below 2^-39 for up to a thousand terms:
 # a float value beyond this bound has a certain sign, a value within it is computed exactly.
-FLOAT_DOUBT = 1e-9
+FLOAT_DOUBT = 2.0**-29
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.
-STEP_DOUBT = 1e-5
+STEP_DOUBT = 2.0**-16
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 

@@ -22,7 +22,7 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
-SAME_CORNER_DOUBT = 1e-9
+SAME_CORNER_DOUBT = 2.0**-29
 # Length relative to the size of the domain: a float point comes from a handful of operations on coordinates of that
 # size, so it lies within some 2^-49 of the line or corner that it was computed to reach; four bits are added.
 PLACE_SLACK = 2.0**-45

@@ -38,9 +38,9 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene, Wheel
 
-# Relative to the coordinates and distances at hand: in double precision they err by less than 1e-14, so a wheel
+# Relative to the coordinates and distances at hand: in double precision they err by less than 2^-46, so a wheel
 # beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.
-CANDIDATE_MARGIN = 1e-9
+CANDIDATE_MARGIN = 2.0**-29
 SMALLEST_NORMAL = np.finfo(np.float64).tiny  # below it floats lose their relative accuracy
 
 

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.scene import Scene
 
 FEW = 64  # wheels of which the hull is found exactly at once
 DIRECTIONS = 32  # the farthest wheels in so many directions span a polygon; wheels well inside it are no corners
-MARGIN = 1e-9  # relative to the coordinates: floats err by far less, so a wheel this deep inside is inside
+MARGIN = 2.0**-29  # relative to the coordinates: floats err by far less, so a wheel this deep inside is inside
 
 
 BITS = 40  # of a rational just below the distance
