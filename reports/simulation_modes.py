@@ -1,7 +1,7 @@
 """What ``nonsmooth simulate`` can do: four modes, each with the options that are its own.
 
 A mode reads its options, refuses those of other modes in one line, and returns what is shown.  To add one, write a
-class on :class:`Mode` and name it in :func:`chosen_mode`.
+class on :class:`SimulationMode` and name it in :func:`chosen_mode`.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError, refusals_named
 
 if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
-    from nonsmooth.reports.simulate import Run
+    from nonsmooth.reports.simulate import PathRun
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -56,7 +56,7 @@ class Options:
     kinematics: Kinematics
     method: Method
     width: float
-    law: Law | None
+    law: LawName | None
     mass: float | None
     inertia: float | None
     compare_masses: bool
@@ -75,7 +75,7 @@ class Options:
             self.refuse(("width",), "--method hysteresis or smoothed", f"--method {self.method}")
 
 
-class Mode(ABC):
+class SimulationMode(ABC):
     """One thing that the command does."""
 
     @abstractmethod
@@ -95,7 +95,7 @@ class Mode(ABC):
         """
 
 
-class SystemPath(Mode):
+class SystemPathMode(SimulationMode):
     """One path of a plain switched system in any number of states."""
 
     def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
@@ -124,7 +124,7 @@ class SystemPath(Mode):
             raise RefusedError(f"{system.origin}: {error}") from None
 
 
-class ArrayMode(Mode):
+class ArrayMode(SimulationMode):
     """A mode of an array of wheels."""
 
     def __init__(self, load: Callable[[], Scene]) -> None:
@@ -249,12 +249,12 @@ def _refuse_map_options(options: Options) -> None:
         options.refuse(("law",), "--feedback", "none")
 
 
-def _pose_run(options: Options) -> Run:
-    from nonsmooth.reports.simulate import POSE, Run
+def _pose_run(options: Options) -> PathRun:
+    from nonsmooth.reports.simulate import POSE, PathRun
 
     x, y, theta = read_start(options.start, POSE)
     until = options.until or UNTIL
-    return Run((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
+    return PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
 
 
 def _outside(scene: Scene, start: Sequence[float]) -> str:

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, Slope, Vertex, float_corners, order
+from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD, Vertex, float_corners, order
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
@@ -130,7 +130,7 @@ class _Walk:
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
         return self._descend(self.arrangement.vertex(start), centre, outward)
 
-    def _neighbour(self, vertex: Vertex, slope: Slope, point: Point, outward: Point) -> Vertex:
+    def _neighbour(self, vertex: Vertex, slope: SlopeOfD, point: Point, outward: Point) -> Vertex:
         """The vertex that is optimal just beyond a side of the cell."""
         twist = self.arrangement.line_search(vertex, slope, point, outward)
         return self._descend(self.arrangement.vertex(twist), point, outward)
@@ -145,10 +145,10 @@ class _Walk:
                 return vertex
             vertex = self.arrangement.vertex(self.arrangement.line_search(vertex, falling, point, outward))
 
-    def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, Slope]]:
+    def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""
         polygon = self.region.polygon
-        origins: dict[str, Slope] = {}
+        origins: dict[str, SlopeOfD] = {}
         waiting = vertex.doubtful(self.arrangement.corners)
         while waiting:
             k = waiting.pop(0)

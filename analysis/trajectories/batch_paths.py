@@ -34,7 +34,7 @@ MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than
 DONE = -1
 
 Numbers = NDArray[np.int_]
-Report: TypeAlias = Callable[[int, int], None]
+OnRow: TypeAlias = Callable[[int, int], None]
 
 
 class BatchPaths:
@@ -62,7 +62,7 @@ class BatchPaths:
             self.place[inside], near[inside] = k, False
         self._one_by_one(np.flatnonzero(near))
 
-    def run(self, report: Report | None = None) -> None:
+    def run(self, report: OnRow | None = None) -> None:
         """Leg after leg; ``report`` is told how many of all starts have ended."""
         for leg in range(MAX_LEGS):
             self._find_orbits(np.flatnonzero(self.place != DONE), anchor=leg & (leg - 1) == 0)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import refuse_given
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
@@ -68,7 +68,7 @@ FeedbackOption = Annotated[
     ),
 ]
 LawOption = Annotated[
-    Law,
+    LawName,
     typer.Option(
         "--law",
         rich_help_panel=LOOP,
@@ -119,7 +119,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     method: MethodOption = Method.EVENTS,
     width: Width = 1e-3,
     feedback: FeedbackOption = False,
-    law: LawOption = Law.CERTIFIED,
+    law: LawOption = LawName.CERTIFIED,
     mass: Mass = None,
     inertia: Inertia = None,
     compare_masses: CompareMasses = False,
@@ -136,7 +136,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     """
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.shown import show
-    from nonsmooth.reports.simulation_modes import Mode, Options, SystemPath, array_mode
+    from nonsmooth.reports.simulation_modes import Options, SimulationMode, SystemPathMode, array_mode
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.system_file import holds_system, load_system
 
@@ -157,7 +157,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
     options.check()
     if holds_system(scene):
-        mode: Mode = SystemPath(partial(load_system, scene))
+        mode: SimulationMode = SystemPathMode(partial(load_system, scene))
     else:
         load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
         mode = array_mode(options, load)

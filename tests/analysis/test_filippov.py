@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.filippov import (
-    Slope,
+    RelativeRate,
     cell_derivatives,
     filippov_twists,
     largest_slope,
@@ -290,7 +290,8 @@ def test_slopes_are_ordered_like_their_values() -> None:
     field = NumberField()
     rng = np.random.default_rng(5)
     slopes = [
-        Slope((field(a), field(b)), (field(c or 1), field(d))) for a, b, c, d in rng.integers(-3, 4, (40, 4)).tolist()
+        RelativeRate((field(a), field(b)), (field(c or 1), field(d)))
+        for a, b, c, d in rng.integers(-3, 4, (40, 4)).tolist()
     ]
     for first in slopes:
         (a, b), (c, d) = float_point(first.velocity), float_point(first.direction)

@@ -18,7 +18,7 @@ from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
 from nonsmooth.analysis.measurements.references.reference_twists import ellipse_references
 from nonsmooth.analysis.minimizers.agreement import compare_rules
-from nonsmooth.analysis.minimizers.closed_loop import Law
+from nonsmooth.analysis.minimizers.closed_loop import SampledLaw
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -169,7 +169,7 @@ def test_references_leave_out_kinks(arrays: Arrays) -> None:
 def test_laws_are_listed_best_first_and_unknown_last(arrays: Arrays) -> None:
     scene = under_ellipse(arrays.four_wheel())
     samples = with_samples(check_smooth(scene).feedback, scene).samples
-    assert {sample.law for sample in samples} == set(Law)
+    assert {sample.law for sample in samples} == set(SampledLaw)
     rates = [sample.worst_rate for sample in samples]
     assert all(rate is not None for rate in rates)
     assert rates == sorted(rates)  # type: ignore[type-var]

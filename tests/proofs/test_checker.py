@@ -38,7 +38,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Check, Contact, Friction, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, LoadTable, Scene, Wheel
 from tests.conftest import WheelData
 from tests.four_wheel import SIDE
 from tests.oracles.nearest_paths import Wheel as OracleWheel
@@ -916,7 +916,7 @@ def rebuilt(certificate: Record, decode: Decoder) -> Scene:
     loads = None
     if certificate["loads"] not in (None, "elastic"):
         loads = LoadTable(tuple((decode.number(a), *pair([b, c])) for a, b, c in certificate["loads"]))
-    check = Check(pair(certificate["at"]), decode.number(certificate["radius"]))
+    check = CheckedSquare(pair(certificate["at"]), decode.number(certificate["radius"]))
     return Scene("rebuilt", decode.field, wheels, Contact(certificate["rule"], loads), check)
 
 

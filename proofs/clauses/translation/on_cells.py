@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from nonsmooth.analysis.cells.filippov import CellDerivative, Slope, cell_derivatives
+from nonsmooth.analysis.cells.filippov import CellDerivative, RelativeRate, cell_derivatives
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import Support, limiting_support
@@ -60,7 +60,7 @@ class TranslationResult:
 
     verdict: Translation
     derivatives: tuple[CellDerivative, ...]
-    worst: Slope
+    worst: RelativeRate
     region_radius: Number | None
     witness: Witness | None
     reason: str
