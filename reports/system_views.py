@@ -13,9 +13,9 @@ from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResult
 from nonsmooth.proofs.systems.written_potential import potential_pieces
 from nonsmooth.reports.exact_record import Record, with_exact
-from nonsmooth.reports.facts import short_text
 from nonsmooth.reports.records import CHECK_SCHEMA
 from nonsmooth.reports.terminal import notes_lines, two_columns, verdict_text
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
 

@@ -28,6 +28,7 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.plane import dot, turned
@@ -55,8 +56,7 @@ class RayMove:
     value: Any | None
 
     def __str__(self) -> str:
-        x, y = (float(v) for v in self.ray)
-        return self.kind.value.format(f"the ray through ({x:.6g}, {y:.6g})")
+        return self.kind.value.format(f"the ray through {place_text(self.ray)}")
 
 
 def are_cones(cells: Sequence[FieldCell | LyapunovCell]) -> bool:

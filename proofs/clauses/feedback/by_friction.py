@@ -47,7 +47,7 @@ from nonsmooth.proofs.clauses.translation.cones import by_angle
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import Scene

@@ -39,7 +39,7 @@ from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.plane import dot, turned
 from nonsmooth.symbolic.scene import Wheel
 

@@ -37,6 +37,7 @@ from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import cross, dot, turned
@@ -93,8 +94,8 @@ class InputMargin:
         if not self.squared:
             side = next(side for side in self.sides if not side.squared)
             return f"margin 0: on the side of the cells {side.cells[0]} and {side.cells[1]} no input serves both"
-        bound = "" if self.is_exact else " at least"
-        return f"margin{bound} {self.value:.4g}: one input serves all cells within {self.value:.4g} |c| of c"
+        bound, value = "" if self.is_exact else " at least", float_text(self.value, 4)
+        return f"margin{bound} {value}: one input serves all cells within {value} |c| of c"
 
     @property
     def value(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, drift_at_rest
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 
 
 def spin_of(point: EllipsePoint) -> RotationResult:

@@ -14,6 +14,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, Record
 from nonsmooth.proofs.verdicts import Rotation, Theorem4
+from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Theorem4Result
@@ -63,7 +64,7 @@ class RotationClause(Clause[RotationResult]):
         if drift is None:
             yield from (Fact("drift", Quantity(None)), Fact("weights"))
             return
-        ends = tuple(f"{float(end):.6g}" for end in drift.interval)
+        ends = tuple(map(float_text, drift.interval))
         yield Fact("drift", Quantity(drift.interval), "drift at rest: [{}, {}]", ends, explained=True)
         yield Fact("weights", _weights(drift))
 

@@ -14,6 +14,7 @@ from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, number_fact, said
 from nonsmooth.proofs.verdicts import Theorem4, Translation
+from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
@@ -80,7 +81,7 @@ def _sampled(sampled: SampledDerivative | None) -> Iterator[Fact]:
         return
     rate = sampled.largest_relative
     words = f"largest V*/|c| at {sampled.samples} sampled points of the square: {{}}"
-    shown = () if rate is None else (f"{rate:.6g}",)
+    shown = () if rate is None else (float_text(rate),)
     yield Fact("worst_rate", Quantity(rate), words if shown else "", shown, explained=True)
     yield Fact("samples", sampled.samples)
     missing = sampled.not_certified
@@ -96,7 +97,7 @@ def _quadratic(result: AnyTranslation) -> Iterator[Fact]:
         return
     decay = float(found.decay)
     record = {"lyapunov": str(found), "decay": decay, "level": Quantity(found.level)}
-    yield Fact("quadratic", record, f"V = {found} decreases: V* <= -{decay:.4g} |c|")
+    yield Fact("quadratic", record, f"V = {found} decreases: V* <= -{float_text(decay, 4)} |c|")
     yield said("region: V < {}", found.level)
 
 

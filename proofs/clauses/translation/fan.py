@@ -50,7 +50,7 @@ from nonsmooth.proofs.clauses.translation.full_turns import (
 )
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot
 
@@ -82,19 +82,19 @@ class Evidence:
     value: Any
 
     def __str__(self) -> str:
-        x, y = (float(v) for v in self.ray)
+        ray = place_text(self.ray, 5)
         match self.move:
             case Move.ESCAPE:
-                return f"the velocity ({x:.5g}, {y:.5g}) points into its own cell: the body escapes along it"
+                return f"the velocity {ray} points into its own cell: the body escapes along it"
             case Move.SLIDE:
                 speed = brief_text(self.value)
-                return f"along the ray ({x:.5g}, {y:.5g}) the body may slide outward (leading coefficient {speed})"
+                return f"along the ray {ray} the body may slide outward (leading coefficient {speed})"
             case Move.TURN:
                 return str(self.value)
             case Move.REST:
-                return f"every point of the ray ({x:.5g}, {y:.5g}) near the equilibrium is an equilibrium"
+                return f"every point of the ray {ray} near the equilibrium is an equilibrium"
             case _:
-                return f"exact tie: {self.value} at the ray ({x:.5g}, {y:.5g})"
+                return f"exact tie: {self.value} at the ray {ray}"
 
 
 @dataclass(frozen=True)
