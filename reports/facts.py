@@ -41,6 +41,8 @@ def as_record(values: Mapping[str, Any]) -> Record:
 def _as_json(value: Any) -> Any:
     if isinstance(value, Mapping):
         return as_record(value)
+    if isinstance(value, tuple):
+        return fact_record(value)
     if isinstance(value, list):
         return [_as_json(entry) for entry in value]
     return value
@@ -48,8 +50,22 @@ def _as_json(value: Any) -> Any:
 
 def fact_lines(facts: Iterable[Fact]) -> list[str]:
     """The sentences, with short numbers exact and long ones as decimals."""
-    said = [fact for fact in facts if fact.words]
-    return [fact.words.format(*map(short_text, fact.shown)) if fact.shown else fact.words for fact in said]
+    return [_line(fact) for fact in facts if fact.words]
+
+
+def fact_rows(facts: Iterable[Fact]) -> list[tuple[str, str]]:
+    """Names and sentences of the facts that have a row of their own, nested ones in their place."""
+    rows: list[tuple[str, str]] = []
+    for fact in facts:
+        if fact.row:
+            rows.append((fact.row, _line(fact)))
+        if isinstance(fact.value, tuple):
+            rows += fact_rows(fact.value)
+    return rows
+
+
+def _line(fact: Fact) -> str:
+    return fact.words.format(*map(short_text, fact.shown)) if fact.shown else fact.words
 
 
 def fact_list(facts: Iterable[Fact]) -> list[Bullets]:
