@@ -102,8 +102,11 @@ class EllipsePoint:
 
     def check(self) -> bool:
         """Re-verify the evidence from the definitions."""
-        verified = self.linearization is None or self.linearization.check()
-        return verified and self == ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
+        return (self.linearization is None or self.linearization.check()) and self.recompute()
+
+    def recompute(self) -> bool:
+        """Whether deciding again gives the same."""
+        return self == ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
 
 
 def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.analysis.partitions.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
-from nonsmooth.proofs.clauses.translation.cones import build_fan
+from nonsmooth.proofs.clauses.translation.cones import is_fan_of
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
@@ -47,8 +47,14 @@ class TranslationClause(Clause[AnyTranslation]):
             return False
         every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
         whole = [(derivative.cell, derivative.twist) for derivative in result.derivatives] == every
-        around = result.fan is None or result.fan.cones == build_fan(partition)
+        around = result.fan is None or is_fan_of(result.fan.cones, partition)
         return whole and around and result.support == limiting_support(partition)
+
+    def recompute(self, result: AnyTranslation, check: Theorem4Result) -> bool:
+        """The fan's overshoot, or the situation at the point."""
+        if isinstance(result, EllipseTranslation):
+            return result.point.recompute()
+        return result.fan is None or result.fan.recompute()
 
     def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
         """A body that is thrown out refutes the theorem."""

@@ -41,6 +41,14 @@ from typing import Any
 from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan, is_plane, rays_of
+from nonsmooth.proofs.clauses.translation.fan_check import (
+    are_the_turns,
+    escapes,
+    is_open,
+    leads_out,
+    rests,
+    slides,
+)
 from nonsmooth.proofs.clauses.translation.full_turns import (
     FullTurn,
     Growth,
@@ -137,7 +145,38 @@ class FanResult:
         return reason + (far if self.grows_to_a_root else "")
 
     def check(self) -> bool:
-        """Re-decide from the cones."""
+        """Verify the verdict with its evidence and turns by other means (module ``fan_check``); not the overshoot."""
+        if not are_the_turns(self.cones, self.turns) or not all(self._is_genuine(e) for e in self.evidence):
+            return False
+        out, kinds = leads_out(self.cones, self.turns), {entry.move for entry in self.evidence}
+        if self.verdict is Translation.UNSTABLE:
+            return out and bool(kinds) and kinds <= {Move.ESCAPE, Move.SLIDE, Move.TURN}
+        if self.verdict is Translation.UNDECIDED:
+            return kinds == {Move.TIE}
+        resting = rests(self.cones)
+        told = kinds == {Move.REST} if resting else not kinds
+        stable = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
+        return not out and not is_open(self.cones, self.turns) and told and self.verdict is stable
+
+    def _is_genuine(self, entry: Evidence) -> bool:
+        """Whether one move happens in the fan."""
+        match entry.move:
+            case Move.ESCAPE:
+                own = [(cone, twist) for cone in self.cones for twist in cone.twists if (twist,) == entry.twists]
+                return any(twist.velocity == entry.ray and escapes(cone, twist) for cone, twist in own)
+            case Move.TURN:
+                return entry.value in self.turns and entry.value.growth is Growth.DIVERGES
+            case Move.REST if len(entry.twists) == 1:
+                return not any(entry.twists[0]) and any(entry.twists[0] in cone.twists for cone in self.cones)
+            case Move.SLIDE | Move.REST:
+                outward = int(entry.move is Move.SLIDE)
+                found = [(ray, (first, second)) for ray, first, second, s in slides(self.cones) if s == outward]
+                return sign(entry.value) == outward and (entry.ray, entry.twists) in found
+            case _:
+                return is_open(self.cones, self.turns)
+
+    def recompute(self) -> bool:
+        """Whether deciding again from the cones gives the same, the overshoot too."""
         return self == decide_cones(self.cones)
 
 
