@@ -147,6 +147,19 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     return DrivenFeedback(Feedback.UNDECIDED, reason)
 
 
+def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
+    """Whether all that is held is held in a load region of the centred scene, or by its wheels."""
+    zero = scene.field.zero
+    regions = load_regions(scene, (zero, zero))
+    shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
+    imposed = (*shown, *feedback.candidates)
+    numbers = {wheel.index for wheel in scene.wheels}
+    return all(
+        held.region in regions if isinstance(held, HeldTwist) else {w.index for w in held.wheels} <= numbers
+        for held in imposed
+    )
+
+
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The same with two laws of the field sampled in the checked square of the centred scene."""
     from nonsmooth.analysis.fields.contact_model import contact_model

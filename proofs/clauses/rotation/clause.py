@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.rotation.at_point import spin_of
+from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
 from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, bounds_rotation, decide_rotation
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
@@ -36,7 +36,7 @@ class RotationClause(Clause[RotationResult]):
         """Whether the drift is that of all twists that meet at the point."""
         translation, partition = check.results["translation"], check.partition
         if isinstance(translation, EllipseTranslation):
-            return result == spin_of(translation.point)
+            return says_the_spin(result, translation.point)
         if partition is None or not isinstance(translation, TranslationResult):
             return False
         zero, bound = check.scene.field.zero, result.rotation_per_distance
@@ -46,6 +46,11 @@ class RotationClause(Clause[RotationResult]):
             and (bound is None or bounds_rotation(bound, partition, translation))
             and (result.fan is None or result.fan == translation.fan)
         )
+
+    def recompute(self, result: RotationResult, check: Theorem4Result) -> bool:
+        """The reason of a spin."""
+        translation = check.results["translation"]
+        return not isinstance(translation, EllipseTranslation) or result == spin_of(translation.point)
 
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""
