@@ -22,6 +22,7 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
+from nonsmooth.proofs.clauses.at_point.forces_check import balances, carries, is_held, is_smooth_minimum
 from nonsmooth.proofs.clauses.at_point.linearization import (
     Linearization,
     Slip,
@@ -101,8 +102,23 @@ class EllipsePoint:
         return Translation.UNSTABLE if det < 0 or trace > 0 else Translation.UNDECIDED
 
     def check(self) -> bool:
-        """Re-verify the evidence from the definitions."""
-        return (self.linearization is None or self.linearization.check()) and self.recompute()
+        """Verify by forces and moments what the body does (module ``forces_check``); not that it is driven away."""
+        scene, region, twist, linear = self.scene, self.region, self.twist, self.linearization
+        zero = scene.field.zero
+        if not region.polygon.contains((zero, zero)) or not (linear is None or linear.check()):
+            return False
+        if linear is not None and self.situation is not Situation.SMOOTH:
+            return False
+        if self.situation is Situation.MOVED or twist is None:
+            return twist is None and self.situation in (Situation.MOVED, Situation.OPEN)
+        if self.situation is Situation.CARRIED:
+            return carries(scene, region, twist.velocity, twist.omega)
+        if self.situation is Situation.HELD:
+            return not any(twist) and is_held(scene, region, self.balance)
+        spins = not any(twist.velocity)
+        if self.situation is Situation.OPEN:
+            return spins and balances(scene, region, twist.omega)
+        return spins and is_smooth_minimum(scene, region, twist.omega, linear)
 
     def recompute(self) -> bool:
         """Whether deciding again gives the same."""
