@@ -152,7 +152,7 @@ class FanResult:
         if self.verdict is Translation.UNSTABLE:
             return out and bool(kinds) and kinds <= {Move.ESCAPE, Move.SLIDE, Move.TURN}
         if self.verdict is Translation.UNDECIDED:
-            return kinds == {Move.TIE}
+            return not out and kinds == {Move.TIE}
         resting = rests(self.cones)
         told = kinds == {Move.REST} if resting else not kinds
         stable = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
