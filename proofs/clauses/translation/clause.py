@@ -48,13 +48,14 @@ class TranslationClause(Clause[AnyTranslation]):
         every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
         whole = [(derivative.cell, derivative.twist) for derivative in result.derivatives] == every
         around = result.fan is None or is_fan_of(result.fan.cones, partition)
-        return whole and around and result.support == limiting_support(partition)
+        return whole and around
 
     def recompute(self, result: AnyTranslation, check: Theorem4Result) -> bool:
-        """The fan's overshoot, or the situation at the point."""
+        """The fan's overshoot and the support polygon, or the situation at the point."""
         if isinstance(result, EllipseTranslation):
             return result.point.recompute()
-        return result.fan is None or result.fan.recompute()
+        supported = check.partition is not None and result.support == limiting_support(check.partition)
+        return supported and (result.fan is None or result.fan.recompute())
 
     def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
         """A body that is thrown out refutes the theorem."""
