@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from nonsmooth.analysis.partitions.loads import load_regions
+from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
 from nonsmooth.proofs.clauses.translation import fan as fans

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.filippov import upper_derivative_at
+from nonsmooth.analysis.cells.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
+from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.symbolic.constraints import Triple, independent, inner, outer, roll_row, scaled, total

@@ -16,7 +16,7 @@ from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane, rays_of
 from nonsmooth.proofs.clauses.translation.full_turns import FullTurn, Growth
 from nonsmooth.symbolic.constraints import Twist
