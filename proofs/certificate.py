@@ -34,7 +34,7 @@ from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import cross, dot

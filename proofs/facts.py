@@ -7,8 +7,8 @@ number in a result is one fact.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -28,11 +28,13 @@ class Fact:
 
     Attributes:
         key: in JSON; empty where it is only said in words.
-        value: what JSON holds: :class:`Quantity`, texts, lists, nested records, None.
+        value: what JSON holds: :class:`Quantity`, texts, lists, nested records, None; a tuple of facts is a nested
+            record whose facts may have words too.
         words: a sentence with ``{}`` for every number shown; empty where it is only data.
         shown: the numbers in the words: exact numbers, or texts.
         explained: whether the report explains it by formulas, tables or sentences of its own; then the words stand on
             the terminal only.
+        row: the name of its row where every fact has a row of its own; empty where it has none.
     """
 
     key: str = ""
@@ -40,6 +42,7 @@ class Fact:
     words: str = ""
     shown: tuple[Any, ...] = ()
     explained: bool = False
+    row: str = ""
 
 
 def said(words: str, *shown: Any, explained: bool = False) -> Fact:
@@ -52,6 +55,21 @@ def number_fact(key: str, value: Any, words: str, *, explained: bool = False) ->
     if value is None:
         return Fact(key, Quantity(None))
     return Fact(key, Quantity(value), words, (value,), explained)
+
+
+def text_fact(key: str, text: str, row: str) -> Fact:
+    """A text under a key, which is also what its row says."""
+    return Fact(key, text, text, row=row)
+
+
+def row_fact(row: str, words: str, *shown: Any) -> Fact:
+    """A row in words only."""
+    return Fact(words=words, shown=shown, row=row)
+
+
+def unsaid(facts: Iterable[Fact]) -> tuple[Fact, ...]:
+    """The same facts as data only."""
+    return tuple(replace(fact, words="", shown=(), row="") for fact in facts)
 
 
 Record = Mapping[str, Any]

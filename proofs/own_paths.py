@@ -19,6 +19,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.number_text import place_text
 
 STARTS = 4
 CLOSE = 2.0**-40  # of the half side of the square: the distance of the starts
@@ -58,5 +59,5 @@ def refuse_contradiction(partition: Partition, translation: TranslationResult) -
         if farthest > FAR * radius:
             raise ContradictionError(
                 f"{partition.scene.name}: (x, y) is said to be {translation.verdict}, but the path from "
-                f"({start[0]:.3g}, {start[1]:.3g}) beside the equilibrium goes {farthest:.3g} away: please report this"
+                f"{place_text(start[:2], 3)} beside the equilibrium goes {farthest:.3g} away: please report this"
             )

@@ -100,7 +100,10 @@ class Theorem4Result:
     def check(self) -> bool:
         """Re-verify the evidence of every clause, that it is about this array, and the conclusion."""
         return (
-            all(result.check() and clause.is_about(result, self) for clause, result in self.clauses)
+            all(
+                result.check() and clause.is_about(result, self) and clause.recompute(result, self)
+                for clause, result in self.clauses
+            )
             and self.authority.check(self.scene)
             and self.verdict is conclude(self.results)[0]
         )

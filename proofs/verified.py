@@ -9,7 +9,7 @@ class SelfChecking(Protocol):
     """A result that can verify its own evidence."""
 
     def check(self) -> bool:
-        """Whether the evidence verifies from the definitions."""
+        """Whether the evidence verifies."""
         ...
 
 
@@ -17,7 +17,7 @@ Result = TypeVar("Result", bound=SelfChecking)
 
 
 def verified(result: Result) -> Result:
-    """The result, after its evidence has been checked once more from the definitions.
+    """The result, after its evidence has been checked once more.
 
     Raises:
         RuntimeError: if it does not verify.

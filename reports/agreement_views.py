@@ -9,9 +9,9 @@ from rich.text import Text
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, intersect
 from nonsmooth.reports.exact_record import with_exact
-from nonsmooth.reports.facts import short_text
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable
 from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.number_text import float_text, place_text, short_text
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -105,10 +105,10 @@ def _difference_text(difference: TwistDifference) -> str:
     missing = f"not certified: {difference.not_certified}"
     if difference.mean is None or difference.largest is None or difference.at is None:
         return missing
-    x, y = difference.at
+    mean, largest = float_text(difference.mean, 3), float_text(difference.largest, 3)
     shown = (
-        f"relative difference of twist {difference.mean:.3g} in the mean, at most {difference.largest:.3g} "
-        f"near ({x:.4g}, {y:.4g}), over {difference.points} points"
+        f"relative difference of twist {mean} in the mean, at most {largest} "
+        f"near {place_text(difference.at, 4)}, over {difference.points} points"
     )
     return f"{shown}; {missing}" if difference.not_certified else shown
 

@@ -11,9 +11,9 @@ from rich.text import Text
 from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotation
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact
-from nonsmooth.reports.facts import short_text
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.continuum import ContinuousField, Disc
+from nonsmooth.symbolic.number_text import float_text, short_text
 from nonsmooth.symbolic.scene import Scene
 
 HEADER = ("what moves", "position", "rotation")
@@ -108,7 +108,7 @@ def _position_text(prediction: Prediction) -> str:
         return "not found"
     where = "centre of the field"
     if prediction.offset:
-        where = f"centroid up to {prediction.offset:.6g} from the centre of the field"
+        where = f"centroid up to {float_text(prediction.offset)} from the centre of the field"
     said = {True: "attracts", False: "does not attract", None: "not decided"}
     return f"{where}: {said[prediction.attracts]}"
 
@@ -120,12 +120,12 @@ def _rotation_text(prediction: Prediction) -> str:
 
 def _heading_text(heading: Heading) -> str:
     stable = {True: "stable", False: "unstable", None: "not decided"}[heading.stable]
-    return f"theta = {heading.theta:.6g} {stable}"
+    return f"theta = {float_text(heading.theta)} {stable}"
 
 
 def _array_row(result: Check) -> Row:
     scene, drift = result.scene, result.rotation.drift
     x, y = (short_text(entry) for entry in scene.check.equilibrium)
     position = f"equilibrium at ({x}, {y}): {result.equilibrium.verdict}; {result.translation.verdict}"
-    spin = "" if drift is None else f"; drift at rest [{float(drift.interval[0]):.6g}, {float(drift.interval[1]):.6g}]"
+    spin = "" if drift is None else f"; drift at rest [{', '.join(map(float_text, drift.interval))}]"
     return f"the array, rule {scene.contact.rule}", position, f"{result.rotation.verdict}{spin}"

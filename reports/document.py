@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from nonsmooth.symbolic.formulas import SHORT, Real, decimal_latex, decimal_text, number_latex, real_text, settled
+from nonsmooth.symbolic.formulas import number_latex
+from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, real_text, settled
 from nonsmooth.symbolic.numbers.number import Number
 
 
@@ -157,8 +158,13 @@ def number(value: Real) -> Math:
     plain = real_text(fixed)
     if isinstance(fixed, Number) and len(plain) <= SHORT:
         return Math(number_latex(fixed), plain)
-    decimal = decimal_text(value)
-    return Math(rf"\approx {decimal_latex(decimal)}", f"~ {decimal}")
+    rounded = decimal_text(value)
+    return Math(rf"\approx {decimal_latex(rounded)}", f"~ {rounded}")
+
+
+def decimal(text: str) -> Math:
+    """A number that is written as a decimal already (:mod:`nonsmooth.symbolic.number_text`)."""
+    return Math(decimal_latex(text), text)
 
 
 def point(values: Iterable[Real]) -> Math:

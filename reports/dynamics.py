@@ -17,6 +17,7 @@ from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.reports.simulate import SCHEMA
 from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -78,7 +79,7 @@ class ShownPath:
         for k in range(MOMENTS):
             t = float(end.t) * k / (MOMENTS - 1)
             x, y, theta, *velocity, omega = self.path.state(t).tolist()
-            table.add_row(*(f"{value:.6g}" for value in (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega)))
+            table.add_row(*map(float_text, (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega)))
         return Group(Text(head), table, Text(f"end: {end.reason}"), Text(UNIT, "dim"))
 
 
@@ -134,7 +135,7 @@ class ShownMasses:
         rules = [rule for rule in rules_by_limit() if rule not in study.skipped]
         table = header_table("mass", *(f"from rule {rule}" for rule in rules))
         for row in study.rows:
-            table.add_row(f"{row.body.mass:.3g}", *(_pair(row.distance(rule)) for rule in rules))
+            table.add_row(float_text(row.body.mass, 3), *(_pair(row.distance(rule)) for rule in rules))
         limits = {limit.rule: limit for limit in study.limits}
         table.add_section()
         table.add_row("-> 0", *("0, 0" if rule == massless_limit() else _pair(limits[rule]) for rule in rules))
@@ -159,4 +160,4 @@ def _distance_record(distance: PathDistance) -> dict[str, Any]:
 
 
 def _pair(distance: PathDistance) -> str:
-    return f"{distance.position:.3g}, {distance.rotation:.3g}"
+    return f"{float_text(distance.position, 3)}, {float_text(distance.rotation, 3)}"

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 

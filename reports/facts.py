@@ -11,11 +11,9 @@ from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.reports.document import Bullets, Inline, number
 from nonsmooth.reports.exact_record import Record, exact_texts, floats
 from nonsmooth.reports.prose import prose
-from nonsmooth.symbolic.formulas import brief_text, decimal_text, real_text
+from nonsmooth.symbolic.number_text import brief_text, short_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-
-SHORT = 24  # characters of exact text beyond which a decimal value is shown instead
 
 
 def fact_record(facts: Iterable[Fact]) -> Record:
@@ -43,6 +41,8 @@ def as_record(values: Mapping[str, Any]) -> Record:
 def _as_json(value: Any) -> Any:
     if isinstance(value, Mapping):
         return as_record(value)
+    if isinstance(value, tuple):
+        return fact_record(value)
     if isinstance(value, list):
         return [_as_json(entry) for entry in value]
     return value
@@ -50,16 +50,22 @@ def _as_json(value: Any) -> Any:
 
 def fact_lines(facts: Iterable[Fact]) -> list[str]:
     """The sentences, with short numbers exact and long ones as decimals."""
-    said = [fact for fact in facts if fact.words]
-    return [fact.words.format(*map(short_text, fact.shown)) if fact.shown else fact.words for fact in said]
+    return [_line(fact) for fact in facts if fact.words]
 
 
-def short_text(shown: Any) -> str:
-    """A number exactly where that is short, else to six digits; a text as it is."""
-    if not isinstance(shown, Number | Lazy | arb):
-        return str(shown)
-    text = real_text(shown)
-    return text if len(text) <= SHORT else f"~{decimal_text(shown, 6)}"
+def fact_rows(facts: Iterable[Fact]) -> list[tuple[str, str]]:
+    """Names and sentences of the facts that have a row of their own, nested ones in their place."""
+    rows: list[tuple[str, str]] = []
+    for fact in facts:
+        if fact.row:
+            rows.append((fact.row, _line(fact)))
+        if isinstance(fact.value, tuple):
+            rows += fact_rows(fact.value)
+    return rows
+
+
+def _line(fact: Fact) -> str:
+    return fact.words.format(*map(short_text, fact.shown)) if fact.shown else fact.words
 
 
 def fact_list(facts: Iterable[Fact]) -> list[Bullets]:

@@ -16,6 +16,7 @@ from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.analysis.measurements.slopes import FittedSlope, fitted_slopes
 from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.number_text import measured_text
 from nonsmooth.symbolic.scene_error import one_line
 
 LEGEND = (
@@ -158,7 +159,7 @@ def rows_table(
 
 def _study_entries(row: ResultRow) -> tuple[Text, ...]:
     said = row.note or ", ".join(f"{count} {what}" for what, count in row.work.items())
-    return Text(setting_text(row)), Text(said), _right(error_text(row)), _right(number_text(row.seconds))
+    return Text(setting_text(row)), Text(said), _right(error_text(row)), _right(measured_text(row.seconds))
 
 
 def _case_entries(row: ResultRow) -> tuple[Text, ...]:
@@ -173,21 +174,12 @@ def _right(text: str) -> Text:
 
 def setting_text(row: ResultRow) -> str:
     """The setting of a method; empty for a method without one."""
-    return "" if row.setting is None else f"{row.parameter} {number_text(row.setting)}"
+    return "" if row.setting is None else f"{row.parameter} {measured_text(row.setting)}"
 
 
 def error_text(row: ResultRow) -> str:
     """The error, or why there is none."""
-    return row.outcome if row.error is None else number_text(row.error)
-
-
-def number_text(value: float | None) -> str:
-    """Two digits; counts and zero as they are; a dash for none."""
-    if value is None:
-        return "-"
-    if math.isfinite(value) and value == int(value) and abs(value) < 1e7:
-        return str(int(value))
-    return f"{value:.1e}"
+    return row.outcome if row.error is None else measured_text(row.error)
 
 
 # ---- studies -------------------------------------------------------------------------------------

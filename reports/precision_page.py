@@ -20,9 +20,10 @@ from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
 from nonsmooth.proofs.measurements.registry import STUDIES
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.measurements import Precision, error_text, number_text, setting_text, slopes_of
+from nonsmooth.reports.measurements import Precision, error_text, setting_text, slopes_of
 from nonsmooth.reports.progress import Report, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.number_text import measured_text
 
 SHOWN = "four-wheel"
 LIMITS = Limits()
@@ -87,12 +88,12 @@ def _study(measured: Measured) -> Iterator[str]:
 
 
 def _row(row: ResultRow) -> tuple[str, ...]:
-    seconds = "" if row.seconds is None else number_text(row.seconds)
+    seconds = "" if row.seconds is None else measured_text(row.seconds)
     return row.method, setting_text(row), error_text(row), seconds, _remarks(row)
 
 
 def _remarks(row: ResultRow) -> str:
-    errors = [f"{what} {number_text(error)}" for what, error in row.details.items()]
+    errors = [f"{what} {measured_text(error)}" for what, error in row.details.items()]
     work = [f"{count} {what}" for what, count in row.work.items()]
     return "; ".join([*errors, *work, *([row.note] if row.note else [])])
 

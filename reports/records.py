@@ -11,7 +11,7 @@ from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.facts import fact_record
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 
 CHECK_SCHEMA = "nonsmooth-check/1"

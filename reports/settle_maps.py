@@ -16,6 +16,7 @@ from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_
 from nonsmooth.reports.basins import GridRun, basins
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-map/1"
@@ -77,14 +78,14 @@ class ShownMap:
         """The shares of the ends, the range of headings, the latest arrival and what is not unique."""
         rows, summary, ends = two_columns(), _summary_record(self.found), basins(self.found)
         for basin in ends[:SHOWN]:
-            rows.add_row(Text(_percent(basin.share)), Text(basin.text))
+            rows.add_row(Text(percent_text(basin.share)), Text(basin.text))
         if others := ends[SHOWN:]:
-            rows.add_row(Text(_percent(sum(basin.share for basin in others))), Text(f"{len(others)} others"))
+            rows.add_row(Text(percent_text(sum(basin.share for basin in others))), Text(f"{len(others)} others"))
         theta, latest = summary["theta"], summary["latest_arrival"]
         rows.add_row(Text("theta_inf"), Text("-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
         rows.add_row(Text("latest arrival"), Text("-" if latest is None else f"t = {latest:.10g}"))
-        rows.add_row(Text("never arrive"), Text(_percent(1 - summary["arrived"])))
-        rows.add_row(Text("not unique"), Text(_percent(1 - summary["unique"])))
+        rows.add_row(Text("never arrive"), Text(percent_text(1 - summary["arrived"])))
+        rows.add_row(Text("not unique"), Text(percent_text(1 - summary["unique"])))
         return Group(*self._head(), rows)
 
     def _head(self) -> tuple[Text, Text]:
@@ -109,7 +110,3 @@ def _summary_record(found: SettleMap) -> dict[str, Any]:
 
 def _range(values: Any) -> list[float] | None:
     return [float(values.min()), float(values.max())] if len(values) else None
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.4g} %"

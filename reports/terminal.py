@@ -13,7 +13,8 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.facts import fact_lines, short_text
+from nonsmooth.reports.facts import fact_lines
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene_error import one_line

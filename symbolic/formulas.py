@@ -7,17 +7,11 @@ SymPy would turn ``cos(pi/10)`` into nested square roots.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from decimal import Decimal
-from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
-from flint import arb, ctx
-
-from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
-from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.number_text import decimal_latex, decimal_text
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands, plain_sum, signed
 
 if TYPE_CHECKING:
@@ -25,11 +19,6 @@ if TYPE_CHECKING:
 
 LINE_LENGTH = 76  # characters of plain text after which a formula continues on the next line
 LINE_BREAK = " \\\\\n&\\quad "  # inside an aligned block
-DIGITS = 10  # significant digits of a rounded coefficient
-SHORT = 44  # characters of exact text that fit a sentence or a table
-BALL_DIGITS = 20  # digits of an enclosure
-
-Real: TypeAlias = Number | Lazy | arb
 
 Monomial: TypeAlias = tuple[str, ...]
 
@@ -44,7 +33,7 @@ class Formula:
         """On one line, ``0`` where nothing is left.
 
         Args:
-            longest: round coefficients of more characters to DIGITS digits; None keeps all exact.
+            longest: round coefficients of more characters to ten digits; None keeps all exact.
         """
         return plain_sum(self.summands(longest))
 
@@ -89,52 +78,6 @@ def constant(number: Number) -> Formula:
 def number_latex(number: Number, longest: int | None = None) -> str:
     """LaTeX of a number, rounded where its text has more than ``longest`` characters."""
     return constant(number).latex(longest=longest)
-
-
-def settled(value: Real) -> Number | arb:
-    """The field element where it is at hand or short work, a ball otherwise."""
-    if isinstance(value, Lazy):
-        return value.exact() if len(value.field.radicands) <= EXACT_ROOTS else value.ball
-    return value
-
-
-def real_text(value: Real) -> str:
-    """Exact text, or an enclosure such as ``[0.123 +/- 4e-21]`` where the exact form is endless or out of reach."""
-    fixed = settled(value)
-    if isinstance(fixed, Number) and fixed.size_bits > MOST_BITS:
-        fixed = fixed.accurate_ball(PRECISION)
-    return str(fixed.str(BALL_DIGITS)) if isinstance(fixed, arb) else str(fixed)
-
-
-def decimal_text(value: Real, digits: int = DIGITS) -> str:
-    """Decimal value with the given significant digits, also beyond the range of floats."""
-    approximation = float(value)
-    if approximation and math.isfinite(approximation):
-        return f"{approximation:.{digits}g}"
-    with ctx.workprec(PRECISION):
-        ball = value if isinstance(value, arb) else value.ball if isinstance(value, Lazy) else value.ball()
-        return str(ball.str(digits, radius=False))
-
-
-def lower_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
-    """Decimal value of a positive number with the given significant digits, not above it."""
-    text = f"{float(value):.{digits}g}" if isinstance(value, Fraction) else decimal_text(value, digits)
-    if sign(value - Fraction(text)) >= 0:
-        return text
-    below = Decimal(text) - Decimal((0, (1,), Decimal(text).adjusted() - digits + 1))
-    return f"{below:.{digits}g}"
-
-
-def brief_text(value: Real, longest: int = SHORT) -> str:
-    """Exact text where it is short, otherwise a decimal value such as ``~1.61803399``."""
-    text = real_text(value)
-    return text if len(text) <= longest else f"~{decimal_text(value)}"
-
-
-def decimal_latex(decimal: str) -> str:
-    r"""``1.5e-07`` as ``1.5 \cdot 10^{-7}``."""
-    mantissa, _, exponent = decimal.partition("e")
-    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def symbol_latex(name: str) -> str:

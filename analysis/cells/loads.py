@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import Vector, cross, minus
 from nonsmooth.symbolic.scene import Scene
@@ -142,7 +143,7 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
         reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
     largest = min(reach)
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
-    advice = f"at most {largest} ~ {float(largest):.6g}" if largest.sign() > 0 else "an equilibrium inside it"
+    advice = f"at most {largest} ~ {float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
         f"check.radius: required {advice}, received {scene.check.radius}: "
         f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"

@@ -13,8 +13,8 @@ from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, ti
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Twist, independent
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit

@@ -19,6 +19,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.symbolic.number_text import place_text
 
 RELATIVE_TOLERANCE = 1e-9  # per step; the minimizer itself is right to about 1e-12
 ABSOLUTE_TOLERANCE = 1e-11  # length and radians
@@ -43,7 +44,7 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
         if not (minima.check() & resists_every_motion(model, minima.loads))[0]:
             x, y = (float(value) for value in pose[:2])
             raise TrajectoryError(
-                f"required a certified motion, received a minimum without proof at ({x:.6g}, {y:.6g})"
+                f"required a certified motion, received a minimum without proof at {place_text((x, y))}"
             )
         (twist,) = minima.twists
         return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])

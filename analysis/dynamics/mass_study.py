@@ -30,6 +30,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
@@ -100,9 +101,9 @@ class MassStudy:
     skipped: Mapping[str, str]
 
     def _repr_html_(self) -> str:
-        found = [(f"{row.body.mass:.3g}", own) for row in self.rows for own in row.distances]
+        found = [(float_text(row.body.mass, 3), own) for row in self.rows for own in row.distances]
         found += [("-> 0", limit) for limit in self.limits]
-        rows = [(mass, own.rule, f"{own.position:.3g}", f"{own.rotation:.3g}") for mass, own in found]
+        rows = [(mass, own.rule, float_text(own.position, 3), float_text(own.rotation, 3)) for mass, own in found]
         head = (
             f"full dynamics from {self.start} at rest, until t = {self.until:g}: largest distance from each rule's path"
         )

@@ -27,6 +27,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Velocity
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_text import place_text
 
 Entry: TypeAlias = Any  # int, float, Fraction or a field element
 
@@ -141,7 +142,7 @@ class ConstantField(PolygonField):
                 return " | ".join(self.names[cell] for cell in self.cells.edges[edge].cells)
             case AtCorner(corner):
                 x, y = self.cells.points[corner]
-                return f"corner ({float(x):.6g}, {float(y):.6g})"
+                return f"corner {place_text((x, y))}"
 
 
 def flow_of(twist: Sequence[Entry], kinematics: Kinematics) -> Flow:

@@ -24,6 +24,7 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     affine_surface,
 )
+from nonsmooth.symbolic.number_text import place_text
 
 
 class PolygonField(ABC):
@@ -120,7 +121,7 @@ class PolygonField(ABC):
             x, y = corner.point
             keep = (affine_surface("x", (1, 0, 0), x), affine_surface("y", (0, 1, 0), y))
             around = tuple(self._members[cell] for cell in corner.cells)
-            faces.append(Face(f"corner ({x:.6g}, {y:.6g})", keep, (), around))
+            faces.append(Face(f"corner {place_text((x, y))}", keep, (), around))
         return tuple(faces)
 
     def _frame(self, number: int) -> tuple[Surface, Surface, Surface]:

@@ -88,11 +88,6 @@ def refused(case: str, parameter: str, message: object, *, expected: bool) -> Re
     return asserted(case, parameter, Outcome.REFUSED, " ".join(str(message).split()), ok=expected)
 
 
-def brief(value: float) -> str:
-    """A power of ten as people write it: ``1e-9``."""
-    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
-
-
 def counted(number: int, what: str) -> str:
     """``1 event``, ``2 events``, ``2 switches``."""
     plural = "es" if what.endswith("ch") else "s"

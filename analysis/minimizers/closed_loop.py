@@ -27,6 +27,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.symbolic.number_text import float_text
 
 GAIN = 1.0  # k, 1/time: the rate scales with it
 SEARCH_ROUNDS = 4
@@ -66,7 +67,7 @@ class LoopSample:
     def rate_text(self) -> str:
         """The rate in three digits; rounding noise is zero, and so is nothing."""
         rate = self.worst_rate or 0.0
-        return f"{rate:.3g}" if abs(rate) > RATE_NOISE else "0"
+        return float_text(rate, 3) if abs(rate) > RATE_NOISE else "0"
 
     @property
     def fails(self) -> bool | None:

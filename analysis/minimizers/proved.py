@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.symbolic.constraints import complement, independent, rows_with_friction
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.scene import Scene
 
 DEPENDENT = 1e-9  # singular value, relative to the largest, of rows that leave a motion free

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import float_text
 
 State: TypeAlias = tuple[Any, ...]
 
@@ -150,11 +151,8 @@ class Trajectory:
     pieces: tuple[Piece, ...] = ()
 
     def _repr_html_(self) -> str:
-        rows = [
-            (f"{float(e.t):.6g}", e.kind, ", ".join(f"{float(x):.6g}" for x in e.state), e.surface, e.note)
-            for e in self.events
-        ]
-        head = f"{self.method}, {self.kinematics} kinematics: {self.end.reason} at t = {float(self.end.t):.6g}"
+        rows = [(float_text(e.t), e.kind, ", ".join(map(float_text, e.state)), e.surface, e.note) for e in self.events]
+        head = f"{self.method}, {self.kinematics} kinematics: {self.end.reason} at t = {float_text(self.end.t)}"
         return html_table(head, ("t", "event", "state", "where", "note"), rows)
 
     def at(self, time: Any) -> State:

@@ -35,7 +35,7 @@ class ClauseResult(Protocol):
         ...
 
     def check(self) -> bool:
-        """Whether the evidence verifies from the definitions; evidence that is missing does not."""
+        """Whether the evidence verifies, by other means than found it; evidence that is missing does not."""
         ...
 
 
@@ -60,7 +60,11 @@ class Clause(ABC, Generic[Result]):
         """
 
     def is_about(self, result: Result, check: Theorem4Result) -> bool:  # for those who need them
-        """Whether the evidence is about the array of a check, and all of it; together with ``result.check()``."""
+        """Whether the evidence is about the array of a check, and all of it: compared with its wheels and cells."""
+        return True
+
+    def recompute(self, result: Result, check: Theorem4Result) -> bool:  # for those who need it
+        """Whether deciding again gives the same, where ``result.check()`` does not verify all that is said."""
         return True
 
     def settles(self, result: Result) -> tuple[Theorem4, str] | None:

@@ -30,6 +30,7 @@ from nonsmooth.proofs.inequalities.forms import Problem
 from nonsmooth.proofs.inequalities.products import ProductEvidence, decide_product
 from nonsmooth.proofs.inequalities.samples import counterexample
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, Stuck, Violation, subdivide, verify
+from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
@@ -164,7 +165,7 @@ class Undecided:
     @property
     def reason(self) -> str:
         """One sentence for people."""
-        corners = ", ".join("(" + ", ".join(f"{float(_number(x)):.5g}" for x in corner) + ")" for corner in self.part)
+        corners = ", ".join(place_text(map(_number, corner), 5) for corner in self.part)
         return f"the sign was not found on the part of the cell with corners {corners}"
 
 

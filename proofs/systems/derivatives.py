@@ -95,7 +95,7 @@ class LyapunovResult:
         return Supremum(trend, best.high if best is not None and exact else None, point)
 
     def check(self) -> bool:
-        """Re-verify every inequality from its polynomials, decide the edges and corners anew, and conclude again."""
+        """Verify every inequality from its polynomials, and the conclusion; recompute the edges and corners."""
         if len(self.definite) != len(self.cells):
             return False
         for cell, outcome in zip(self.cells, self.definite, strict=True):
@@ -110,10 +110,13 @@ class LyapunovResult:
             for o, (region, rate) in zip(evidence, rates, strict=True)
         ):
             return False
-        claimed = [s.evidence for s in self.strata if s.part is Part.CELL and isinstance(s.evidence, tuple)]
-        again = (*map(stratum_of, self.cells, claimed), *bend_strata(self.cells))
         concluded = conclude(self.cells, self.definite, self.strata)
-        return self.strata == again and concluded == (self.verdict, self.witness, self.reason)
+        return concluded == (self.verdict, self.witness, self.reason) and self.recompute()
+
+    def recompute(self) -> bool:
+        """Whether the same parts follow from the evidence, and from the edges and corners where V bends."""
+        claimed = [s.evidence for s in self.strata if s.part is Part.CELL and isinstance(s.evidence, tuple)]
+        return self.strata == (*map(stratum_of, self.cells, claimed), *bend_strata(self.cells))
 
 
 def _still_true(outcome: Outcome) -> bool:

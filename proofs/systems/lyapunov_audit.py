@@ -76,7 +76,7 @@ class AuditResult:
         return html_table(f"{self.scene.name}: audit of V", ("V", "verdict", "proves", "reason"), rows)
 
     def check(self) -> bool:
-        """Build the cells again and re-verify every inequality on them."""
+        """Verify that the inequalities are about V on the system's cells, that they hold, and what follows."""
         if self.result is None:
             return self.verdict is AuditVerdict.UNDECIDED
         if any(cell.potential.field is not self.scene.field for cell in self.result.cells):

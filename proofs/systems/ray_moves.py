@@ -28,9 +28,10 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, turned
 
 
 class RayKind(StrEnum):
@@ -55,8 +56,21 @@ class RayMove:
     value: Any | None
 
     def __str__(self) -> str:
-        x, y = (float(v) for v in self.ray)
-        return self.kind.value.format(f"the ray through ({x:.6g}, {y:.6g})")
+        return self.kind.value.format(f"the ray through {place_text(self.ray)}")
+
+    def check(self, cells: Sequence[FieldCell]) -> bool:
+        """Verify in a system of cones that F on the ray holds zero, or an outward vector; a ray without name passes.
+
+        A mixture of two velocities beside a ray points outward along it iff they turn about it from right to left.
+        """
+        if self.value is None or not cells or not are_cones(cells):
+            return True
+        found = velocities_at(cells, self.ray)
+        if self.kind is RayKind.REST:
+            return hull_holds_zero(found)
+        straight = any(not cross(self.ray, f) and sign(dot(self.ray, f)) > 0 for f in found)
+        beside = [(f, g) for f in found for g in found if sign(cross(self.ray, f)) < 0 < sign(cross(self.ray, g))]
+        return straight or any(sign(cross(f, g)) > 0 for f, g in beside)
 
 
 def are_cones(cells: Sequence[FieldCell | LyapunovCell]) -> bool:
@@ -163,7 +177,7 @@ class ConstantFan:
     fan: FanResult
 
     def check(self) -> bool:
-        """Decide again from the cones."""
+        """Verify the fan, and what it says of fields without terms of higher order."""
         return self.fan.check() and _with_closed_orbits(self.fan) == (self.verdict, self.reason)
 
 

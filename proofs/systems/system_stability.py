@@ -45,13 +45,14 @@ from nonsmooth.proofs.systems.ray_moves import (
     RayKind,
     RayMove,
     are_cones,
+    constant_cones,
     decide_constant_fan,
     ray_moves,
     resting_edges,
 )
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -145,7 +146,7 @@ class SystemResult:
         return {Method.LYAPUNOV: self.certificate, Method.GROWTH: self.growth}.get(self.method)
 
     def check(self) -> bool:
-        """Re-verify the evidence, that it speaks of this system's cells, and the conclusion."""
+        """Verify the evidence, that it speaks of this system's cells, and the conclusion; decide the rest again."""
         cells = plane_cells(self.scene)
         known = [inhabited(scene_cells(self.scene, d)) for d in domains(self.scene, self.scene.check.lyapunov)]
         genuine = self.lyapunov.check() and self.lyapunov.cells == known[0]
@@ -154,12 +155,16 @@ class SystemResult:
         if self.growth is not None:
             genuine = genuine and self._speaks_of(self.growth, [], backwards=True) and self.growth.check()
         if self.fan is not None:
-            genuine = genuine and self.fan == decide_constant_fan(cells)
-        rays, holds = _rays(cells), decide_equilibrium(cells)
-        again = conclude(holds, self.certificate, self.growth, self.fan, rays)
-        everywhere = _everywhere(self.verdict, cells)
-        same = (self.rays, self.equilibrium, self.everywhere) == (rays, holds, everywhere)
-        return genuine and same and again == (self.verdict, self.reason, self.method)
+            genuine = genuine and self.fan.fan.cones == constant_cones(cells) and self.fan.check()
+        genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
+        concluded = conclude(self.equilibrium, self.certificate, self.growth, self.fan, self.rays)
+        return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
+
+    def recompute(self, cells: Sequence[FieldCell]) -> bool:
+        """Whether deciding again finds the same rays, equilibrium, reach and overshoot."""
+        found = _rays(cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
+        fan = self.fan is None or self.fan.fan.recompute()
+        return fan and found == (self.rays, self.equilibrium, self.everywhere)
 
     def _speaks_of(self, found: LyapunovResult, known: Sequence[Sequence[LyapunovCell]], *, backwards: bool) -> bool:
         """Whether a V is one of the system (or of the reversed one) on the domain that is named."""
@@ -313,13 +318,9 @@ def _of_kind(rays: Sequence[RayMove], kind: RayKind) -> list[RayMove]:
 
 
 def _everywhere(verdict: Translation, cells: Sequence[FieldCell]) -> bool:
-    """Whether asymptotic stability extends to the whole plane by scaling."""
-    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and _one_degree(cells)
-
-
-def _one_degree(cells: Sequence[FieldCell]) -> bool:
-    """Whether all fields are homogeneous of one degree: then solutions scale to solutions."""
-    return len({p.degree for cell in cells for v in cell.velocities for p in v if p}) <= 1
+    """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
+    degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
+    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1
 
 
 def _are_the_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> bool:

@@ -17,7 +17,7 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.reports.document import cell_mark
 from nonsmooth.reports.figures.wheels import ARROW, INK, XY, Segment, draw_wheel, floats, wheels_in_view
-from nonsmooth.symbolic.formulas import decimal_text
+from nonsmooth.symbolic.number_text import decimal_text
 from nonsmooth.symbolic.plane import between
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 

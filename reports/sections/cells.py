@@ -6,7 +6,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Figure, Section, cell_mark, number, point, table
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.subject import Subject
-from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.number_text import real_text
 
 
 def cells_section(subject: Subject) -> Section:

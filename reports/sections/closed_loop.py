@@ -15,6 +15,7 @@ from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import STARTS, Start, start_text, starts, typed_start
 from nonsmooth.reports.simulate import PathRun, follow, loop_of
 from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.number_text import float_text
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
 QUARTERS = 4  # starts on a circle, the headings of their signs in turn
@@ -126,7 +127,7 @@ def _inside(loop: FeedbackLoop, start: Start) -> Start:
 
 def _smaller(start: Start, factor: float) -> Start:
     """A part of a start, as a command line would hold it."""
-    x, y, theta = (float(f"{value * factor:.6g}") for value in start)
+    x, y, theta = (float(float_text(value * factor)) for value in start)
     return x, y, theta
 
 
@@ -140,9 +141,9 @@ def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
     end = path.path.end
     x, y, theta = (float(value) for value in end.state)
     first, last = ("", "") if loop.region is None else (loop.region.value(path.start), loop.region.value((x, y, theta)))
-    levels = [value if isinstance(value, str) else f"{value:.2g}" for value in (first, last)]
-    place = [f"{value:.2g}" for value in (x, y, theta)]
-    return start_text(path.start), levels[0], f"{float(end.t):.4g}", *place, levels[1], str(end.reason)
+    levels = [value if isinstance(value, str) else float_text(value, 2) for value in (first, last)]
+    place = [float_text(value, 2) for value in (x, y, theta)]
+    return start_text(path.start), levels[0], float_text(end.t, 4), *place, levels[1], str(end.reason)
 
 
 def _figure(subject: Subject, loop: FeedbackLoop, path: _Path) -> Figure:

@@ -7,6 +7,7 @@ from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.reports.document import Block, Entry, Math, Section, display, matrix, number, point, table
 from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.symbolic.number_text import float_text, place_text
 
 
 def situation_section(place: EllipsePoint) -> Section:
@@ -100,7 +101,7 @@ def ellipse_derivative_section(translation: EllipseTranslation) -> Section:
 
 def _sampled_paragraph(samples: int, largest: float, at: tuple[float, float]) -> Block:
     x, y = at
-    place, rate = f"({x:.6g}, {y:.6g})", f"{largest:.6g}"
+    place, rate = place_text((x, y)), float_text(largest)
     return paragraph(
         "With `V = |c - c*|^2`, sampled and not proved: the largest `V*/|c|` at {} random points of the square "
         "is {}, at {}.",

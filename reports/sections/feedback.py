@@ -31,7 +31,7 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.symbolic.formulas import brief_text, decimal_latex, lower_text
+from nonsmooth.symbolic.number_text import brief_text, decimal_latex, float_text, lower_text
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 
@@ -81,7 +81,7 @@ def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
 def _margin_blocks(margin: InputMargin) -> list[Block]:
     """Side by side, up to which error in c one input serves both cells."""
     header = ("side of the cells", "one input serves both within this part of the distance")
-    rows = [(f"{side.cells[0]}, {side.cells[1]}", f"{float(side.squared) ** 0.5:.4g}") for side in margin.sides]
+    rows = [(f"{side.cells[0]}, {side.cells[1]}", float_text(float(side.squared) ** 0.5, 4)) for side in margin.sides]
     return [paragraph("{}.", str(margin).capitalize()), table(header, rows, (2, 4))]
 
 
@@ -112,7 +112,7 @@ def _twist_rows(cone: LawCone, scene: Scene) -> list[tuple[Entry, ...]]:
     directions = "all"
     if cone.rays is not None:
         start, end = (_degrees(ray) for ray in cone.rays)
-        directions = f"{start:.4g} to {end if end > start else end + 360:.4g} degrees"
+        directions = f"{float_text(start, 4)} to {float_text(end if end > start else end + 360, 4)} degrees"
     return [(directions, _decimals(imposed.twist), _decimals(rim_speeds(scene, imposed))) for imposed in cone.twists]
 
 
@@ -122,7 +122,7 @@ def _degrees(ray: Point) -> float:
 
 
 def _decimals(values: Sequence[SupportsFloat]) -> Entry:
-    return listed([Math(x, x) for x in (f"{float(value) + 0:.4g}" for value in values)])
+    return listed([Math(x, x) for x in (float_text(float(value) + 0, 4) for value in values)])
 
 
 def _sample_blocks(feedback: DrivenFeedback) -> list[Block]:
@@ -132,8 +132,8 @@ def _sample_blocks(feedback: DrivenFeedback) -> list[Block]:
     for sample in feedback.samples:
         if sample.worst_rate is None or sample.worst_state is None:
             continue
-        state = listed([Math(x, x) for x in (f"{value:.4g}" for value in sample.worst_state)])
-        rate = f"{sample.worst_rate:.4g}"
+        state = listed([Math(x, x) for x in (float_text(value, 4) for value in sample.worst_state)])
+        rate = float_text(sample.worst_rate, 4)
         rows.append((str(sample.law), str(sample.states), Math(f"{rate}\\, k", f"{rate} k"), state))
     header = ("law", "states", prose("largest `V'/V` found"), "at (x, y, theta)")
     shown: list[Block] = []
@@ -161,7 +161,7 @@ def region_blocks(feedback: FeedbackResult) -> list[Block]:
         inside = Math(f"V < {decimal_latex(level)}", f"V < {level}")
         words = "Certified region: V falls along every solution from a start with {}, and the body comes home."
         return [paragraph(words, inside)]
-    weight, top, length = (f"{float(value):.6g}" for value in (region.weight, region.top, region.length))
+    weight, top, length = (float_text(value) for value in (region.weight, region.top, region.length))
     function = display(
         rf"W = \left(\frac{{r}}{{l}} + \frac{{r^2}}{{l^2}} \chi\right)^2 + {decimal_latex(weight)}\, \Theta^2, \qquad"
         r" \chi' = z^2 - m, \quad z = s/r",

@@ -16,10 +16,10 @@ from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.analysis.measurements.slopes import fitted_slopes
 from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES
 from nonsmooth.analysis.measurements.timing import Limits
-from nonsmooth.reports.document import Code, Entry, Math, Section, table
+from nonsmooth.reports.document import Code, Entry, Section, decimal, table
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.subject import Subject
-from nonsmooth.symbolic.formulas import decimal_latex
+from nonsmooth.symbolic.number_text import float_text
 
 METHODS = ("events, closed form", "DOP853 with events", "hysteresis", "smoothed", "RK45", "DOP853")
 SETTINGS = 4  # of each method, the easy ones first: together below a second
@@ -90,7 +90,4 @@ def _case_entries(row: ResultRow) -> tuple[Entry, ...]:
 
 
 def _number(value: float | None, otherwise: str) -> Entry:
-    if value is None:
-        return otherwise
-    text = f"{value:.2g}"
-    return Math(decimal_latex(text), text)
+    return otherwise if value is None else decimal(float_text(value, 2))

@@ -9,6 +9,7 @@ from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
 from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.number_text import float_text, place_text
 
 MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells
 
@@ -70,8 +71,8 @@ def _row(first: str, second: str, difference: TwistDifference) -> tuple[Entry, .
     if difference.mean is None or difference.largest is None or difference.at is None:
         return f"{first} and {second}", "not certified", "", ""
     x, y = difference.at
-    place = f"({x:.4g}, {y:.4g})"
-    return f"{first} and {second}", f"{difference.mean:.3g}", f"{difference.largest:.3g}", place
+    place = place_text((x, y), 4)
+    return f"{first} and {second}", float_text(difference.mean, 3), float_text(difference.largest, 3), place
 
 
 def _agreement_map(subject: Subject) -> Figure:

@@ -34,6 +34,7 @@ from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_text import float_text
 
 
 def filippov_section(result: CellCheck) -> Section:
@@ -201,7 +202,7 @@ def _fan_blocks(fan: FanResult) -> list[Block]:
     said = paragraph("The fan of the {} cones that meet at the point says: {}.", str(len(fan.cones)), fan.reason)
     if fan.squared_overshoot is None:
         return [said]
-    growth = f"{math.sqrt(float(fan.squared_overshoot)):.6g}"
+    growth = float_text(math.sqrt(float(fan.squared_overshoot)))
     return [said, paragraph("Near the point the distance of a solution grows at most {}-fold on its way.", growth)]
 
 

@@ -6,6 +6,7 @@ import math
 from typing import TypeAlias
 
 from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene
 
 Start: TypeAlias = tuple[float, float, float]  # x, y, theta
@@ -33,15 +34,15 @@ def starts(partition: Partition) -> list[Start]:
 
 def start_text(start: Start) -> str:
     """``(0.2, 0.4, 0)``."""
-    return f"({', '.join(f'{value:.6g}' for value in start)})"
+    return place_text(start)
 
 
 def typed_start(start: Start, scene: Scene) -> str:
     """``x,y,theta`` for ``--from``, which takes world coordinates; a report measures from the checked point."""
     x, y = (centre + value for centre, value in zip(map(float, scene.check.equilibrium), start, strict=False))
-    return ",".join(f"{value:.6g}" for value in (x, y, start[2]))
+    return ",".join(map(float_text, (x, y, start[2])))
 
 
 def _typed(value: float) -> float:
     """The value as a command line would hold it."""
-    return float(f"{value:.6g}")
+    return float(float_text(value))

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import SupportsFloat
 
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, table
+from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, decimal, table
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.closed_loop import closed_loop_section
 from nonsmooth.reports.sections.law import without_law
 from nonsmooth.reports.sections.starts import Start, start_text, starts, typed_start
 from nonsmooth.reports.subject import Subject
-from nonsmooth.symbolic.formulas import decimal_latex
+from nonsmooth.symbolic.number_text import float_text
 
 SHOWN_EVENTS = 8  # in the table of the first path
 AFTERWARDS = 1.4  # how long the figure goes on, in units of the time to the rest, so that the rest can be seen
@@ -97,9 +98,8 @@ def _first_words(path: Trajectory) -> list[Block]:
     return [paragraph(words, _number(first), kind, _number(rate), end, theta, str(path.end.reason), unique)]
 
 
-def _number(value: object) -> Math:
-    text = f"{float(value):.6g}"  # type: ignore[arg-type]
-    return Math(decimal_latex(text), text)
+def _number(value: SupportsFloat) -> Math:
+    return decimal(float_text(value))
 
 
 def _event_table(path: Trajectory) -> Block:
@@ -111,9 +111,8 @@ def _event_table(path: Trajectory) -> Block:
     return table(header, rows, (2, 2.2, 2.2, 2.2, 2.2, 4.5))
 
 
-def _short(value: object) -> str:
-    number = round(float(value), 12)  # type: ignore[arg-type]
-    return f"{number + 0.0:.4g}"
+def _short(value: SupportsFloat) -> str:
+    return float_text(round(float(value), 12) + 0.0, 4)
 
 
 def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
@@ -134,7 +133,7 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
             "--from",
             typed_start(start, subject.scene),
             "--until",
-            f"{float(path.end.t):.6g}",
+            float_text(path.end.t),
             "-o",
             "open-loop.pdf",
         ),

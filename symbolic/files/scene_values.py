@@ -16,6 +16,7 @@ from typing import Annotated, TypeAlias
 from pydantic import BaseModel, ConfigDict, PlainValidator
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError, decimal_value, parse
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import choose_angles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -151,7 +152,7 @@ class Numbers:
         """
         number = self(value, key)
         if number.sign() <= 0:
-            raise SceneError(self.file, key, "a positive number", StatedFact(short_number(number)))
+            raise SceneError(self.file, key, "a positive number", StatedFact(short_text(number)))
         return number
 
     def direction(self, angle: Angle) -> Vector:
@@ -159,9 +160,3 @@ class Numbers:
         if angle.turn not in self._directions:
             self._directions[angle.turn] = self.field.cos_pi(angle.turn), self.field.sin_pi(angle.turn)
         return self._directions[angle.turn]
-
-
-def short_number(number: Number) -> str:
-    """Exact text where it is short, six digits otherwise."""
-    text = str(number)
-    return text if len(text) <= 24 else f"{float(number):.6g}"

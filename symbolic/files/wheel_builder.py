@@ -6,8 +6,9 @@ from collections.abc import Iterable
 
 from nonsmooth.symbolic.files.layouts import Place
 from nonsmooth.symbolic.files.scene_document import Document
-from nonsmooth.symbolic.files.scene_values import Exact, Numbers, short_number
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import INWARD, Speed
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Friction, Wheel
@@ -87,7 +88,7 @@ class WheelBuilder:
             raise self._error(key, f"a number, since wheel {index} names none", StatedFact("nothing"))
         number = self._numbers(value, key)
         if number.sign() < 0:
-            raise self._error(key, "a number of at least 0", StatedFact(short_number(number)))
+            raise self._error(key, "a number of at least 0", StatedFact(short_text(number)))
         return number
 
     def _error(self, key: str, expected: str, value: object) -> SceneError:
@@ -95,4 +96,4 @@ class WheelBuilder:
 
 
 def _text(position: Vector) -> str:
-    return f"({short_number(position[0])}, {short_number(position[1])})"
+    return f"({short_text(position[0])}, {short_text(position[1])})"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.formulas import lower_text
+from nonsmooth.symbolic.number_text import lower_text
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ from nonsmooth.proofs import theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.formulas import real_text
+from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.enclosures import MOST_BITS, rational_below, square_root
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit

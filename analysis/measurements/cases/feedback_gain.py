@@ -16,10 +16,11 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.cases.followed_field import cells_of
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.reference_fields import gradient_reference
-from nonsmooth.analysis.measurements.rows import ResultRow, Rows, brief, counted, judged, refused
+from nonsmooth.analysis.measurements.rows import ResultRow, Rows, counted, judged, refused
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 
 GRADIENT, CORRECTED = "feedback gain, gradient law", "feedback gain, corrected law"
@@ -61,7 +62,7 @@ def _gradient_row(partition: Partition, gain: float) -> ResultRow:
     gaps = [abs(float(a) - b) for a, b in zip(path.end.state, reference.state, strict=True)]
     verdict = f"{counted(reference.crossings, 'crossing')}: {path.end.reason}"
     error = max(gaps) / _size(partition)
-    return judged(GRADIENT, brief(gain), verdict, error, ACCURACY, why="a hundred steps of the integrator")
+    return judged(GRADIENT, power_text(gain), verdict, error, ACCURACY, why="a hundred steps of the integrator")
 
 
 def _corrected(partition: Partition, gain: float, until: float) -> Trajectory:
@@ -80,7 +81,9 @@ def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> Resul
         x, y = (float(value) for value in partition.scene.check.equilibrium)
         last, before = (np.hypot(*(np.array(p.end.state[:2]) - (x, y))) + abs(p.end.state[2]) for p in (path, slow))
         error = max(error, float(last - before))
-    return judged(CORRECTED, brief(gain), verdict, error / _size(partition), ACCURACY, why="gain one, k times as long")
+    return judged(
+        CORRECTED, power_text(gain), verdict, error / _size(partition), ACCURACY, why="gain one, k times as long"
+    )
 
 
 def _array_rows(scene: Scene) -> Rows:

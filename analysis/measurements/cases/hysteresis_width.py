@@ -10,10 +10,11 @@ from __future__ import annotations
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.cases.followed_field import START, FollowedField, followed_fields
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.rows import EPSILON, Rows, brief, counted, judged, refused
+from nonsmooth.analysis.measurements.rows import EPSILON, Rows, counted, judged, refused
 from nonsmooth.analysis.trajectories.hysteresis import RELATIVE_TOLERANCE, simulate_hysteresis
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -38,16 +39,16 @@ def hysteresis_rows(followed: FollowedField) -> Rows:
         error = followed.distance(path.end.state, exact.end.state)
         bound = LATE * growth * (width + RELATIVE_TOLERANCE * until / followed.span + EPSILON)
         verdict = counted(len(path.events), "switch")
-        yield judged(CASE, brief(width), verdict, error, bound, condition=growth, why="late by the width")
+        yield judged(CASE, power_text(width), verdict, error, bound, condition=growth, why="late by the width")
     try:
         path = simulate_hysteresis(followed.field, on_surface, followed.span, UNRESOLVED * followed.radius)
     except ValueError as refusal:
-        yield refused(CASE, brief(UNRESOLVED), refusal, expected=True)
+        yield refused(CASE, power_text(UNRESOLVED), refusal, expected=True)
     else:
         exact = simulate(followed.field, on_surface, followed.span)
         error = followed.distance(path.end.state, exact.end.state)
         verdict = counted(len(path.events), "switch")
-        yield judged(CASE, brief(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
+        yield judged(CASE, power_text(UNRESOLVED), verdict, error, LATE * RELATIVE_TOLERANCE, why="its integrator")
 
 
 def _surface_start(followed: FollowedField) -> tuple[float, ...]:

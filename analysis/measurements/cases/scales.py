@@ -19,8 +19,9 @@ from nonsmooth.analysis.measurements.cases.followed_field import (
     followed_system,
 )
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, judged, refused
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -57,7 +58,7 @@ def system_scale_rows(scene: SwitchedSystem) -> Rows:
 
 def outside_row(followed: FollowedField) -> ResultRow:
     """A start far outside the checked square has to be refused."""
-    case, parameter = "start far outside", brief(BEYOND)
+    case, parameter = "start far outside", power_text(BEYOND)
     try:
         path = simulate(followed.field, followed.place(BEYOND, 0.0), followed.span)
     except ValueError as refusal:

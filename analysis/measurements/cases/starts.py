@@ -14,9 +14,10 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.cases.followed_field import FollowedField, followed_fields, followed_system
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, judged
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -34,11 +35,11 @@ def start_rows(followed: FollowedField, case: str) -> Rows:
         for distance in DISTANCES:
             side = 1 if number % 2 else -1
             move = side * normal
-            parameter = f"surface {number}, {brief(distance)}"
+            parameter = f"surface {number}, {power_text(distance)}"
             yield _row(followed, case, parameter, point, distance * move)
     for angle in ANGLES:
         move = np.array([math.cos(angle), math.sin(angle)])
-        parameter = f"{brief(DISTANCES[-1])} at {angle} rad"
+        parameter = f"{power_text(DISTANCES[-1])} at {angle} rad"
         yield _row(followed, case, parameter, np.array(followed.centre), DISTANCES[-1] * move)
 
 

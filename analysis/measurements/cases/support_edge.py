@@ -14,8 +14,9 @@ import numpy as np
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, support_polygon
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, judged, refused
 from nonsmooth.analysis.minimizers.float_loads import RESIDUAL, elastic_loads
+from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import scaled
 
@@ -39,9 +40,9 @@ def support_rows(scene: Scene) -> Rows:
         return
     edge, inward = _longest_edge(np.array([[float(x) for x in corner] for corner in hull]), model)
     for depth in DEPTHS:
-        yield _row(EDGE, brief(depth), scene, model, edge + depth * inward)
+        yield _row(EDGE, power_text(depth), scene, model, edge + depth * inward)
     for depth in BEYOND:
-        parameter = f"{brief(depth)} outside"
+        parameter = f"{power_text(depth)} outside"
         try:
             loads = elastic_loads(model, edge - depth * inward)
         except LoadError as refusal:

@@ -23,11 +23,12 @@ from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.cases.followed_field import START, FollowedField, followed_fields
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.taylor import Reached, precision
-from nonsmooth.analysis.measurements.rows import EPSILON, Rows, asserted, brief, counted, judged
+from nonsmooth.analysis.measurements.rows import EPSILON, Rows, asserted, counted, judged
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
+from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -53,7 +54,7 @@ def spiral_rows(field: ConstantField) -> Rows:
         gain, time = _turn_at_60_digits(turning, rays, distance)
         lost = float((1 - gain).mid())
         count = len(rays) * math.log(TURNED_TO) / math.log1p(-lost) if lost > 0 else math.inf
-        parameter, verdict = f"loss {brief(loss)}", f"{count:.1e} switches: {path.end.reason}"
+        parameter, verdict = f"loss {power_text(loss)}", f"{count:.1e} switches: {path.end.reason}"
         if loss == UNTOLD:
             ok = path.end.reason in {EndReason.EVENTS, EndReason.CIRCLES}
             note = "a gain not told from one must not be summed"
@@ -71,7 +72,7 @@ def long_rows(followed: FollowedField) -> Rows:
     spans = SPANS if closed else SMOOTH_SPANS
     start, until = followed.place(*START), spans * followed.span
     path = simulate(followed.field, start, until)
-    verdict, parameter = f"{path.end.reason}, {counted(len(path.events), 'event')}", f"{brief(spans)} crossings"
+    verdict, parameter = f"{path.end.reason}, {counted(len(path.events), 'event')}", f"{power_text(spans)} crossings"
     if path.end.reason is EndReason.EVENTS:
         ok = all(math.isfinite(float(value)) for value in path.end.state)
         yield asserted(LONG, parameter, verdict, "a clear end: no endless loop, no invented limit", ok=ok)

@@ -22,6 +22,7 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
+from nonsmooth.proofs.clauses.at_point.forces_check import balances, carries, is_held, is_smooth_minimum
 from nonsmooth.proofs.clauses.at_point.linearization import (
     Linearization,
     Slip,
@@ -33,7 +34,7 @@ from nonsmooth.proofs.clauses.at_point.linearization import (
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
@@ -101,9 +102,27 @@ class EllipsePoint:
         return Translation.UNSTABLE if det < 0 or trace > 0 else Translation.UNDECIDED
 
     def check(self) -> bool:
-        """Re-verify the evidence from the definitions."""
-        verified = self.linearization is None or self.linearization.check()
-        return verified and self == ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
+        """Verify by forces and moments what the body does (module ``forces_check``); not that it is driven away."""
+        scene, region, twist, linear = self.scene, self.region, self.twist, self.linearization
+        zero = scene.field.zero
+        if not region.polygon.contains((zero, zero)) or not (linear is None or linear.check()):
+            return False
+        if linear is not None and self.situation is not Situation.SMOOTH:
+            return False
+        if self.situation is Situation.MOVED or twist is None:
+            return twist is None and self.situation in (Situation.MOVED, Situation.OPEN)
+        if self.situation is Situation.CARRIED:
+            return carries(scene, region, twist.velocity, twist.omega)
+        if self.situation is Situation.HELD:
+            return not any(twist) and is_held(scene, region, self.balance)
+        spins = not any(twist.velocity)
+        if self.situation is Situation.OPEN:
+            return spins and balances(scene, region, twist.omega)
+        return spins and is_smooth_minimum(scene, region, twist.omega, linear)
+
+    def recompute(self) -> bool:
+        """Whether deciding again gives the same."""
+        return self == ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
 
 
 def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint:

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
-from nonsmooth.symbolic.formulas import Real
+from nonsmooth.symbolic.number_text import Real
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.verdicts import Equilibrium
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, dot, separating_direction
 
@@ -56,10 +56,10 @@ class EquilibriumResult:
             twist = self.twists[0]
             return (
                 f"around it one constant twist drives the body: ({', '.join(brief_text(entry) for entry in twist)}) "
-                f"~ ({float(twist.vx):.5g}, {float(twist.vy):.5g}, {float(twist.omega):.5g})"
+                f"~ {place_text(twist, 5)}"
             )
-        x, y = (float(s) for s in self.separator or ())
-        return f"all {len(self.twists)} velocities that meet there point into the half-plane along ({x:.5g}, {y:.5g})"
+        along = place_text(self.separator or (), 5)
+        return f"all {len(self.twists)} velocities that meet there point into the half-plane along {along}"
 
 
 def decide_equilibrium(partition: Partition) -> EquilibriumResult:

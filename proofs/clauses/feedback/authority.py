@@ -8,11 +8,11 @@ rank 2, and the missing twist is the rotation about it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, complement, independent, inner
-from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.constraints import Triple, complement, independent, inner, outer
+from nonsmooth.symbolic.plane import dot, minus, turned
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 
@@ -33,12 +33,13 @@ class Authority:
     missing: tuple[Triple, ...]
 
     def check(self, scene: Scene) -> bool:
-        """Re-verify that the rows are the wheels', that no roll row sees a missing twist, and the rank."""
-        unseen = not self.missing or not any(
-            inner(row, twist) for row in _roll_normals(scene) for twist in self.missing
-        )
-        full = self.rank + len(self.missing) == 3 and len(independent(self.missing)) == len(self.missing)
-        return unseen and full and self == roll_authority(scene)
+        """Verify the rows from the wheels, the rank by minors from below and by the missing twists from above."""
+        wheels = {wheel.index: wheel for wheel in scene.wheels}
+        chosen = [wheels[k] for k in self.basis if k in wheels]
+        own = len(chosen) == len(self.basis) and self.rows == tuple(_moment_row(scene, wheel) for wheel in chosen)
+        unseen = not any(inner(_moment_row(scene, wheel), twist) for wheel in scene.wheels for twist in self.missing)
+        sizes = self.rank == len(self.rows) == 3 - len(self.missing)
+        return own and unseen and sizes and _has_minor(self.rows) and _has_minor(self.missing)
 
 
 def roll_authority(scene: Scene) -> Authority:
@@ -47,6 +48,21 @@ def roll_authority(scene: Scene) -> Authority:
     wheels = tuple(scene.wheels[k] for k in basis)
     chosen = tuple(_roll_normals(scene, wheels))
     return Authority(len(basis), tuple(wheel.index for wheel in wheels), chosen, complement(chosen))
+
+
+def _moment_row(scene: Scene, wheel: Wheel) -> Triple:
+    """The roll row as direction and moment of the rim's line about the checked point."""
+    (x, y), (dx, dy) = minus(wheel.position, scene.check.equilibrium), wheel.direction
+    return dx, dy, x * dy - y * dx
+
+
+def _has_minor(vectors: Sequence[Triple]) -> bool:
+    """Whether some minor of full size does not vanish."""
+    if len(vectors) < 2:
+        return all(map(any, vectors))
+    if len(vectors) == 2:
+        return any(outer(vectors[0], vectors[1]))
+    return len(vectors) == 3 and bool(inner(outer(vectors[0], vectors[1]), vectors[2]))
 
 
 def _roll_normals(scene: Scene, wheels: Iterable[Wheel] | None = None) -> Iterator[Triple]:

@@ -47,7 +47,7 @@ from nonsmooth.proofs.clauses.translation.cones import by_angle
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import Scene
@@ -145,6 +145,19 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
         return _decide_by_direction(scene, regions, possible)
     reason = f"twists of rank {rank_of(firm)} are proved to be imposed at c*; others are neither proved nor excluded"
     return DrivenFeedback(Feedback.UNDECIDED, reason)
+
+
+def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
+    """Whether all that is held is held in a load region of the centred scene, or by its wheels."""
+    zero = scene.field.zero
+    regions = load_regions(scene, (zero, zero))
+    shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
+    imposed = (*shown, *feedback.candidates)
+    numbers = {wheel.index for wheel in scene.wheels}
+    return all(
+        held.region in regions if isinstance(held, HeldTwist) else {w.index for w in held.wheels} <= numbers
+        for held in imposed
+    )
 
 
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:

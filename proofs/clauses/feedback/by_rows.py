@@ -38,8 +38,8 @@ from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion, build_turn
 from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.plane import dot, turned
 from nonsmooth.symbolic.scene import Wheel
 
@@ -111,7 +111,7 @@ class FeedbackResult:
         if self.verdict in (Feedback.NOT_APPLICABLE, Feedback.UNDECIDED):
             return True
         local = [data for data in self.cells if is_local(data.cell)]
-        genuine = bool(local) and all(data == build_input_cell(data.cell, data.state) for data in local)
+        genuine = bool(local) and all(data.check() for data in local)
         if self.verdict is Feedback.STABILIZABLE and not self._region_holds():
             return False
         if self.verdict is Feedback.STABILIZABLE and self.cascade is not None:
@@ -127,8 +127,9 @@ class FeedbackResult:
             return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
         if not genuine or self.witness is None or not any(data.is_idle(self.witness) for data in local):
             return False
-        obstructed = self.obstruction is None or self.obstruction == _obstruction(local)
-        return obstructed and (not self.none_serves or not shape_regions([data.demand for data in local]))
+        return _obstructs(self.obstruction, local) and (
+            not self.none_serves or not shape_regions([data.demand for data in local])
+        )
 
     def _region_holds(self) -> bool:
         """Whether the region, if there is one, is about this law and verifies on these cells."""
@@ -139,7 +140,7 @@ class FeedbackResult:
         else:
             slow = self.cascade is not None and self.cascade.descent is Descent.SLOW_TURNS
             about_it = slow and self.region.cascade == self.cascade
-        genuine = all(data == build_input_cell(data.cell, data.state) for data in self.cells)
+        genuine = all(data.check() for data in self.cells)
         local = frozenset(data.cell.index for data in self.cells if is_local(data.cell))
         return about_it and genuine and self.region.check(self.cells, local)
 
@@ -267,6 +268,12 @@ def _refused(
     return FeedbackResult(
         Feedback.NO_CERTIFICATE, cells, local, witness, reason, none_serves=none_serves, obstruction=normal
     )
+
+
+def _obstructs(normal: Triple | None, local: Sequence[InputCell]) -> bool:
+    """Whether a nonzero normal, if there is one, is orthogonal to every control vector field at the equilibrium."""
+    fields = [field for data in local for field in data.state.control_fields.values()]
+    return normal is None or (any(normal) and not any(inner(normal, field) for field in fields))
 
 
 def _obstruction(local: Sequence[InputCell]) -> Triple | None:

@@ -85,12 +85,17 @@ class CascadeLaw:
         return LAW.format(signs)
 
     def check(self) -> bool:
-        """Re-decide the field of the signs."""
+        """Verify the fan of the field that the signs make, and that it leads home as is said."""
         cones = self.fan.cones
         if not len(cones) == len(self.wheels) == len(self.signs):
             return False
-        ours = _field(cones, self.wheels, self.signs) == cones
-        return ours and self == _judged(cones, self.wheels, self.signs)
+        if _field(cones, self.wheels, self.signs) != cones or not self.fan.check():
+            return False
+        turns = bool(self.fan.gains)
+        if self.descent is Descent.SLOW_TURNS:
+            radial = any(dot(wheel.direction, wheel.position) for wheel in self.wheels)
+            return turns and not radial and self.fan.verdict is Translation.UNDECIDED
+        return self.fan.verdict is Translation.ASYMPTOTICALLY_STABLE and turns == (self.descent is Descent.TURNS)
 
 
 def find_cascade(fan: Sequence[CellCone]) -> CascadeLaw | None:

@@ -6,7 +6,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, with_samples
+from nonsmooth.proofs.clauses.feedback.by_friction import (
+    DrivenFeedback,
+    decide_driven_feedback,
+    is_driven_by,
+    with_samples,
+)
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.friction_facts import driven_facts
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
@@ -41,7 +46,16 @@ class FeedbackClause(Clause[AnyFeedback]):
         return found
 
     def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
-        """Whether deciding again about the array gives the same."""
+        """Whether the law is about every cell of the array, or its twists about the array's load regions."""
+        if isinstance(result, DrivenFeedback):
+            return is_driven_by(result, check.scene.recentred())
+        if check.partition is None:
+            return False
+        every = [(cell, state) for cell in check.partition.cells for state in cell.states]
+        return not result.cells or [(data.cell, data.state) for data in result.cells] == every
+
+    def recompute(self, result: AnyFeedback, check: Theorem4Result) -> bool:
+        """All of it: whether the clause applies, that no other V serves, the slopes of imposed twists."""
         if isinstance(result, FeedbackResult):
             return check.partition is not None and result == decide_feedback(check.partition)
         return result == decide_driven_feedback(check.scene.recentred())

@@ -9,7 +9,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.facts import Fact, Quantity, Record, said
-from nonsmooth.symbolic.formulas import lower_text
+from nonsmooth.symbolic.number_text import float_text, lower_text
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def _twists(feedback: DrivenFeedback) -> str:
     """The twists of the law, where they fit a line."""
     if len(feedback.cones) > 1:
         return f"xi_l: by direction of c, {len(feedback.cones)} cones; the report and --json list them"
-    twists = [", ".join(f"{float(x):.4g}" for x in twist) for cone in feedback.cones for twist in cone.vectors]
+    twists = [", ".join(float_text(x, 4) for x in twist) for cone in feedback.cones for twist in cone.vectors]
     return "xi_l = " + ", ".join(f"({twist})" for twist in twists) if twists else ""
 
 

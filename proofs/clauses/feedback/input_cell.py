@@ -14,7 +14,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.plane import cross, dot, minus, turned
 from nonsmooth.symbolic.scene import Wheel
 
 
@@ -53,6 +53,16 @@ class InputCell:
         """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
         fields = self.state.control_fields.values()
         return tuple(point[0] * x + point[1] * y + theta * turn for x, y, turn in fields)
+
+    def check(self) -> bool:
+        """Verify the wheels from the rows that the cell holds, the lever as a moment, projections as areas."""
+        first, other, third = self.state.rows[:3]
+        held = first.wheel == other.wheel == self.nearest and {first.kind, other.kind} == set(RowKind)
+        gap = minus(self.second.position, self.nearest.position)
+        moment = None if third.kind is not RowKind.ROLL else cross(gap, self.second.direction)
+        sides = (cross(self.nearest.direction, turned(vertex)) for vertex in self.cell.polygon.vertices)
+        named = held and third.wheel == self.second and self.state in self.cell.states
+        return named and self.lever == moment and self.projections == tuple(sides)
 
     def idle_plane(self) -> Witness:
         """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.

@@ -37,9 +37,10 @@ from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import cross, dot, turned
+from nonsmooth.symbolic.plane import cross, dot, minus, turned
 from nonsmooth.symbolic.scene import Wheel
 
 DIGITS = 10**4  # denominator of a rational lower bound
@@ -70,7 +71,24 @@ class SideMargin:
         c, theta, ray = self.witness.point, self.witness.value, self.cones[0].end
         aside = cross(ray, c)
         placed = not aside * aside - self.squared * dot(ray, ray) * dot(c, c) and sign(dot(ray, c)) >= 0
-        return placed and _opposed(*(_covector(cone, lyapunov, c, theta) for cone in self.cones))
+        return (
+            placed
+            and self._is_served(lyapunov)
+            and _opposed(*(_covector(cone, lyapunov, c, theta) for cone in self.cones))
+        )
+
+    def _is_served(self, lyapunov: ControlLyapunov) -> bool:
+        """Whether up to that distance neither input vanishes, undivided; nothing is claimed by zero."""
+        ray, wheels = self.cones[0].end, [_nearest(cone) for cone in self.cones]
+        slopes = [lyapunov.slope(wheel.direction) for wheel in wheels]
+        signs = [sign(dot(ray, slope)) for slope in slopes]
+        gap = minus(wheels[1].position, wheels[0].position)
+        moments = [sign(cross(gap, wheels[1].direction)), -sign(cross(gap, wheels[0].direction))]
+        common = signs[0] * signs[1] * moments[0] * moments[1] < 0
+        return not self.squared or (
+            common
+            and all(sign(dot(ray, s) * dot(ray, s) - self.squared * dot(ray, ray) * dot(s, s)) >= 0 for s in slopes)
+        )
 
 
 @dataclass(frozen=True)
@@ -93,8 +111,8 @@ class InputMargin:
         if not self.squared:
             side = next(side for side in self.sides if not side.squared)
             return f"margin 0: on the side of the cells {side.cells[0]} and {side.cells[1]} no input serves both"
-        bound = "" if self.is_exact else " at least"
-        return f"margin{bound} {self.value:.4g}: one input serves all cells within {self.value:.4g} |c| of c"
+        bound, value = "" if self.is_exact else " at least", float_text(self.value, 4)
+        return f"margin{bound} {value}: one input serves all cells within {value} |c| of c"
 
     @property
     def value(self) -> float:
@@ -102,8 +120,18 @@ class InputMargin:
         return float(self.squared) ** 0.5
 
     def check(self, lyapunov: ControlLyapunov) -> bool:
-        """Re-verify the witnesses, and the margin itself from the fan."""
-        return all(side.check(lyapunov) for side in self.sides) and self == build_margin(self.fan, lyapunov)
+        """Verify every side by its witness and its two inputs, that these are all, and the bound between them."""
+        turning = [pair for pair in _neighbours(self.fan) if _nearest(pair[0]) != _nearest(pair[1])]
+        if (
+            not turning
+            or [side.cones for side in self.sides] != turning
+            or not all(side.check(lyapunov) for side in self.sides)
+        ):
+            return False
+        below = all(sign(side.squared - self.squared) >= 0 for side in self.sides)
+        attained = any(not sign(side.squared - self.squared) for side in self.sides)
+        apart = _meet(self.fan) or all(_half_sine_sign(gap, self.squared) >= 0 for gap in _conflicts(self.fan))
+        return sign(self.squared) >= 0 and below and apart and attained is self.is_exact
 
 
 def build_margin(fan: tuple[CellCone, ...], lyapunov: ControlLyapunov) -> InputMargin:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from nonsmooth.symbolic.constraints import Triple, independent, leading_one, outer
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number_field import NumberField
 
 

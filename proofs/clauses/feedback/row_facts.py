@@ -20,7 +20,7 @@ from nonsmooth.proofs.clauses.feedback.input_ranks import input_ranks
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.facts import Fact, Quantity, Record, said
-from nonsmooth.symbolic.formulas import decimal_text, lower_text, real_text
+from nonsmooth.symbolic.number_text import decimal_text, lower_text, real_text
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:

@@ -36,6 +36,7 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.feedback.level_region import DIGITS, NEXT_BELOW, ball_of, fills, is_above, segments
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import dot, turned
 
@@ -101,8 +102,9 @@ class TurnRegion:
     level: Fraction
 
     def __str__(self) -> str:
-        low = f"W < {float(self.level):.{DIGITS}g}, r < {float(self.top):.3g} l with l = {float(self.length):.6g}"
-        return f"{low}, W = (r/l + (r/l)^2 chi)^2 + {float(self.weight):.3g} Theta^2"
+        level, length = float_text(self.level, DIGITS), float_text(self.length)
+        low = f"W < {level}, r < {float_text(self.top, 3)} l with l = {length}"
+        return f"{low}, W = (r/l + (r/l)^2 chi)^2 + {float_text(self.weight, 3)} Theta^2"
 
     def value(self, pose: Sequence[float]) -> float:
         """W at ``(x, y, theta)``, c measured from the equilibrium, in floats; infinite where no wheel is near."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, drift_at_rest
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 
 
 def spin_of(point: EllipsePoint) -> RotationResult:
@@ -26,3 +26,19 @@ def spin_of(point: EllipsePoint) -> RotationResult:
         reason = f"theta_inf - theta_0 = ({brief_text(x)}) x_0 + ({brief_text(y)}) y_0 to first order"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason)
     return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay bounds the rotation")
+
+
+def says_the_spin(result: RotationResult, point: EllipsePoint) -> bool:
+    """Whether a verdict that verifies follows from the twist at the point: what rests there, and how fast."""
+    twist, drift = point.twist, result.drift
+    if twist is None or any(twist.velocity) or drift is None:
+        return result.verdict is Rotation.UNDECIDED and drift is None
+    if drift.twists != (twist,) or result.fan is not None or result.rotation_per_distance is not None:
+        return False
+    if result.verdict is Rotation.UNDECIDED:
+        return not twist.omega
+    still = point.situation in (Situation.HELD, Situation.CARRIED)
+    attracted = point.linearization is not None and point.translation is Translation.ASYMPTOTICALLY_STABLE
+    return result.verdict is (Rotation.UNSTABLE if twist.omega else Rotation.NEUTRAL) and (
+        bool(twist.omega) or still or attracted
+    )

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.rotation.at_point import spin_of
+from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
 from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, bounds_rotation, decide_rotation
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, Record
 from nonsmooth.proofs.verdicts import Rotation, Theorem4
+from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Theorem4Result
@@ -35,7 +36,7 @@ class RotationClause(Clause[RotationResult]):
         """Whether the drift is that of all twists that meet at the point."""
         translation, partition = check.results["translation"], check.partition
         if isinstance(translation, EllipseTranslation):
-            return result == spin_of(translation.point)
+            return says_the_spin(result, translation.point)
         if partition is None or not isinstance(translation, TranslationResult):
             return False
         zero, bound = check.scene.field.zero, result.rotation_per_distance
@@ -45,6 +46,11 @@ class RotationClause(Clause[RotationResult]):
             and (bound is None or bounds_rotation(bound, partition, translation))
             and (result.fan is None or result.fan == translation.fan)
         )
+
+    def recompute(self, result: RotationResult, check: Theorem4Result) -> bool:
+        """The reason of a spin."""
+        translation = check.results["translation"]
+        return not isinstance(translation, EllipseTranslation) or result == spin_of(translation.point)
 
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""
@@ -63,7 +69,7 @@ class RotationClause(Clause[RotationResult]):
         if drift is None:
             yield from (Fact("drift", Quantity(None)), Fact("weights"))
             return
-        ends = tuple(f"{float(end):.6g}" for end in drift.interval)
+        ends = tuple(map(float_text, drift.interval))
         yield Fact("drift", Quantity(drift.interval), "drift at rest: [{}, {}]", ends, explained=True)
         yield Fact("weights", _weights(drift))
 

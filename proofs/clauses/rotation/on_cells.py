@@ -23,7 +23,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Triple, Twist
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 

@@ -13,7 +13,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
-from nonsmooth.proofs.clauses.translation.cones import build_fan
+from nonsmooth.proofs.clauses.translation.cones import is_fan_of
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, number_fact, said
 from nonsmooth.proofs.verdicts import Theorem4, Translation
+from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
@@ -46,8 +47,15 @@ class TranslationClause(Clause[AnyTranslation]):
             return False
         every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
         whole = [(derivative.cell, derivative.twist) for derivative in result.derivatives] == every
-        around = result.fan is None or result.fan.cones == build_fan(partition)
-        return whole and around and result.support == limiting_support(partition)
+        around = result.fan is None or is_fan_of(result.fan.cones, partition)
+        return whole and around
+
+    def recompute(self, result: AnyTranslation, check: Theorem4Result) -> bool:
+        """The fan's overshoot and the support polygon, or the situation at the point."""
+        if isinstance(result, EllipseTranslation):
+            return result.point.recompute()
+        supported = check.partition is not None and result.support == limiting_support(check.partition)
+        return supported and (result.fan is None or result.fan.recompute())
 
     def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
         """A body that is thrown out refutes the theorem."""
@@ -80,7 +88,7 @@ def _sampled(sampled: SampledDerivative | None) -> Iterator[Fact]:
         return
     rate = sampled.largest_relative
     words = f"largest V*/|c| at {sampled.samples} sampled points of the square: {{}}"
-    shown = () if rate is None else (f"{rate:.6g}",)
+    shown = () if rate is None else (float_text(rate),)
     yield Fact("worst_rate", Quantity(rate), words if shown else "", shown, explained=True)
     yield Fact("samples", sampled.samples)
     missing = sampled.not_certified
@@ -96,7 +104,7 @@ def _quadratic(result: AnyTranslation) -> Iterator[Fact]:
         return
     decay = float(found.decay)
     record = {"lyapunov": str(found), "decay": decay, "level": Quantity(found.level)}
-    yield Fact("quadratic", record, f"V = {found} decreases: V* <= -{decay:.4g} |c|")
+    yield Fact("quadratic", record, f"V = {found} decreases: V* <= -{float_text(decay, 4)} |c|")
     yield said("region: V < {}", found.level)
 
 

@@ -41,6 +41,14 @@ from typing import Any
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan, is_plane, rays_of
+from nonsmooth.proofs.clauses.translation.fan_check import (
+    are_the_turns,
+    escapes,
+    is_open,
+    leads_out,
+    rests,
+    slides,
+)
 from nonsmooth.proofs.clauses.translation.full_turns import (
     FullTurn,
     Growth,
@@ -50,7 +58,7 @@ from nonsmooth.proofs.clauses.translation.full_turns import (
 )
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot
 
@@ -82,19 +90,19 @@ class Evidence:
     value: Any
 
     def __str__(self) -> str:
-        x, y = (float(v) for v in self.ray)
+        ray = place_text(self.ray, 5)
         match self.move:
             case Move.ESCAPE:
-                return f"the velocity ({x:.5g}, {y:.5g}) points into its own cell: the body escapes along it"
+                return f"the velocity {ray} points into its own cell: the body escapes along it"
             case Move.SLIDE:
                 speed = brief_text(self.value)
-                return f"along the ray ({x:.5g}, {y:.5g}) the body may slide outward (leading coefficient {speed})"
+                return f"along the ray {ray} the body may slide outward (leading coefficient {speed})"
             case Move.TURN:
                 return str(self.value)
             case Move.REST:
-                return f"every point of the ray ({x:.5g}, {y:.5g}) near the equilibrium is an equilibrium"
+                return f"every point of the ray {ray} near the equilibrium is an equilibrium"
             case _:
-                return f"exact tie: {self.value} at the ray ({x:.5g}, {y:.5g})"
+                return f"exact tie: {self.value} at the ray {ray}"
 
 
 @dataclass(frozen=True)
@@ -137,7 +145,38 @@ class FanResult:
         return reason + (far if self.grows_to_a_root else "")
 
     def check(self) -> bool:
-        """Re-decide from the cones."""
+        """Verify the verdict with its evidence and turns by other means (module ``fan_check``); not the overshoot."""
+        if not are_the_turns(self.cones, self.turns) or not all(self._is_genuine(e) for e in self.evidence):
+            return False
+        out, kinds = leads_out(self.cones, self.turns), {entry.move for entry in self.evidence}
+        if self.verdict is Translation.UNSTABLE:
+            return out and bool(kinds) and kinds <= {Move.ESCAPE, Move.SLIDE, Move.TURN}
+        if self.verdict is Translation.UNDECIDED:
+            return not out and kinds == {Move.TIE}
+        resting = rests(self.cones)
+        told = kinds == {Move.REST} if resting else not kinds
+        stable = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
+        return not out and not is_open(self.cones, self.turns) and told and self.verdict is stable
+
+    def _is_genuine(self, entry: Evidence) -> bool:
+        """Whether one move happens in the fan."""
+        match entry.move:
+            case Move.ESCAPE:
+                own = [(cone, twist) for cone in self.cones for twist in cone.twists if (twist,) == entry.twists]
+                return any(twist.velocity == entry.ray and escapes(cone, twist) for cone, twist in own)
+            case Move.TURN:
+                return entry.value in self.turns and entry.value.growth is Growth.DIVERGES
+            case Move.REST if len(entry.twists) == 1:
+                return not any(entry.twists[0]) and any(entry.twists[0] in cone.twists for cone in self.cones)
+            case Move.SLIDE | Move.REST:
+                outward = int(entry.move is Move.SLIDE)
+                found = [(ray, (first, second)) for ray, first, second, s in slides(self.cones) if s == outward]
+                return sign(entry.value) == outward and (entry.ray, entry.twists) in found
+            case _:
+                return is_open(self.cones, self.turns)
+
+    def recompute(self) -> bool:
+        """Whether deciding again from the cones gives the same, the overshoot too."""
         return self == decide_cones(self.cones)
 
 

@@ -34,7 +34,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot
 
@@ -82,7 +82,7 @@ class FullTurn:
             return f"a full turn takes a distance eps to the order of eps^({self.order})"
         if self.growth is Growth.CONTRACTS:
             return f"a full turn contracts by {brief_text(self.gain)}"
-        return f"a full turn multiplies the distance by {brief_text(self.gain)} ~ {float(self.gain):.6g}"
+        return f"a full turn multiplies the distance by {brief_text(self.gain)} ~ {float_text(self.gain)}"
 
 
 def full_turns(fan: Sequence[Cone]) -> tuple[FullTurn, ...]:

@@ -34,7 +34,7 @@ from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_fan
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.formulas import brief_text
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import cross, dot
 

@@ -1,0 +1,130 @@
+"""What the verdict on a plain system says, and that on somebody's V: one list of facts for each.
+
+Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.facts`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
+from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
+from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
+from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResult
+from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
+from nonsmooth.symbolic.scene_error import one_line
+
+DERIVATIVES = {
+    "naive": "naive",
+    "shevitz_paden": "Shevitz-Paden",
+    "bacciotti_ceragioli": "Bacciotti-Ceragioli",
+}
+
+
+def system_facts(result: SystemResult) -> Iterator[Fact]:
+    """Stability of a plain system; points are measured from the equilibrium."""
+    proving, check = result.proving, result.scene.check
+    holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
+    yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
+    if proving is not result.lyapunov:
+        reason = f"{result.lyapunov.reason} (on {result.reported_domain})"
+        yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
+    yield Fact("lyapunov", tuple(_potential(result)))
+    yield Fact("translation", tuple(_stability(result)))
+    if proving is not None:
+        yield row_fact("with", f"V = {_proving_text(result)}")
+        yield row_fact("on", str(result.domain))
+
+
+def _stability(result: SystemResult) -> Iterator[Fact]:
+    yield text_fact("verdict", str(result.verdict), "stability")
+    yield Fact("method", str(result.method))
+    yield Fact("everywhere", result.everywhere)
+    method = "" if result.method is Method.NONE else f" ({result.method})"
+    yield Fact("reason", result.reason, f"{result.reason}{method}", row="because")
+
+
+def _potential(result: SystemResult) -> Iterator[Fact]:
+    """The V that proves the verdict, with the scene's V under ``tried`` where that is another; else the scene's V."""
+    proving, given = result.proving, result.scene.check.lyapunov.text
+    if proving is None:
+        yield Fact("V", given)
+        yield Fact("pieces")
+        yield _domain(result.reported_domain)
+        yield from _conditions(result.lyapunov)
+    else:
+        yield Fact("V", _proving_text(result))
+        yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] if result.searched else None)
+        yield _domain(result.domain or result.reported_domain)
+        yield from _conditions(proving)
+    yield Fact("proves", proving is not None)
+    if proving is None or proving is result.lyapunov:
+        yield Fact("tried")
+        return
+    own = (Fact("V", given), Fact("pieces"), _domain(result.reported_domain), *_conditions(result.lyapunov))
+    yield Fact("tried", unsaid(own))
+
+
+def _pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
+    proving = result.proving
+    return () if proving is None else potential_pieces(proving.cells, result.scene.states)
+
+
+def _proving_text(result: SystemResult) -> str:
+    """V in the displacement from the equilibrium: the scene's formula, or the pieces of one that was searched."""
+    return "; ".join(map(str, _pieces(result))) if result.searched else one_line(result.scene.check.lyapunov.text)
+
+
+def _piece(piece: PotentialPiece) -> dict[str, object]:
+    cone = None if piece.start is None else {"from": Quantity(piece.start), "to": Quantity(piece.end)}
+    return {"V": str(piece.potential), "cone": cone}
+
+
+def _domain(domain: Domain) -> Fact:
+    kind = "plane" if domain.radius is None else "square"
+    return Fact("domain", {"kind": kind, "radius": Quantity(domain.radius), "text": str(domain)})
+
+
+def _conditions(result: LyapunovResult) -> Iterator[Fact]:
+    """The ladder of derivatives, and what follows."""
+    yield from _derivatives(result)
+    yield Fact("verdict", result.verdict.name.lower())
+    yield Fact("reason", result.reason)
+    yield from unsaid([_witness(result.witness)])
+
+
+def audit_facts(result: AuditResult) -> Iterator[Fact]:
+    """Whether somebody's V is a Lyapunov function."""
+    yield Fact("V", result.lyapunov, str(result.verdict), row=f"V = {one_line(result.lyapunov)}")
+    if result.result is not None:
+        yield from _derivatives(result.result)
+    yield Fact("verdict", str(result.verdict))
+    yield text_fact("reason", result.reason, "because")
+    if result.proves is not None:
+        yield row_fact("shows", f"the equilibrium is {result.proves}")
+    yield _witness(result.witness)
+    yield Fact("proves", None if result.proves is None else str(result.proves))
+
+
+def _derivatives(result: LyapunovResult) -> Iterator[Fact]:
+    for key, name in DERIVATIVES.items():
+        yield _supremum(key, f"sup of V', {name}", result.supremum(key))
+
+
+def _supremum(key: str, row: str, found: Supremum) -> Fact:
+    sign, value = str(found.trend), found.value
+    record = {"sign": sign, "value": Quantity(value), "point": Quantity(found.point)}
+    words, shown = ("{}", (sign,)) if value is None else ("{} ({})", (sign, value))
+    return Fact(key, record, words, shown, row=row)
+
+
+def _witness(witness: Refutation | None) -> Fact:
+    """Where V fails."""
+    if witness is None:
+        return Fact("witness")
+    record = {"point": Quantity(witness.point), "value": Quantity(witness.value), "meaning": witness.meaning}
+    place = ", ".join("{}" for _ in witness.point)
+    words, value = f"{{}} at ({place})", () if witness.value is None else (witness.value,)
+    words += " (value {})" * len(value)
+    return Fact("witness", record, words, (witness.meaning, *witness.point, *value), row="witness")

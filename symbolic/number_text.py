@@ -1,0 +1,131 @@
+"""How numbers are written, in one place; every other room chooses from here.
+
+| what | for | how |
+| --- | --- | --- |
+| :func:`real_text` | JSON, whatever must lose nothing | exact, or an enclosure where that is endless |
+| :func:`brief_text` | sentences, tables of a report | exact up to SHORT characters, else ``~`` and ten digits |
+| :func:`short_text` | lines and columns of the terminal | exact up to TERSE characters, else ``~`` and six digits |
+| :func:`decimal_text` | an exact number as a decimal, whatever its size | significant digits, rounded to nearest |
+| :func:`lower_text` | a bound that must stay true | significant digits, never above the number |
+| :func:`float_text`, :func:`place_text` | what is sampled, drawn or integrated | six significant digits unless told |
+| :func:`measured_text` | errors, times and settings of measurements | two digits, counts as they are |
+| :func:`power_text` | a power of ten | ``1e-9`` |
+| :func:`percent_text` | a share | four significant digits |
+
+Formulas are written by :mod:`nonsmooth.symbolic.formulas`, numbers of a report by :mod:`nonsmooth.reports.document`;
+both take their decimals from here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any, SupportsFloat, TypeAlias
+
+from flint import arb, ctx
+
+from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number, sign
+
+DIGITS = 10  # significant digits of a rounded exact number
+FLOAT_DIGITS = 6  # of a sampled one
+SHORT = 44  # characters of exact text that fit a sentence or a table
+TERSE = 24  # characters of exact text that fit a line of the terminal
+BALL_DIGITS = 20  # digits of an enclosure
+
+Real: TypeAlias = Number | Lazy | arb
+
+
+# ---- exact numbers -------------------------------------------------------------------------------
+
+
+def settled(value: Real) -> Number | arb:
+    """The field element where it is at hand or short work, a ball otherwise."""
+    if isinstance(value, Lazy):
+        return value.exact() if len(value.field.radicands) <= EXACT_ROOTS else value.ball
+    return value
+
+
+def real_text(value: Real) -> str:
+    """Exact text, or an enclosure such as ``[0.123 +/- 4e-21]`` where the exact form is endless or out of reach."""
+    fixed = settled(value)
+    if isinstance(fixed, Number) and fixed.size_bits > MOST_BITS:
+        fixed = fixed.accurate_ball(PRECISION)
+    return str(fixed.str(BALL_DIGITS)) if isinstance(fixed, arb) else str(fixed)
+
+
+def brief_text(value: Real) -> str:
+    """Exact text where it fits a sentence, otherwise a decimal value such as ``~1.61803399``."""
+    text = real_text(value)
+    return text if len(text) <= SHORT else f"~{decimal_text(value)}"
+
+
+def short_text(shown: Any) -> str:
+    """A number exactly where that fits a line of the terminal, else to six digits; a text as it is."""
+    if not isinstance(shown, Number | Lazy | arb):
+        return str(shown)
+    text = real_text(shown)
+    return text if len(text) <= TERSE else f"~{decimal_text(shown, FLOAT_DIGITS)}"
+
+
+def decimal_text(value: Real, digits: int = DIGITS) -> str:
+    """Decimal value with the given significant digits, also beyond the range of floats."""
+    approximation = float(value)
+    if approximation and math.isfinite(approximation):
+        return float_text(approximation, digits)
+    with ctx.workprec(PRECISION):
+        ball = value if isinstance(value, arb) else value.ball if isinstance(value, Lazy) else value.ball()
+        return str(ball.str(digits, radius=False))
+
+
+def lower_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
+    """Decimal value of a positive number with the given significant digits, not above it."""
+    text = float_text(value, digits) if isinstance(value, Fraction) else decimal_text(value, digits)
+    if sign(value - Fraction(text)) >= 0:
+        return text
+    below = Decimal(text) - Decimal((0, (1,), Decimal(text).adjusted() - digits + 1))
+    return f"{below:.{digits}g}"
+
+
+# ---- floats --------------------------------------------------------------------------------------
+
+
+def float_text(value: SupportsFloat, digits: int = FLOAT_DIGITS) -> str:
+    """The float nearest to a number, with the given significant digits."""
+    return f"{float(value):.{digits}g}"
+
+
+def place_text(values: Iterable[SupportsFloat], digits: int = FLOAT_DIGITS) -> str:
+    """Floats of a point, a direction or a state: ``(0.2, 0.4, 0)``."""
+    return f"({', '.join(float_text(value, digits) for value in values)})"
+
+
+def measured_text(value: float | None) -> str:
+    """Two digits; counts and zero as they are; a dash for none."""
+    if value is None:
+        return "-"
+    if math.isfinite(value) and value == int(value) and abs(value) < 1e7:
+        return str(int(value))
+    return f"{value:.1e}"
+
+
+def power_text(value: float) -> str:
+    """A power of ten as people write it: ``1e-9``."""
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+
+
+def percent_text(share: float) -> str:
+    """``12.5 %``."""
+    return f"{float_text(100 * share, 4)} %"
+
+
+# ---- LaTeX ---------------------------------------------------------------------------------------
+
+
+def decimal_latex(decimal: str) -> str:
+    r"""``1.5e-07`` as ``1.5 \cdot 10^{-7}``."""
+    mantissa, _, exponent = decimal.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa

@@ -1,0 +1,115 @@
+"""Evidence is verified by other means than found it; what only deciding again can tell is refused by that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+
+from nonsmooth.analysis.cells.loads import load_regions
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
+from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
+from nonsmooth.proofs.clauses.translation import fan as fans
+from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_cones, decide_fan
+from nonsmooth.proofs.clauses.translation.full_turns import Growth
+from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_file import load_system
+
+FANS = ("conveyor-3", "saddle", "outward", "spiral-30", "four-wheel")
+POINTS = ("spiral-30", "outward", "ring-5", "conveyor-3", "four-wheel")
+
+
+def forged_fans(result: FanResult) -> Iterator[FanResult]:
+    for verdict in set(Translation) - {result.verdict}:
+        yield replace(result, verdict=verdict)
+    for k, entry in enumerate(result.evidence):
+        if entry.move is Move.TIE:  # what is undecided claims nothing
+            continue
+        before, after = result.evidence[:k], result.evidence[k + 1 :]
+        x, y = entry.ray
+        yield replace(result, evidence=(*before, replace(entry, ray=(-x, -y)), *after))
+        if entry.move in (Move.SLIDE, Move.REST) and len(entry.twists) == 2:
+            yield replace(result, evidence=(*before, replace(entry, value=entry.value - 1), *after))
+    for k, turn in enumerate(result.turns):
+        rest = (*result.turns[:k], *result.turns[k + 1 :])
+        yield replace(result, turns=rest)
+        yield replace(result, turns=(*rest, replace(turn, order=turn.order * 2)))
+        for growth in set(Growth) - {turn.growth}:
+            yield replace(result, turns=(*rest, replace(turn, growth=growth)))
+        if turn.gain is not None:
+            yield replace(result, turns=(*rest, replace(turn, gain=turn.gain * 2)))
+
+
+@pytest.mark.parametrize("name", FANS)
+def test_a_fan_verifies_without_deciding_again(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = decide_fan(check_cells(load_scene(name)).partition)
+
+    def forbidden(*_: object) -> None:
+        raise AssertionError("decided again")
+
+    for decider in ("decide_cones", "slide_speed", "full_turns", "_escapes", "_slides"):
+        monkeypatch.setattr(fans, decider, forbidden)
+    assert found.check()
+    assert not [forged for forged in forged_fans(found) if forged.check()]
+
+
+def test_a_fan_of_a_plain_system_with_turns() -> None:
+    result = system_check(load_system("relay-oscillator"))
+    assert result.fan is not None
+    assert result.fan.fan.turns
+    assert result.fan.fan.check()
+    assert not [forged for forged in forged_fans(result.fan.fan) if forged.check()]
+
+
+def test_another_overshoot_is_refused_by_deciding_again() -> None:
+    result = check_cells(load_scene("spiral-30"), prune=False)
+    found = decide_fan(result.partition)
+    forged = replace(found, squared_overshoot=(found.squared_overshoot or 1) * 2)
+    assert found.recompute()
+    assert not forged.recompute()
+    assert decide_cones(found.cones) == found
+
+
+def test_a_ray_that_no_solution_leaves_along_is_refused() -> None:
+    result = system_check(load_system("escaping-slide"))
+    rays = [ray for ray in result.rays if ray.value is not None]
+    assert result.check()
+    for ray in rays:
+        x, y = ray.ray
+        turned = replace(ray, ray=(x - 2 * y, y + 3 * x))
+        assert not replace(result, rays=tuple(turned if r is ray else r for r in result.rays)).check()
+
+
+def point_of(name: str) -> EllipsePoint:
+    scene = load_scene(name, rule="ellipse").recentred()
+    return ellipse_point(scene, load_regions(scene, scene.check.equilibrium))
+
+
+@pytest.mark.parametrize("name", POINTS)
+def test_the_motion_at_the_point_verifies_by_forces_and_moments(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    point = point_of(name)
+    monkeypatch.setattr(EllipsePoint, "recompute", lambda _: pytest.fail("decided again"))
+    assert point.check()
+    if point.twist is None:
+        return
+    zero, one = point.scene.field.zero, point.scene.field.one
+    forged = [replace(point, twist=Twist(zero, zero, point.twist.omega + one))]
+    forged += [replace(point, twist=Twist(one, zero, zero)), replace(point, twist=None)]
+    forged += [replace(point, situation=s) for s in (Situation.CARRIED, Situation.HELD) if s is not point.situation]
+    assert not [k for k, other in enumerate(forged) if other.check()]
+
+
+@pytest.mark.parametrize("name", POINTS)
+def test_the_spin_says_what_theta_does(name: str) -> None:
+    point = point_of(name)
+    result = spin_of(point)
+    assert result.check()
+    assert says_the_spin(result, point)
+    for verdict in {Rotation.UNSTABLE, Rotation.NEUTRAL} - {result.verdict}:
+        forged = replace(result, verdict=verdict)
+        assert not (forged.check() and says_the_spin(forged, point))
