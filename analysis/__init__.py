@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING
 from nonsmooth.symbolic.notebook import on_demand
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.contact_partition import build_partition as build_partition
+    from nonsmooth.analysis.cells.equilibria import find_equilibria as find_equilibria
+    from nonsmooth.analysis.cells.partition import Partition as Partition
+    from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
     from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path as ellipse_path
     from nonsmooth.analysis.dynamics.mass_study import MassStudy as MassStudy
     from nonsmooth.analysis.dynamics.mass_study import mass_ladder as mass_ladder
@@ -28,10 +32,6 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.fields.feedback_laws import tangential_law as tangential_law
     from nonsmooth.analysis.fields.kinematics import Kinematics as Kinematics
     from nonsmooth.analysis.minimizers.agreement import compare_rules as compare_rules
-    from nonsmooth.analysis.partitions.contact_partition import build_partition as build_partition
-    from nonsmooth.analysis.partitions.equilibria import find_equilibria as find_equilibria
-    from nonsmooth.analysis.partitions.partition import Partition as Partition
-    from nonsmooth.analysis.partitions.partition import RefusalError as RefusalError
     from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis as simulate_hysteresis
     from nonsmooth.analysis.trajectories.maps import grid_starts as grid_starts
     from nonsmooth.analysis.trajectories.maps import settle_map as settle_map
@@ -60,10 +60,10 @@ __getattr__ = on_demand(
         "array_field": "fields.constant_field",
         "piecewise_constant": "fields.constant_field",
         "compare_rules": "minimizers.agreement",
-        "build_partition": "partitions.contact_partition",
-        "find_equilibria": "partitions.equilibria",
-        "Partition": "partitions.partition",
-        "RefusalError": "partitions.partition",
+        "build_partition": "cells.contact_partition",
+        "find_equilibria": "cells.equilibria",
+        "Partition": "cells.partition",
+        "RefusalError": "cells.partition",
         "simulate_hysteresis": "trajectories.hysteresis",
         "grid_starts": "trajectories.maps",
         "settle_map": "trajectories.maps",

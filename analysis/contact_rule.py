@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, ClassVar
 from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.analysis.minimizers.dissipation import Functional
     from nonsmooth.analysis.minimizers.minimum import Minima
-    from nonsmooth.analysis.partitions.partition import Partition
     from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.symbolic.scene import Scene, Wheel
 

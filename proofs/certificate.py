@@ -19,11 +19,11 @@ import json
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.loads import load_regions
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import contact_rule, rule_of
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.loads import load_regions
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.checker import SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs

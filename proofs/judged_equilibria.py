@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.equilibria import RestPlace
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.equilibria import Equilibrium
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.scene import Check, Scene
+from nonsmooth.symbolic.scene import CheckedSquare, Scene
 
 MOST = 16  # points that are judged: each costs a partition of its own
 SHARE = 8  # the square about a point is this many times smaller than the checked one
@@ -27,12 +27,12 @@ SHARE = 8  # the square about a point is this many times smaller than the checke
 class JudgedEquilibrium:
     """An equilibrium with its local verdicts; None where the point was not judged."""
 
-    found: Equilibrium
+    found: RestPlace
     translation: Translation | None = None
     rotation: Rotation | None = None
 
 
-def judge_equilibria(scene: Scene, found: tuple[Equilibrium, ...]) -> tuple[JudgedEquilibrium, ...]:
+def judge_equilibria(scene: Scene, found: tuple[RestPlace, ...]) -> tuple[JudgedEquilibrium, ...]:
     """Verdicts for the equilibria of a scene whose coordinates are those of the points.
 
     Points whose coordinates are unevaluated quotients, and those beyond :data:`MOST`, are left unjudged.
@@ -48,8 +48,8 @@ def judge_equilibria(scene: Scene, found: tuple[Equilibrium, ...]) -> tuple[Judg
     return tuple(judged)
 
 
-def _judged(scene: Scene, equilibrium: Equilibrium) -> JudgedEquilibrium:
-    own = replace(scene, check=Check(equilibrium.points[0], scene.check.radius / SHARE))
+def _judged(scene: Scene, equilibrium: RestPlace) -> JudgedEquilibrium:
+    own = replace(scene, check=CheckedSquare(equilibrium.points[0], scene.check.radius / SHARE))
     rule = rule_of(own)
     if isinstance(rule, CellRule):  # wheels that have no say there only take time
         own = replace(own, wheels=rule.wheels_that_matter(own))

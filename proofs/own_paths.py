@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult

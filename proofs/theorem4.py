@@ -6,8 +6,8 @@ Which clauses there are: :data:`nonsmooth.proofs.clauses.registry.CLAUSES`.  Wha
 
 from __future__ import annotations
 
-from nonsmooth.analysis.partitions.equilibria import find_equilibria
-from nonsmooth.analysis.partitions.partition import affordable
+from nonsmooth.analysis.cells.equilibria import find_equilibria
+from nonsmooth.analysis.cells.partition import affordable
 from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.clauses.workspace import Workspace

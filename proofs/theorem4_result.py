@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias, cast
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium

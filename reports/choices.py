@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 
-class Law(StrEnum):
+class LawName(StrEnum):
     """A feedback law of rule ``nearest``; ``certified`` stands for the one that the feedback clause certifies."""
 
     CERTIFIED = "certified"

@@ -93,7 +93,7 @@ def _drop_output() -> None:
 @contextmanager
 def refusals_named(scene: Scene | SwitchedSystem) -> Iterator[None]:
     """Name the scene in the refusal of a check."""
-    from nonsmooth.analysis.partitions.partition import RefusalError
+    from nonsmooth.analysis.cells.partition import RefusalError
 
     try:
         yield

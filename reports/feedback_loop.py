@@ -12,9 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
-from nonsmooth.analysis.fields.cellwise_field import Law as SpeedLaw
+from nonsmooth.analysis.fields.cellwise_field import LawName as SpeedLaw
 from nonsmooth.analysis.fields.feedback_laws import (
     cascade_law,
     corrected_law,
@@ -24,8 +26,6 @@ from nonsmooth.analysis.fields.feedback_laws import (
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, gradient_text
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
@@ -35,7 +35,7 @@ from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
-from nonsmooth.reports.choices import Law
+from nonsmooth.reports.choices import LawName
 from nonsmooth.symbolic.contact_states import ContactState
 
 GAIN = 1.0
@@ -43,7 +43,7 @@ GAIN = 1.0
 RISE_SLACK = 1e-7
 ROUNDING = 1e-16  # of V at the equilibrium, relative to the level of the region
 PAPER_LAW = "u_i = |u_j| + k |c|, u_j = {}k theta"
-_PAPER_LAWS = {Law.CORRECTED: corrected_law, Law.PRINTED: printed_law}
+_PAPER_LAWS = {LawName.CORRECTED: corrected_law, LawName.PRINTED: printed_law}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class FeedbackLoop:
 
     partition: Partition
     feedback: FeedbackResult
-    law: Law
+    law: LawName
     kinematics: Kinematics
 
     @property
@@ -76,11 +76,11 @@ class FeedbackLoop:
     def formula(self) -> str:
         """The law in plain text."""
         match self.law:
-            case Law.CORRECTED:
+            case LawName.CORRECTED:
                 return PAPER_LAW.format("-sgn(d_j.J(p_j - p_i)) ")
-            case Law.PRINTED:
+            case LawName.PRINTED:
                 return PAPER_LAW.format("-")
-            case Law.CASCADE:
+            case LawName.CASCADE:
                 return str(self.cascade)
             case _:
                 return gradient_text(self.feedback.lyapunov)
@@ -124,7 +124,7 @@ class FeedbackLoop:
         """The speeds in every cell, with gain one."""
         if self.law in _PAPER_LAWS:
             return _PAPER_LAWS[self.law](GAIN)
-        if self.law is Law.GRADIENT:
+        if self.law is LawName.GRADIENT:
             (e, f), weight = self.feedback.lyapunov.shape, self.feedback.lyapunov.weight
             return gradient_law(GAIN, (float(e), float(f)), float(weight))
         if self.cascade.descent is Descent.SLOW_TURNS:
@@ -186,11 +186,11 @@ def _centred(state: State, centre: tuple[float, float]) -> tuple[float, float, f
     return x - centre[0], y - centre[1], theta
 
 
-def certified_law(feedback: FeedbackResult) -> Law | None:
+def certified_law(feedback: FeedbackResult) -> LawName | None:
     """The law that the clause certifies, by its name on the command line."""
     if feedback.verdict is not Feedback.STABILIZABLE:
         return None
-    return Law.GRADIENT if feedback.cascade is None else Law.CASCADE
+    return LawName.GRADIENT if feedback.cascade is None else LawName.CASCADE
 
 
 def uncertified_kinematics(feedback: FeedbackResult, kinematics: Kinematics) -> str:
@@ -208,7 +208,7 @@ def uncertified_kinematics(feedback: FeedbackResult, kinematics: Kinematics) -> 
 
 
 def build_loop(
-    partition: Partition, law: Law, kinematics: Kinematics, feedback: FeedbackResult | None = None
+    partition: Partition, law: LawName, kinematics: Kinematics, feedback: FeedbackResult | None = None
 ) -> FeedbackLoop:
     """The loop under a law by name, or under the one that the feedback clause certifies.
 
@@ -227,7 +227,7 @@ def build_loop(
     centred = partition if scene.recentred() == scene else build_partition(scene.recentred())
     feedback = verified(decide_feedback(centred)) if feedback is None else feedback
     own = certified_law(feedback)
-    if law is not Law.CERTIFIED:
+    if law is not LawName.CERTIFIED:
         return FeedbackLoop(centred, feedback, law, kinematics)
     required = "--feedback: required an array with a certified law, or one named by --law"
     if own is None:

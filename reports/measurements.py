@@ -14,7 +14,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.slopes import Slope, fitted_slopes
+from nonsmooth.analysis.measurements.slopes import FittedSlope, fitted_slopes
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -193,7 +193,7 @@ def number_text(value: float | None) -> str:
 # ---- studies -------------------------------------------------------------------------------------
 
 
-def slopes_of(measured: Measured) -> list[Slope]:
+def slopes_of(measured: Measured) -> list[FittedSlope]:
     """The slope of every method with a setting."""
     return [] if measured.plan is None else fitted_slopes(measured.of.name, measured.plan, measured.rows)
 
@@ -211,7 +211,7 @@ def _study_view(measured: Measured) -> RenderableType:
     return Group(title, *lines, table, *(Text(_slope_text(slope)) for slope in slopes_of(measured)))
 
 
-def _slope_text(slope: Slope) -> str:
+def _slope_text(slope: FittedSlope) -> str:
     seen = "no slope fitted" if slope.value is None else f"slope {slope.value:.2f} in the {slope.parameter}"
     expected = "none expected" if slope.order.expected is None else f"expected {slope.order.expected:g}"
     return f"{slope.method}: {seen}, {expected}: {slope.order.why}"
@@ -225,7 +225,7 @@ def _study_record(measured: Measured) -> dict[str, Any]:
     return entry | {"reference": plan.reference, "left_out": None, "note": plan.note}
 
 
-def _slope_record(slope: Slope) -> dict[str, Any]:
+def _slope_record(slope: FittedSlope) -> dict[str, Any]:
     return {
         "study": slope.study,
         "method": slope.method,

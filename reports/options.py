@@ -77,6 +77,6 @@ Picture = Annotated[
     str | None,
     typer.Option("-o", "--output", metavar="FILE", help="Draw them, instead of a table: .svg, .png or .pdf."),
 ]
-Report = Annotated[
+ReportFile = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Report: .html, .tex, .md or .json.")
 ]

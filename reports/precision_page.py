@@ -15,7 +15,7 @@ from pathlib import Path
 
 from nonsmooth.analysis.measurements.harness import Measured, Run, Study, measure, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.slopes import Slope
+from nonsmooth.analysis.measurements.slopes import FittedSlope
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
 from nonsmooth.proofs.measurements.registry import STUDIES
@@ -97,7 +97,7 @@ def _remarks(row: ResultRow) -> str:
     return "; ".join([*errors, *work, *([row.note] if row.note else [])])
 
 
-def _slope(slope: Slope) -> tuple[str, ...]:
+def _slope(slope: FittedSlope) -> tuple[str, ...]:
     seen = "" if slope.value is None else f"{slope.value:.2f}"
     predicted = "" if slope.order.expected is None else f"{slope.order.expected:g}"
     return slope.method, slope.parameter, seen, predicted, slope.order.why

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact

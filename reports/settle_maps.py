@@ -10,8 +10,8 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.reports.basins import GridRun, basins
 from nonsmooth.reports.progress import progress

@@ -9,13 +9,13 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.scene_error import one_line
@@ -26,7 +26,7 @@ POSE = ("x", "y", "theta")
 
 
 @dataclass(frozen=True)
-class Run:
+class PathRun:
     """What to simulate.
 
     Attributes:
@@ -42,11 +42,11 @@ class Run:
     until: float
     kinematics: Kinematics
     method: Method
-    law: Law | None
+    law: LawName | None
     width: float
 
 
-def loop_of(partition: Partition, run: Run, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
+def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
     """The closed loop that a run asks for; None for the scene's own speeds.
 
     Args:
@@ -60,7 +60,7 @@ def loop_of(partition: Partition, run: Run, feedback: FeedbackResult | None = No
     return None if run.law is None else build_loop(partition, run.law, run.kinematics, feedback)
 
 
-def follow(partition: Partition, run: Run, loop: FeedbackLoop | None = None) -> Trajectory:
+def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None) -> Trajectory:
     """Simulate; a path by events is compared with what is certified about its start.
 
     Raises:
@@ -85,7 +85,7 @@ class ShownTrajectory:
     """One path of an array."""
 
     partition: Partition
-    run: Run
+    run: PathRun
     trajectory: Trajectory
     loop: FeedbackLoop | None = None
 

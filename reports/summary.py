@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.partitions.partition import RefusalError
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified

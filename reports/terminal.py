@@ -11,7 +11,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.facts import fact_lines, short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes

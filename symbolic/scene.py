@@ -82,7 +82,7 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class Check:
+class CheckedSquare:
     """What is checked: the equilibrium ``c*`` and the square ``|x - x*|, |y - y*| <= radius``.
 
     ``lyapunov`` is the V that an audit judges, a formula in the displacement ``(x, y)`` from ``c*``, if the scene
@@ -111,7 +111,7 @@ class Scene:
     field: NumberField
     wheels: tuple[Wheel, ...]
     contact: Contact
-    check: Check
+    check: CheckedSquare
     source: str = ""
     continuum: ContinuousField | None = None
 

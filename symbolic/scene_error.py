@@ -8,7 +8,7 @@ _MAX_INTEGER_BITS = 160
 _MAX_ITEMS = 4
 
 
-class Fact(str):
+class StatedFact(str):
     """What was received, in our own words: shown without quotes."""
 
     __slots__ = ()
@@ -22,7 +22,7 @@ class SceneError(ValueError):
         file: the scene file or built-in name.
         key: the offending key, list items counted from 1; empty for the file as a whole.
         expected: what the key requires.
-        value: what it received; a :class:`Fact` where that is no TOML value.
+        value: what it received; a :class:`StatedFact` where that is no TOML value.
     """
 
     def __init__(self, file: str, key: str, expected: str, value: object) -> None:
@@ -44,7 +44,7 @@ def requirement(error: ValueError) -> str:
 def shown(value: object) -> str:
     """A TOML value on one printable line of at most :data:`MAX_SHOWN` characters."""
     match value:
-        case Fact():
+        case StatedFact():
             return one_line(value)
         case str():
             text = repr(value)

@@ -16,7 +16,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.surfaces import switching_factors
 
 PLANE = ("x", "y")  # the displacement of two states
@@ -128,7 +128,7 @@ class SwitchedSystem:
                 waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
                 if len(waiting) + ended > MAX_PATTERNS:
                     expected = "a formula with fewer switching surfaces"
-                    raise self._error(k, expected, Fact(f"over {MAX_PATTERNS} sign patterns")) from None
+                    raise self._error(k, expected, StatedFact(f"over {MAX_PATTERNS} sign patterns")) from None
                 continue
             except SceneError as error:  # perhaps of a pattern that no state has
                 refusal = error

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
-from nonsmooth.symbolic.scene import Check, Contact, Friction, Scene, Wheel
+from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from tests.four_wheel import CORNERS, ROLL, SIDE
 
 Rational: TypeAlias = int | Fraction
@@ -64,7 +64,7 @@ class Arrays:
                     Friction(field(roll), field(side)),
                 )
             )
-        check = Check((field(at[0]), field(at[1])), field(radius))
+        check = CheckedSquare((field(at[0]), field(at[1])), field(radius))
         return Scene("test", field, tuple(built), Contact("nearest"), check)
 
     def inward(self, positions: Iterable[Pair], turn: Pair = (1, 0), speed: Rational | None = 1) -> list[WheelData]:
@@ -107,7 +107,7 @@ class Arrays:
             turn = Fraction(2 * k, count)
             x, y = field.cos_pi(turn), field.sin_pi(turn)
             wheels.append(Wheel(k + 1, (x, y), (-x, -y), field.one, slip))
-        check = Check((field.zero, field.zero), field(radius))
+        check = CheckedSquare((field.zero, field.zero), field(radius))
         return Scene(f"ring-{count}", field, tuple(wheels), Contact("nearest"), check)
 
     def circle_point(self, t: Rational) -> Pair:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.contact_rule import CellRule
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.analysis.minimizers.dissipation import Functional
-    from nonsmooth.analysis.partitions.partition import Partition
     from nonsmooth.symbolic.scene import Scene
 
 
 class BoxRule(CellRule):
     """``D = sum_i N_i (mu_R |r_i| + mu_S |s_i|)``, whose minimizer is piecewise constant.
 
-    How: :mod:`nonsmooth.analysis.partitions.box`.
+    How: :mod:`nonsmooth.analysis.cells.box`.
     """
 
     name = "box"
@@ -32,7 +32,7 @@ class BoxRule(CellRule):
 
     def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:  # every wheel carries
         """Cells by walking from one to its neighbours."""
-        from nonsmooth.analysis.partitions.box import build_box_partition
+        from nonsmooth.analysis.cells.box import build_box_partition
 
         return build_box_partition(scene)
 
@@ -47,6 +47,6 @@ class BoxRule(CellRule):
 
     def build_rest_partition(self, scene: Scene) -> Partition | None:
         """The cells of rest, where the point lies inside them."""
-        from nonsmooth.analysis.partitions.box import build_rest_partition
+        from nonsmooth.analysis.cells.box import build_rest_partition
 
         return build_rest_partition(scene)

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.contact_rule import CellRule
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.analysis.fields.contact_model import Floats
-    from nonsmooth.analysis.partitions.partition import Partition
     from nonsmooth.symbolic.scene import Scene, Wheel
 
 
 class NearestRule(CellRule):
     """Three independent rows, taken wheel by wheel in the order of distance to the centre of mass.
 
-    How: :mod:`nonsmooth.analysis.partitions.nearest`.
+    How: :mod:`nonsmooth.analysis.cells.nearest`.
     """
 
     name = "nearest"
@@ -24,7 +24,7 @@ class NearestRule(CellRule):
 
     def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
         """Ordered Voronoi cells."""
-        from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+        from nonsmooth.analysis.cells.nearest import build_nearest_partition
 
         return build_nearest_partition(scene, prune=prune)
 
@@ -36,6 +36,6 @@ class NearestRule(CellRule):
 
     def wheels_that_matter(self, scene: Scene) -> tuple[Wheel, ...]:
         """Those that are among the nearest somewhere in the square."""
-        from nonsmooth.analysis.partitions.nearest import float_positions, relevant_wheels
+        from nonsmooth.analysis.cells.nearest import float_positions, relevant_wheels
 
         return relevant_wheels(scene, float_positions(scene))

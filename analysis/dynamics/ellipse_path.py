@@ -29,7 +29,7 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
 
     Raises:
         ValueError: for a last time that is not positive, or numbers that are not finite.
-        nonsmooth.analysis.partitions.loads.LoadError: for a start without loads.
+        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
         nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up, or a minimizer is not
             proved to be the motion.
     """

@@ -20,13 +20,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.notebook import html_table
@@ -125,7 +125,7 @@ def mass_study(scene: Scene, bodies: Sequence[Body], start: Sequence[float], unt
 
     Raises:
         ValueError: for a last time that is not positive, or numbers that are not finite.
-        nonsmooth.analysis.partitions.loads.LoadError: for a start without loads.
+        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
         nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
     """
     x, y, theta = (float(value) for value in start)

@@ -50,7 +50,7 @@ class MovingLoads:
         """Prepare for a path.
 
         Raises:
-            nonsmooth.analysis.partitions.loads.LoadError: where no loads exist at the start.
+            nonsmooth.analysis.cells.loads.LoadError: where no loads exist at the start.
         """
         self.model = model
         first = loads_at(model, start[None])[0]

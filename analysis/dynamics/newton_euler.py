@@ -150,7 +150,7 @@ def simulate_dynamics(
 
     Raises:
         ValueError: for a last time that is not positive, or numbers that are not finite.
-        nonsmooth.analysis.partitions.loads.LoadError: for a start without loads.
+        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
         TrajectoryError: where the integrator gives up.
     """
     state = np.array([*start, *velocity], float)

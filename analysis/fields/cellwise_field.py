@@ -12,16 +12,16 @@ from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.cells.cell_complex import CellComplex
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
-from nonsmooth.analysis.partitions.cell_complex import CellComplex
-from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.symbolic.contact_states import ContactState
 
 Speeds: TypeAlias = Callable[[Vector], Mapping[int, float]]  # pose to surface speed by wheel index
-Law: TypeAlias = Callable[[ContactState], Speeds]  # what is constant in a cell is prepared once
+StateLaw: TypeAlias = Callable[[ContactState], Speeds]  # what is constant in a cell is prepared once
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ def smooth_form(field: ConstantField) -> CellwiseField:
     return CellwiseField(rounded.cells, members, field.kinematics.value, rounded.tied_members)
 
 
-def feedback_field(partition: Partition, law: Law, kinematics: Kinematics) -> CellwiseField:
+def feedback_field(partition: Partition, law: StateLaw, kinematics: Kinematics) -> CellwiseField:
     """An array under rule ``nearest`` whose wheel speeds follow a feedback law; in a tied cell the first state rules.
 
     Leading-order kinematics are those of the checked point: the twist's velocity is taken there.
@@ -71,7 +71,7 @@ def feedback_field(partition: Partition, law: Law, kinematics: Kinematics) -> Ce
     return CellwiseField(cells, members, kinematics.value, tied)
 
 
-def _controlled(cell: Cell, law: Law, kinematics: Kinematics, centre: tuple[float, float]) -> Member:
+def _controlled(cell: Cell, law: StateLaw, kinematics: Kinematics, centre: tuple[float, float]) -> Member:
     state = cell.states[0]
     columns = {wheel: np.array([float(x) for x in field]) for wheel, field in state.control_fields.items()}
     speeds = law(state)

@@ -20,12 +20,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Velocity
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 
 Entry: TypeAlias = Any  # int, float, Fraction or a field element

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from nonsmooth.analysis.fields.cellwise_field import Law, Speeds
+from nonsmooth.analysis.fields.cellwise_field import Speeds, StateLaw
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.constraints import RowKind
@@ -28,7 +28,7 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
 
 
-def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> Law:
+def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> StateLaw:
     """``u_w = -k (P c, w theta + P c . J c) . g_w`` for every wheel that acts.
 
     That is half the rate of ``V = c^T P c + w theta^2`` by u_w, under exact kinematics.
@@ -54,17 +54,17 @@ def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: f
     return prepare
 
 
-def printed_law(gain: float) -> Law:
+def printed_law(gain: float) -> StateLaw:
     """``u_j = -k theta, u_i = |u_j| + k|c|`` in every cell, as printed."""
     return _paper_law(gain, corrected=False)
 
 
-def corrected_law(gain: float) -> Law:
+def corrected_law(gain: float) -> StateLaw:
     """``u_j = -g k theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell."""
     return _paper_law(gain, corrected=True)
 
 
-def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
+def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
     """Theta decays by itself, c runs along the rim of the nearest wheel (module ``cascade_law``).
 
     Args:
@@ -88,7 +88,7 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> Law:
     return prepare
 
 
-def tangential_law(gain: float, length: float) -> Law:
+def tangential_law(gain: float, length: float) -> StateLaw:
     """C runs around the equilibrium and comes nearer by turning to and fro, for rims at right angles to ``p_i``.
 
     Args:
@@ -145,7 +145,7 @@ def _floats(values: Iterable[Number]) -> Vector:
     return np.array([float(x) for x in values])
 
 
-def _paper_law(gain: float, *, corrected: bool) -> Law:
+def _paper_law(gain: float, *, corrected: bool) -> StateLaw:
     def prepare(state: ContactState) -> Speeds:
         _require_two_inputs(state)
         nearest, second = state.rows[0].wheel.index, state.rows[2].wheel.index

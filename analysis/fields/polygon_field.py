@@ -14,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.cell_complex import CellComplex
 from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     Face,
@@ -23,7 +24,6 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.analysis.partitions.cell_complex import CellComplex
 
 
 class PolygonField(ABC):

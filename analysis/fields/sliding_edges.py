@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import between, cross, dot

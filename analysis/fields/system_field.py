@@ -7,11 +7,11 @@ from functools import cache
 
 import numpy as np
 
+from nonsmooth.analysis.cells.polygon import HalfPlane, square
+from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
-from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
 

@@ -19,7 +19,7 @@ from nonsmooth.analysis.measurements.timing import Limits, OutOfTime, timed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-Report: TypeAlias = Callable[[int, int, str], None]  # steps done, steps in all (0: not known), and what is done now
+Progress: TypeAlias = Callable[[int, int, str], None]  # steps done, steps in all (0: not known), and what is done now
 NO_PLAN, USUAL = Plan(), Limits()
 LONGEST_NOTE = 100  # characters of a solver's own message
 
@@ -42,7 +42,7 @@ class Measurement(ABC):
         return NO_PLAN
 
     @abstractmethod
-    def rows(self, scene: Any, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent) -> Rows:
+    def rows(self, scene: Any, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent) -> Rows:
         """Measure; a row is yielded as soon as it is finished."""
 
 
@@ -69,7 +69,7 @@ class Study(Measurement):
         """The reference and the trials; nothing is timed yet."""
         return self.plan(scene)
 
-    def rows(self, scene: Scene, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent) -> Rows:
+    def rows(self, scene: Scene, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent) -> Rows:
         """One row for each trial, in the order of the plan."""
         out_of_time: set[str] = set()
         for number, trial in enumerate(plan.trials):
@@ -117,7 +117,7 @@ class Case(Measurement):
     system: Callable[[SwitchedSystem], Rows] | None = None
 
     def rows(
-        self, scene: Scene | SwitchedSystem, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Report = _silent
+        self, scene: Scene | SwitchedSystem, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent
     ) -> Rows:
         """The rows of a scene; whatever the family raises becomes a last row that is not ok."""
         family: Callable[[Any], Rows] | None = self.array if isinstance(scene, Scene) else self.system
@@ -168,7 +168,7 @@ class Run:
         return self.complete and all(row.ok for row in self.rows)
 
 
-def measure(scene: Any, measurements: Iterable[Measurement], limits: Limits = USUAL, report: Report = _silent) -> Run:
+def measure(scene: Any, measurements: Iterable[Measurement], limits: Limits = USUAL, report: Progress = _silent) -> Run:
     """Measure one after the other; an interrupt keeps every finished row."""
     finished: list[Measured] = []
     for measurement in measurements:

@@ -17,7 +17,7 @@ FEWEST = 4  # settings: fewer make no line
 
 
 @dataclass(frozen=True)
-class Slope:
+class FittedSlope:
     """A fitted slope beside the expected one; ``value`` is None where too few errors are above rounding."""
 
     study: str
@@ -43,7 +43,7 @@ def log_slope(settings: Sequence[float], errors: Sequence[float]) -> float:
     return sum((x - middle) * (y - height) for x, y in zip(xs, ys, strict=True)) / spread
 
 
-def fitted_slopes(study: str, plan: Plan, rows: Iterable[ResultRow]) -> list[Slope]:
+def fitted_slopes(study: str, plan: Plan, rows: Iterable[ResultRow]) -> list[FittedSlope]:
     """The slope of every method of a study that has a setting."""
     known = [row for row in rows if row.name == study]
     slopes = []
@@ -55,8 +55,8 @@ def fitted_slopes(study: str, plan: Plan, rows: Iterable[ResultRow]) -> list[Slo
     return slopes
 
 
-def _slope(study: str, method: str, parameter: str, order: Order, points: list[tuple[float, float]]) -> Slope:
+def _slope(study: str, method: str, parameter: str, order: Order, points: list[tuple[float, float]]) -> FittedSlope:
     if len(points) < FEWEST:
-        return Slope(study, method, parameter, None, order)
+        return FittedSlope(study, method, parameter, None, order)
     settings, errors = zip(*points, strict=True)
-    return Slope(study, method, parameter, log_slope(settings, errors), order, settings[0], settings[-1])
+    return FittedSlope(study, method, parameter, log_slope(settings, errors), order, settings[0], settings[-1])

@@ -17,11 +17,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
@@ -112,7 +112,7 @@ def compare_rules(scene: Scene) -> Agreement:
     """Compare all contact rules on the checked square.
 
     Raises:
-        nonsmooth.analysis.partitions.partition.RefusalError: where the loads do not exist.
+        nonsmooth.analysis.cells.partition.RefusalError: where the loads do not exist.
     """
     partitions: dict[str, Partition] = {}
     for rule in cell_rules():

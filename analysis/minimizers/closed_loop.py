@@ -37,7 +37,7 @@ ZERO_RATE = 1e-4
 RATE_NOISE = 1e-12  # of a sampled V'/V at gain one: less is noise
 
 
-class Law(StrEnum):
+class SampledLaw(StrEnum):
     """A feedback law for all wheels at once."""
 
     PAPER = "paper, signs corrected"
@@ -56,7 +56,7 @@ class LoopSample:
         not_certified: what is missing, in words; empty where all states count.
     """
 
-    law: Law
+    law: SampledLaw
     states: int
     worst_rate: float | None
     worst_state: tuple[float, float, float] | None
@@ -75,7 +75,7 @@ class LoopSample:
 
 
 def sample_closed_loop(
-    model: ContactModel, functional: Functional, law: Law, radius: float, samples: int, seed: int = 0
+    model: ContactModel, functional: Functional, law: SampledLaw, radius: float, samples: int, seed: int = 0
 ) -> LoopSample:
     """Largest ``V'/V`` over random states with ``|c|, |theta| <= radius``, refined by random search."""
     rng = np.random.default_rng(seed)
@@ -106,7 +106,7 @@ def _random_states(rng: np.random.Generator, samples: int, radius: float) -> Flo
     return np.concatenate([axes, states])
 
 
-def relative_rates(model: ContactModel, functional: Functional, law: Law, states: Floats) -> Floats:
+def relative_rates(model: ContactModel, functional: Functional, law: SampledLaw, states: Floats) -> Floats:
     """``V'/V`` at states (m, 3), ``V' = 2 (c . c' + theta omega)``, at gain one; nan where no motion is proved.
 
     Since ``c . (v + omega J c) = c . v``, that is twice the product of state and twist; the largest of all minimizers.
@@ -144,7 +144,7 @@ def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
     return np.asarray(-GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1))
 
 
-_LAWS = {Law.PAPER: paper_speeds, Law.TRACKING: tracking_speeds}
+_LAWS = {SampledLaw.PAPER: paper_speeds, SampledLaw.TRACKING: tracking_speeds}
 
 
 def _minimizers(

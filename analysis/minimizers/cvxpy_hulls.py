@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, solve_program
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point
 
 TOLERANCE = 1e-8  # Clarabel's own
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.partitions.loads import LoadError
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
 MAX_HALVINGS = 40  # a step halved that often no longer changes a double

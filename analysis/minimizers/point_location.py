@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import forces_at
@@ -16,7 +17,6 @@ from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.force_balance import balance_forces
 from nonsmooth.analysis.minimizers.minimum import Minima
-from nonsmooth.analysis.partitions.partition import Partition
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.analysis.trajectories.slides import (
     ASYMPTOTE_DOUBT,

@@ -14,9 +14,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.trajectories.batch_motion import (
     crossing_times,
     edge_speeds,
@@ -34,7 +34,7 @@ MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than
 DONE = -1
 
 Numbers = NDArray[np.int_]
-Report: TypeAlias = Callable[[int, int], None]
+OnRow: TypeAlias = Callable[[int, int], None]
 
 
 class BatchPaths:
@@ -62,7 +62,7 @@ class BatchPaths:
             self.place[inside], near[inside] = k, False
         self._one_by_one(np.flatnonzero(near))
 
-    def run(self, report: Report | None = None) -> None:
+    def run(self, report: OnRow | None = None) -> None:
         """Leg after leg; ``report`` is told how many of all starts have ended."""
         for leg in range(MAX_LEGS):
             self._find_orbits(np.flatnonzero(self.place != DONE), anchor=leg & (leg - 1) == 0)

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Junction, Ray, Signs
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.slides import Slide, slide_along

@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge, Place
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, InCell, OnEdge, Place
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.choices import Choice, choices_at
 from nonsmooth.analysis.trajectories.junction import Signs, junction_at
 from nonsmooth.analysis.trajectories.log import EventLog

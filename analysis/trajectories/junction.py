@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, OnEdge
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.trajectories.choices import Choice
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.analysis.trajectories.result import Event, EventKind

@@ -2,7 +2,7 @@
 
 For ``V = |c - c*|^2`` the rate ``2 (c - c*) . c'`` equals ``2 (c - c*) . f(c*)`` on a cell, for both kinematics,
 because ``c . J c = 0`` removes the turning term.  It is linear in c, so its largest value on the closed cell is found
-at a vertex (:mod:`nonsmooth.analysis.fields.filippov`), and on an edge or a corner at one of the cells that meet
+at a vertex (:mod:`nonsmooth.analysis.cells.filippov`), and on an edge or a corner at one of the cells that meet
 there.  The watch compares what the integrator did, states and times, with that bound; it does not know how that was
 computed.
 """

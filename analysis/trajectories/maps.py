@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, Report
+from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 
 
@@ -108,7 +108,7 @@ def grid_starts(field: ConstantField, count: int) -> Floats:
     return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
-def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0, report: Report | None = None) -> SettleMap:
+def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0, report: OnRow | None = None) -> SettleMap:
     """Follow every start to its end.
 
     Args:

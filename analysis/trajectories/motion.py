@@ -17,8 +17,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot, turned
 

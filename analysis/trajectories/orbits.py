@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.analysis.trajectories.result import Piece
 

@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.partitions.cell_complex import AtCorner
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.analysis.trajectories.junction import Ray, Signs, junction_at
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.numbers.number import sign

@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
+from nonsmooth.analysis.cells.loads import load_regions
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
-from nonsmooth.analysis.partitions.loads import load_regions
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
 from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
@@ -85,7 +85,7 @@ class Workspace:
         """The exact motion at the point under a rule without cells.
 
         Raises:
-            nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+            nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
         """
         return ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
 

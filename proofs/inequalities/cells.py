@@ -18,7 +18,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
-from nonsmooth.analysis.partitions.region import Region, Triple
+from nonsmooth.analysis.cells.region import Region, Triple
 from nonsmooth.proofs.inequalities.forms import Form, Problem, Vector
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms

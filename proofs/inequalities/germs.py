@@ -24,8 +24,8 @@ from typing import Any
 
 from flint import Ordering, arb, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.region import Region
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed
 from nonsmooth.proofs.inequalities.real_roots import Sturm

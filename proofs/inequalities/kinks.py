@@ -22,8 +22,8 @@ from functools import cached_property
 from itertools import combinations, pairwise
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import LyapunovCell
-from nonsmooth.analysis.partitions.region import Segment
+from nonsmooth.analysis.cells.region import Segment
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, difference, product, trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
 from nonsmooth.symbolic.numbers.lazy import evaluated

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
 

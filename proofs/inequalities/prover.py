@@ -21,7 +21,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.region import Region
+from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decide_binary, line_of
 from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE, CellPart, Claim, build_parts
 from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.region import Triple
+from nonsmooth.analysis.cells.region import Triple
 from nonsmooth.proofs.inequalities.cells import Claim, triangles
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

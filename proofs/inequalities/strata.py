@@ -14,9 +14,9 @@ from enum import StrEnum
 from itertools import combinations
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.region import Region, common_edges
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region, common_edges
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends, worst
 from nonsmooth.proofs.inequalities.ladder import Interval, Ladder, ladder_at
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, prove

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
 from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, nearly_in_line
 from nonsmooth.analysis.measurements.cases.scales import OFFSETS, POWERS
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import ResultRow, Rows, asserted
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck

@@ -1,6 +1,6 @@
 """Lyapunov's conditions for a nonsmooth V and a Filippov inclusion on a closed domain, each with exact evidence.
 
-V is a polynomial on each cell (:mod:`nonsmooth.analysis.fields.switched_cells`); it is positive if it is on every
+V is a polynomial on each cell (:mod:`nonsmooth.analysis.cells.switched_cells`); it is positive if it is on every
 closed cell. Its derivative is decided part by part (:mod:`nonsmooth.proofs.inequalities.strata`): on each *closed*
 cell ``grad V . f`` (the hull on a surface holds the fields of both sides, so for smooth V nothing else is needed:
 Filippov 1988, sec. 15), and the sets of :mod:`nonsmooth.proofs.inequalities.ladder` on each edge and at each corner
@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import LyapunovCell
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.cells import Claim, build_parts
 from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst

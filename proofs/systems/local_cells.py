@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, distinct
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.region import cone_region
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import cone_region
+from nonsmooth.analysis.cells.switched_cells import FieldCell, distinct
 from nonsmooth.proofs.inequalities.germs import Adherence, Extent, adherence, sectors
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.plane import hull_holds_zero

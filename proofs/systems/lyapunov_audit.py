@@ -12,15 +12,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.fields.switched_cells import (
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
     LyapunovCell,
     lyapunov_cells,
     partition_cells,
     system_cells,
 )
-from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.system_stability import domains

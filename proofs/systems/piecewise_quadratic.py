@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, PlaneField
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region, cone_region
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.region import Region, cone_region
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -15,8 +15,8 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.analysis.fields.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
 from nonsmooth.proofs.clauses.translation.cones import Cone, by_angle
 from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line

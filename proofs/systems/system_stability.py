@@ -20,7 +20,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 
-from nonsmooth.analysis.fields.switched_cells import (
+from nonsmooth.analysis.cells.region import Region, cone_region
+from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
     LyapunovCell,
     lyapunov_cells,
@@ -28,7 +29,6 @@ from nonsmooth.analysis.fields.switched_cells import (
     square_regions,
     system_cells,
 )
-from nonsmooth.analysis.partitions.region import Region, cone_region
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from nonsmooth.analysis.fields.switched_cells import LyapunovCell
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.symbolic.formulas import brief_text
 from nonsmooth.symbolic.numbers.number import sign

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import RefusedError, refusals_named, write
-from nonsmooth.reports.options import AllowOutside, At, Json, Radius, Report, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, ReportFile, RuleOption, SceneText
 
 Only = Annotated[
     str | None,
@@ -20,7 +20,7 @@ Without = Annotated[
 
 def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     scene: SceneText,
-    output: Report = None,
+    output: ReportFile = None,
     only: Only = None,
     without: Without = None,
     rule: RuleOption = None,

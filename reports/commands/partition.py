@@ -13,7 +13,7 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Picture, Radius, R
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.analysis.partitions.partition import Partition
+    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.symbolic.scene import Scene
 
 
@@ -38,7 +38,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.analysis.cells.contact_partition import build_partition
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if output is None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError, refusals_named, refuse_given
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.reports.basins import GridRun
-    from nonsmooth.reports.simulate import Run
+    from nonsmooth.reports.simulate import PathRun
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -63,13 +63,13 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         typer.Option("--feedback", help="Close the loop with gain 1 by the law that check certifies (rule nearest)."),
     ] = False,
     law: Annotated[
-        Law,
+        LawName,
         typer.Option(
             "--law",
             help="Another feedback law, with --feedback, certified or not: printed is the paper's, cascade takes theta "
             "first (tangential rims: its length l is the checked radius).",
         ),
-    ] = Law.CERTIFIED,
+    ] = LawName.CERTIFIED,
     mass: Annotated[
         float | None,
         typer.Option("--mass", metavar="M", help="With --method dynamics: mass per weight, 1/g; 0.1 unless given."),
@@ -139,9 +139,9 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     return _follow(loaded, run, path, json=json)
 
 
-def _follow(loaded: Scene, run: Run, path: Path | None, *, json: bool) -> int:
+def _follow(loaded: Scene, run: PathRun, path: Path | None, *, json: bool) -> int:
     """One path of an array."""
-    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.analysis.cells.contact_partition import build_partition
     from nonsmooth.analysis.trajectories.result import TrajectoryError
     from nonsmooth.reports import simulate as views
     from nonsmooth.reports.shown import show
@@ -195,7 +195,7 @@ def _follow_system(
 
 def _map(loaded: Scene, run: GridRun, path: Path | None, *, json: bool) -> int:
     """The ends of a grid of paths."""
-    from nonsmooth.analysis.partitions.contact_partition import build_partition
+    from nonsmooth.analysis.cells.contact_partition import build_partition
     from nonsmooth.reports.settle_maps import ShownMap, build_map
     from nonsmooth.reports.shown import show
 
@@ -242,7 +242,9 @@ class _Dynamics(NamedTuple):
     compare_masses: bool
 
 
-def _dynamics_options(run: Run, mass: float | None, inertia: float | None, *, compare_masses: bool) -> _Dynamics | None:
+def _dynamics_options(
+    run: PathRun, mass: float | None, inertia: float | None, *, compare_masses: bool
+) -> _Dynamics | None:
     """The options of full dynamics, or None where another method was chosen."""
     given = {"--mass": mass is not None, "--inertia": inertia is not None, "--compare-masses": compare_masses}
     if run.method is not Method.DYNAMICS:
@@ -256,7 +258,7 @@ def _dynamics_options(run: Run, mass: float | None, inertia: float | None, *, co
     return _Dynamics(mass, inertia, compare_masses)
 
 
-def _simulate_dynamics(scene: Scene, run: Run, options: _Dynamics, path: Path | None, *, json: bool) -> int:
+def _simulate_dynamics(scene: Scene, run: PathRun, options: _Dynamics, path: Path | None, *, json: bool) -> int:
     """Full dynamics: one path, or a ladder of masses."""
     from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
     from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics

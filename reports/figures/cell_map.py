@@ -13,13 +13,13 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
-from nonsmooth.analysis.partitions.partition import Cell, Partition
 from nonsmooth.reports.document import cell_mark
 from nonsmooth.reports.figures.wheels import ARROW, INK, XY, Segment, draw_wheel, floats, wheels_in_view
 from nonsmooth.symbolic.formulas import decimal_text
 from nonsmooth.symbolic.plane import between
-from nonsmooth.symbolic.scene_error import Fact, SceneError, one_line
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +83,7 @@ def require_drawable(partition: Partition) -> None:
     radius, far = abs(float(scene.check.radius)), max(abs(float(x)) for x in scene.check.equilibrium)
     if not (1 / LARGEST <= radius <= LARGEST and far * RESOLUTION <= radius):
         expected = f"for a picture, a radius of {1 / LARGEST:g} to {LARGEST:g}, and {RESOLUTION:g} of the coordinates"
-        raise SceneError(scene.origin, "check.radius", expected, Fact(decimal_text(scene.check.radius, 6)))
+        raise SceneError(scene.origin, "check.radius", expected, StatedFact(decimal_text(scene.check.radius, 6)))
 
 
 def build_figure(partition: Partition) -> Figure:

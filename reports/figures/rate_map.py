@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.reports.document import cell_mark
 from nonsmooth.reports.figures.cell_map import (
     LABEL,

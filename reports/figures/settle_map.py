@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap
 from nonsmooth.reports.basins import Basin, GridRun, basins
 from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes, require_drawable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes, require_drawable, view_square
 from nonsmooth.reports.figures.trajectory import LABELS, PATH, SIZE, draw_cells, marked_events

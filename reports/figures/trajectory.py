@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.reports.figures.cell_map import TINT, figure_bytes, motion_colors, require_drawable
 from nonsmooth.reports.figures.wheels import INK

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.document import Block, Entry, Figure, Section, table
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import STARTS, Start, start_text, starts, typed_start
-from nonsmooth.reports.simulate import Run, follow, loop_of
+from nonsmooth.reports.simulate import PathRun, follow, loop_of
 from nonsmooth.reports.subject import Subject
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
@@ -68,8 +68,8 @@ def _loop(subject: Subject) -> FeedbackLoop:
     return loop
 
 
-def _run(start: Start, until: float) -> Run:
-    return Run(start, until, Kinematics.EXACT, Method.EVENTS, Law.CERTIFIED, width=1e-3)
+def _run(start: Start, until: float) -> PathRun:
+    return PathRun(start, until, Kinematics.EXACT, Method.EVENTS, LawName.CERTIFIED, width=1e-3)
 
 
 def _quarters(subject: Subject) -> list[Start]:

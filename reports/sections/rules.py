@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from nonsmooth.analysis.cells.loads import LoadError
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
-from nonsmooth.analysis.partitions.loads import LoadError
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from nonsmooth.analysis.fields.filippov import CellDerivative
+from nonsmooth.analysis.cells.filippov import CellDerivative
 from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback

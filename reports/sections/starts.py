@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TypeAlias
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.scene import Scene
 
 Start: TypeAlias = tuple[float, float, float]  # x, y, theta

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.scene_values import (
 )
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_WHEELS = 250_000  # about 10 s to load; a larger array would not be checked in a day
 MAX_RING = 360  # the degree of the number field grows with the count: up to 358 below this bound
@@ -122,7 +122,7 @@ class Grid(Table):
     def places(self, numbers: Numbers) -> Iterator[Place]:
         """See :class:`Layout`."""
         if not 2 <= self.rows * self.columns <= MAX_WHEELS:
-            count = Fact(f"{self.rows} x {self.columns}")
+            count = StatedFact(f"{self.rows} x {self.columns}")
             raise SceneError(numbers.file, "grid", f"two to {MAX_WHEELS} wheels", count)
         pitch = numbers.positive(self.pitch, "grid.pitch")
         half_columns, half_rows = Fraction(self.columns - 1, 2), Fraction(self.rows - 1, 2)

@@ -11,7 +11,7 @@ from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, OptionalExact, Table, read_pair
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross, minus, same_direction
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
 _KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
@@ -48,7 +48,7 @@ def build_footprint(table: ObjectTable, numbers: Numbers) -> Footprint:
         wanted, given = key in _KEYS[table.shape], getattr(table, key) is not None
         if wanted != given:
             expected = f"{'a value' if wanted else 'no value'} for shape {table.shape}"
-            raise SceneError(numbers.file, f"object.{key}", expected, Fact("one" if given else "nothing"))
+            raise SceneError(numbers.file, f"object.{key}", expected, StatedFact("one" if given else "nothing"))
     if table.radius is not None:
         return Disc(numbers.positive(table.radius, "object.radius"))
     if table.width is not None and table.height is not None:
@@ -70,7 +70,7 @@ def rectangle(half_width: Number, half_height: Number) -> PolygonShape:
 def _polygon(vertices: list[Vector], file: str) -> PolygonShape:
     if not _is_simple(vertices):
         expected = "a polygon whose sides meet at its vertices only"
-        raise SceneError(file, "object.vertices", expected, Fact("sides that cross or touch"))
+        raise SceneError(file, "object.vertices", expected, StatedFact("sides that cross or touch"))
     sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
     crosses = [cross(a, b) for a, b in sides]
     twice = sum(crosses[1:], crosses[0])

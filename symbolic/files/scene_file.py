@@ -27,8 +27,8 @@ from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Check, Contact, LoadTable, Scene, Wheel
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene import CheckedSquare, Contact, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 __all__ = [
     "SceneError",
@@ -135,7 +135,7 @@ def deep_nesting_refused(source: str | Path) -> Iterator[None]:
     try:
         yield
     except RecursionError:
-        raise SceneError(str(source), "", "a document with fewer nested brackets", Fact("too many")) from None
+        raise SceneError(str(source), "", "a document with fewer nested brackets", StatedFact("too many")) from None
 
 
 def _path(source: str | Path) -> Path:
@@ -151,13 +151,13 @@ def _read_toml(path: Path, file: str) -> dict[str, Any]:
     text = read_text(path, MAX_TOML_BYTES, file, "", _wanted(file))
     excess = toml_excess(text)
     if excess is not None:
-        raise SceneError(file, "", excess[0], Fact(excess[1]))
+        raise SceneError(file, "", excess[0], StatedFact(excess[1]))
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(file, "", "a TOML document", Fact(f"an error: {str(error)[:120]}")) from None
+        raise SceneError(file, "", "a TOML document", StatedFact(f"an error: {str(error)[:120]}")) from None
     except (ValueError, ArithmeticError):  # of int and Decimal
-        raise SceneError(file, "", "numbers of moderate length", Fact("one that is too long")) from None
+        raise SceneError(file, "", "numbers of moderate length", StatedFact("one that is too long")) from None
 
 
 def _wanted(file: str) -> str:
@@ -190,7 +190,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
         SceneError: for whatever cannot be used.
     """
     if "system" in data:
-        raise SceneError(file, "system", "an array of wheels", Fact("a plain switched system"))
+        raise SceneError(file, "system", "an array of wheels", StatedFact("a plain switched system"))
     document = validate(Document, data, file)
     layout = _layout(document, file, path, allow_outside=allow_outside)
     numbers = Numbers(file, field_of(_turns(document, layout)))
@@ -215,7 +215,7 @@ def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -
     names = ("wheel", "ring", "grid", "wheels")
     named = [name for name in names if getattr(document, name) is not None]
     if len(named) != 1:
-        key, found = " and ".join(named) or "wheel", Fact(f"{len(named)}" if named else "none")
+        key, found = " and ".join(named) or "wheel", StatedFact(f"{len(named)}" if named else "none")
         raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", found)
     if document.wheels is not None:
         name = document.wheels.file
@@ -235,13 +235,13 @@ def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
 def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
     table = document.contact
     if table.loads is not None and table.table is not None:
-        raise SceneError(numbers.file, "contact.table", "either loads or table", Fact("both"))
+        raise SceneError(numbers.file, "contact.table", "either loads or table", StatedFact("both"))
     rows = table.table if table.loads is None else table.loads
     if rows is None:
         return Contact(table.rule)
     if len(rows) != wheels:
         expected = f"{wheels} rows [c0, cx, cy], one for each wheel"
-        raise SceneError(numbers.file, "contact.loads", expected, Fact(f"{len(rows)}"))
+        raise SceneError(numbers.file, "contact.loads", expected, StatedFact(f"{len(rows)}"))
     key = "contact.loads[{}]"
     exact = tuple(
         (numbers(a, key.format(k)), numbers(b, key.format(k)), numbers(c, key.format(k)))
@@ -269,7 +269,7 @@ def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) 
     return ContinuousField(field.kind, matrix, given, (zero, zero), footprint)
 
 
-def _check(document: Document, numbers: Numbers) -> Check:
+def _check(document: Document, numbers: Numbers) -> CheckedSquare:
     table = document.check
     x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
-    return Check((x, y), numbers.positive(table.radius, "check.radius"), table.lyapunov)
+    return CheckedSquare((x, y), numbers.positive(table.radius, "check.radius"), table.lyapunov)

@@ -8,7 +8,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import ValidationError
 
 from nonsmooth.symbolic.files.scene_values import Table
-from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
 Model = TypeVar("Model", bound=Table)
 
@@ -40,11 +40,11 @@ def _key(detail: Any) -> str:
 def _received(detail: Any) -> object:
     match detail["type"]:
         case "missing":
-            return Fact("nothing")
+            return StatedFact("nothing")
         case "extra_forbidden":
-            return Fact("an unknown key")
+            return StatedFact("an unknown key")
         case kind if kind in _NO_KIND:
-            return detail["input"].get("kind", Fact("nothing"))
+            return detail["input"].get("kind", StatedFact("nothing"))
     return detail["input"]
 
 

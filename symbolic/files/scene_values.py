@@ -21,7 +21,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
@@ -140,7 +140,7 @@ class Numbers:
             raise SceneError(self.file, key, requirement(error), formula.text) from None
         roots = len(self.field.radicands)
         if roots > MAX_ROOTS or roots * self.field.base_degree > MAX_ROOT_WORK:
-            raise SceneError(self.file, key, "fewer independent square roots in one scene", Fact(f"{roots}"))
+            raise SceneError(self.file, key, "fewer independent square roots in one scene", StatedFact(f"{roots}"))
         return number
 
     def positive(self, value: Exact, key: str) -> Number:
@@ -151,7 +151,7 @@ class Numbers:
         """
         number = self(value, key)
         if number.sign() <= 0:
-            raise SceneError(self.file, key, "a positive number", Fact(short_number(number)))
+            raise SceneError(self.file, key, "a positive number", StatedFact(short_number(number)))
         return number
 
     def direction(self, angle: Angle) -> Vector:

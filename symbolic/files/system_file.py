@@ -30,7 +30,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.switched_system import SwitchedSystem, SystemCheck
 
 MAX_STATES = 8
@@ -138,7 +138,7 @@ def load_system(source: str | Path, *, radius: str | None = None, at: str | None
     with deep_nesting_refused(source):
         data, file, path = read_document(source, radius=radius, at=at)
         if "system" not in data:
-            raise SceneError(file, "system", "a plain switched system, [system]", Fact("nothing"))
+            raise SceneError(file, "system", "a plain switched system, [system]", StatedFact("nothing"))
         return _system(data, file, path)
 
 
@@ -202,7 +202,7 @@ def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numb
 
 def _require_one_each(states: tuple[str, ...], values: tuple[object, ...], file: str, key: str, kind: str) -> None:
     if len(values) != len(states):
-        raise SceneError(file, key, f"{len(states)} {kind}, one for each state", Fact(f"{len(values)}"))
+        raise SceneError(file, key, f"{len(states)} {kind}, one for each state", StatedFact(f"{len(values)}"))
 
 
 def _try_pieces(system: SwitchedSystem, side: int) -> None:

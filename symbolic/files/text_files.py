@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 OUTSIDE_OPTION = "--allow-outside"
 
@@ -24,17 +24,17 @@ def read_text(path: Path, limit: int, file: str, key: str, wanted: str) -> str:
     """
     try:
         if not path.is_file():
-            raise SceneError(file, key, wanted, Fact(_kind(path)))
+            raise SceneError(file, key, wanted, StatedFact(_kind(path)))
         with path.open("rb") as stream:
             data = stream.read(limit + 1)
         if len(data) > limit:
-            raise SceneError(file, key, f"a file of at most {limit >> 20} MB", Fact("more"))
+            raise SceneError(file, key, f"a file of at most {limit >> 20} MB", StatedFact("more"))
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        found = Fact(f"other bytes at position {error.start}")
+        found = StatedFact(f"other bytes at position {error.start}")
         raise SceneError(file, key, "a text file in UTF-8", found) from None
     except OSError as error:
-        raise SceneError(file, key, "a readable file", Fact(error.strerror or "an error")) from None
+        raise SceneError(file, key, "a readable file", StatedFact(error.strerror or "an error")) from None
 
 
 def path_beside(scene: Path, name: str, file: str, key: str, *, allow_outside: bool) -> Path:
@@ -54,10 +54,10 @@ def path_beside(scene: Path, name: str, file: str, key: str, *, allow_outside: b
     except ValueError:  # a null character: no file has such a name
         return path
     except (OSError, RuntimeError):  # links that lead to each other
-        raise SceneError(file, key, "a readable file", Fact("a path that leads nowhere")) from None
+        raise SceneError(file, key, "a readable file", StatedFact("a path that leads nowhere")) from None
     if not target.is_relative_to(folder):
         expected = f"a file in the scene's folder or below it (or the option {OUTSIDE_OPTION})"
-        raise SceneError(file, key, expected, Fact("a path that leads outside"))
+        raise SceneError(file, key, expected, StatedFact("a path that leads outside"))
     return target
 
 

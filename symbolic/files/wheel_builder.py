@@ -11,7 +11,7 @@ from nonsmooth.symbolic.files.velocity_fields import INWARD, Speed
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Friction, Wheel
-from nonsmooth.symbolic.scene_error import Fact, SceneError
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 
 class WheelBuilder:
@@ -35,11 +35,11 @@ class WheelBuilder:
         for index, place in enumerate(places, 1):
             first = taken.setdefault(place.position, index)
             if first != index:
-                where = Fact(f"{_text(place.position)}, the place of wheel {first}")
+                where = StatedFact(f"{_text(place.position)}, the place of wheel {first}")
                 raise self._error(f"{place.key}.position", f"another place for wheel {index}", where)
             wheels.append(self._wheel(index, place))
         if len(wheels) < 2:
-            raise self._error("wheel", "at least two wheels", Fact(f"{len(wheels)}"))
+            raise self._error("wheel", "at least two wheels", StatedFact(f"{len(wheels)}"))
         return tuple(wheels)
 
     def _wheel(self, index: int, place: Place) -> Wheel:
@@ -61,7 +61,7 @@ class WheelBuilder:
         if not direction[0] and not direction[1]:
             where = f"wheel {index}, position {_text(place.position)}"
             required = f"a nonzero direction at {where} (or a heading such as [1, 0] of its own)"
-            raise self._error(key, required, Fact("(0, 0)"))
+            raise self._error(key, required, StatedFact("(0, 0)"))
         return direction
 
     def _speed_of_field(self, speed: Speed) -> Number | None:
@@ -76,7 +76,7 @@ class WheelBuilder:
             side = self._coefficient("mu_side", named[1], index, place)
             if not roll and not side:
                 key = "friction" if named == (None, None) else place.key
-                raise self._error(key, "mu_roll or mu_side above 0", Fact("0 for both"))
+                raise self._error(key, "mu_roll or mu_side above 0", StatedFact("0 for both"))
             self._frictions[named] = Friction(roll, side)
         return self._frictions[named]
 
@@ -84,10 +84,10 @@ class WheelBuilder:
         key = f"friction.{name}" if own is None else f"{place.key}.{name}"
         value: Exact | None = getattr(self._document.friction, name) if own is None else own
         if value is None:
-            raise self._error(key, f"a number, since wheel {index} names none", Fact("nothing"))
+            raise self._error(key, f"a number, since wheel {index} names none", StatedFact("nothing"))
         number = self._numbers(value, key)
         if number.sign() < 0:
-            raise self._error(key, "a number of at least 0", Fact(short_number(number)))
+            raise self._error(key, "a number of at least 0", StatedFact(short_number(number)))
         return number
 
     def _error(self, key: str, expected: str, value: object) -> SceneError:

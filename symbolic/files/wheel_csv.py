@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, Place
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
-from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
 
 def _heading_cell(text: str) -> Heading:
@@ -78,11 +78,11 @@ class _Cells:
             SceneError: naming the line and the column.
         """
         if len(cells) != len(self.columns):
-            raise self.error(line, "", f"{len(self.columns)} cells", Fact(f"{len(cells)}"))
+            raise self.error(line, "", f"{len(self.columns)} cells", StatedFact(f"{len(cells)}"))
         values = {c: self.value(line, c, t.strip()) for c, t in zip(self.columns, cells, strict=True) if t}
         for column in ("x", "y"):
             if values.get(column) is None:
-                raise self.error(line, column, "a number", Fact("an empty cell"))
+                raise self.error(line, column, "a number", StatedFact("an empty cell"))
         x, y = values.pop("x"), values.pop("y")
         return _Row(line, x, y, Own(**values))
 
@@ -117,9 +117,9 @@ def parse_wheels(text: str, name: str, file: str) -> WheelRows:
             if line:
                 rows.append(cells.row(reader.line_num, line))
             if len(rows) > MAX_WHEELS:
-                raise SceneError(file, name, f"at most {MAX_WHEELS} wheels", Fact("more"))
+                raise SceneError(file, name, f"at most {MAX_WHEELS} wheels", StatedFact("more"))
     except csv.Error as error:
-        raise SceneError(file, f"{name}:{reader.line_num}", "a CSV table", Fact(str(error))) from None
+        raise SceneError(file, f"{name}:{reader.line_num}", "a CSV table", StatedFact(str(error))) from None
     return WheelRows(name, rows, [value for known in cells.known.values() for value in known.values()])
 
 
@@ -128,10 +128,10 @@ def _check_columns(columns: list[str], name: str, file: str) -> None:
     known = ",".join(_COLUMNS)
     for k, column in enumerate(columns):
         if column not in _COLUMNS:
-            found = column if _COLUMN_NAME.fullmatch(column) else Fact("a cell that is no name of a column")
+            found = column if _COLUMN_NAME.fullmatch(column) else StatedFact("a cell that is no name of a column")
             raise SceneError(file, f"{name}:1", f"a header out of {known}", found)
         if column in columns[:k]:
             raise SceneError(file, f"{name}:1", "each column once", column)
     missing = " and ".join(column for column in ("x", "y") if column not in columns)
     if missing:
-        raise SceneError(file, f"{name}:1", "a header with x and y", Fact(f"one without {missing}"))
+        raise SceneError(file, f"{name}:1", "a header with x and y", StatedFact(f"one without {missing}"))

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.minimizers.agreement import compare_rules, comparison_grid, intersect, shared_area
 from nonsmooth.analysis.minimizers.point_location import OUTSIDE, PointLocator
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:

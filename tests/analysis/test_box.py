@@ -10,12 +10,12 @@ import pytest
 from flint import arb
 from scipy.optimize import linprog
 
+from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
+from nonsmooth.analysis.cells.loads import load_regions, value_at
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalError
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.partitions.box import build_box_partition, rest_cells
-from nonsmooth.analysis.partitions.loads import load_regions, value_at
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import AREA_ROOTS, Partition, RefusalError
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
 from nonsmooth.symbolic.files.scene_file import load_scene

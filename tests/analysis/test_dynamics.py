@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from cvxpy.atoms.quad_over_lin import quad_over_lin
 
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.friction_forces import EllipseFriction
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import Body, NewtonEuler, array_size, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.partitions.loads import LoadError
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.equilibria import Equilibrium, Place, find_equilibria, shared_sides
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.equilibria import Place, RestPlace, find_equilibria, shared_sides
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Twist
 from tests.four_wheel import ROLL, SIDE
@@ -26,7 +26,7 @@ def holds_zero(partition: Partition, point: Point) -> bool:
     return hull_holds_zero(t.pose_rate(point) for cell in partition.cells_at(point) for t in cell.twists)
 
 
-def places(found: tuple[Equilibrium, ...]) -> set[tuple[str, frozenset[tuple[str, str]]]]:
+def places(found: tuple[RestPlace, ...]) -> set[tuple[str, frozenset[tuple[str, str]]]]:
     return {(str(e.place), frozenset((str(x), str(y)) for x, y in e.points)) for e in found}
 
 
@@ -92,7 +92,7 @@ def test_every_equilibrium_of_a_random_array_is_one_and_none_is_missed(arrays: A
             assert known == holds_zero(partition, vertex)
 
 
-def _on(equilibrium: Equilibrium, point: Point) -> bool:
+def _on(equilibrium: RestPlace, point: Point) -> bool:
     (x1, y1), (x2, y2) = equilibrium.points[0], equilibrium.points[-1]
     ax, ay, bx, by = point[0] - x1, point[1] - y1, point[0] - x2, point[1] - y2
     return bool(ax * by == ay * bx and ax * bx + ay * by <= 0)

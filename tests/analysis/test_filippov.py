@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.filippov import (
-    Slope,
+from nonsmooth.analysis.cells.filippov import (
+    RelativeRate,
     cell_derivatives,
     filippov_twists,
     largest_slope,
@@ -20,11 +20,11 @@ from nonsmooth.analysis.fields.filippov import (
     points_into,
     upper_derivative_at,
 )
+from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_at, hull_upper_derivative_on
 from nonsmooth.analysis.minimizers.sampling import literal_twist, sample_upper_derivative
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -290,7 +290,8 @@ def test_slopes_are_ordered_like_their_values() -> None:
     field = NumberField()
     rng = np.random.default_rng(5)
     slopes = [
-        Slope((field(a), field(b)), (field(c or 1), field(d))) for a, b, c, d in rng.integers(-3, 4, (40, 4)).tolist()
+        RelativeRate((field(a), field(b)), (field(c or 1), field(d)))
+        for a, b, c, d in rng.integers(-3, 4, (40, 4)).tolist()
     ]
     for first in slopes:
         (a, b), (c, d) = float_point(first.velocity), float_point(first.direction)

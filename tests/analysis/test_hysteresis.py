@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import SwitchedField, affine_surface
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories import hysteresis
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory

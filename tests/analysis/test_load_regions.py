@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.loads import LoadError, LoadRegion, load_regions, value_at
+from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.hulls import stands
 

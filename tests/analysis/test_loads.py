@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at, table_loads
-from nonsmooth.analysis.partitions.loads import LoadError, load_regions, value_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Contact, LoadTable
 from tests.four_wheel import CORNERS

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.analysis.trajectories.constant import follow_constant
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason

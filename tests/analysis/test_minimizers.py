@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.minimizers import sum_of_norms
 from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
@@ -21,7 +22,6 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
-from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS

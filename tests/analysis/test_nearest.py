@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.nearest import bisector, build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.sampling import literal_twist
-from nonsmooth.analysis.partitions.nearest import bisector, build_nearest_partition, nearest_states
-from nonsmooth.analysis.partitions.partition import Partition, RefusalError
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.symbolic.constraints import Row, Twist, independent, roll_row, side_row, wheel_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.numbers.number import Number

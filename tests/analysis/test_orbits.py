@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import pytest
 
+from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system
-from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Polygon, intersection, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon, intersection, square
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
 from nonsmooth.analysis.measurements.references.reference_twists import ellipse_references
 from nonsmooth.analysis.minimizers.agreement import compare_rules
-from nonsmooth.analysis.minimizers.closed_loop import Law
+from nonsmooth.analysis.minimizers.closed_loop import SampledLaw
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -25,7 +26,6 @@ from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
 from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
-from nonsmooth.analysis.partitions.box import build_box_partition
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth
@@ -169,7 +169,7 @@ def test_references_leave_out_kinks(arrays: Arrays) -> None:
 def test_laws_are_listed_best_first_and_unknown_last(arrays: Arrays) -> None:
     scene = under_ellipse(arrays.four_wheel())
     samples = with_samples(check_smooth(scene).feedback, scene).samples
-    assert {sample.law for sample in samples} == set(Law)
+    assert {sample.law for sample in samples} == set(SampledLaw)
     rates = [sample.worst_rate for sample in samples]
     assert all(rate is not None for rate in rates)
     assert rates == sorted(rates)  # type: ignore[type-var]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, SwitchingStretch, switching_stretches
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Vector, affine_surface
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT, comes_to_rest, decay_rate
 from nonsmooth.analysis.trajectories.trajectory import simulate

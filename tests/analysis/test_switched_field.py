@@ -11,6 +11,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.cell_complex import AtCorner, CellComplex, InCell, OnEdge
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, square
 from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
 from nonsmooth.analysis.fields.constant_field import array_field, flow_of, piecewise_constant
 from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, least_norm_weights
@@ -18,11 +23,6 @@ from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface, smooth_surface
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.cell_complex import AtCorner, CellComplex, InCell, OnEdge
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, square
 from nonsmooth.symbolic.numbers.number import sign
 from tests.hulls import hull_holds_zero
 

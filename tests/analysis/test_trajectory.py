@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.filippov import cell_derivatives
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
-from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface, smooth_surface
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane, square
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth

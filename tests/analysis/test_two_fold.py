@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
 from nonsmooth.analysis.fields.convex_weights import origin_distance
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.contact_states import ContactState

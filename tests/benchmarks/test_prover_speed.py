@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import z3
 
-from nonsmooth.analysis.partitions.region import cone_region
+from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.proofs.inequalities.cells import EXTENDED
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.symbolic.numbers.number import Number

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from tests.conftest import Arrays
 from tests.oracles.agreement import box_contradiction, contradiction

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 from nonsmooth.analysis.trajectories.maps import grid_starts, settle_map
 from nonsmooth.analysis.trajectories.smooth import follow_smooth

@@ -11,8 +11,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.partition import Partition, RefusalError
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.scene import Contact
 from tests.conftest import WheelData

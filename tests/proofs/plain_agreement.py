@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
 from nonsmooth.proofs.systems.system_stability import Method, SystemResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation

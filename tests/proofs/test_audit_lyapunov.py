@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, AuditVerdict, audit

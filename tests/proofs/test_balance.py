@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions, value_at
+from nonsmooth.analysis.cells.loads import LoadRegion, load_regions, value_at
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.linearization import linearize
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority

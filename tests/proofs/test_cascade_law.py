@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, rim_signs
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
 from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion

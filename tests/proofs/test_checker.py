@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.checker import check_certificate, check_file
@@ -38,7 +38,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Check, Contact, Friction, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, LoadTable, Scene, Wheel
 from tests.built_in import checked
 from tests.conftest import WheelData
 from tests.four_wheel import SIDE
@@ -925,7 +925,7 @@ def rebuilt(certificate: Record, decode: Decoder) -> Scene:
     loads = None
     if certificate["loads"] not in (None, "elastic"):
         loads = LoadTable(tuple((decode.number(a), *pair([b, c])) for a, b, c in certificate["loads"]))
-    check = Check(pair(certificate["at"]), decode.number(certificate["radius"]))
+    check = CheckedSquare(pair(certificate["at"]), decode.number(certificate["radius"]))
     return Scene("rebuilt", decode.field, wheels, Contact(certificate["rule"], loads), check)
 
 

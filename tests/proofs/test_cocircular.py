@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.filippov import cell_derivatives
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.loads import LoadError
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.filippov import cell_derivatives
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.proofs.clauses.cocircular import cocircular_array, failed_hypotheses
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 

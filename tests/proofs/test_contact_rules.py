@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.filippov import cell_derivatives
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
-from nonsmooth.analysis.fields.filippov import cell_derivatives
-from nonsmooth.analysis.minimizers.closed_loop import Law, relative_rates, sample_closed_loop
+from nonsmooth.analysis.minimizers.closed_loop import SampledLaw, relative_rates, sample_closed_loop
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
@@ -137,7 +137,7 @@ def test_tangential_rims_track_a_wanted_motion(arrays: Arrays) -> None:
     scene = ruled(arrays.four_wheel(turn=(0, 1)), "ellipse")
     model = contact_model(scene)
     states = np.random.default_rng(0).uniform(-0.3, 0.3, (40, 3))
-    rates = relative_rates(model, Functional.ELLIPSE, Law.TRACKING, states)
+    rates = relative_rates(model, Functional.ELLIPSE, SampledLaw.TRACKING, states)
     assert rates.max() < 0
     assert check_theorem4(scene).authority.rank == 3
 
@@ -150,7 +150,7 @@ def test_inward_rims_have_no_torque_about_the_equilibrium(arrays: Arrays) -> Non
     assert result.feedback.verdict is Feedback.STABILIZABLE
     model = contact_model(scene)
     for functional in Functional:
-        assert abs(relative_rates(model, functional, Law.TRACKING, np.array([[0.0, 0.0, 1.0]]))[0]) < 1e-9
+        assert abs(relative_rates(model, functional, SampledLaw.TRACKING, np.array([[0.0, 0.0, 1.0]]))[0]) < 1e-9
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
@@ -168,10 +168,10 @@ def test_samples_are_taken_where_nothing_is_left_out_and_decide_nothing(
     assert pruned.feedback == full.feedback
 
 
-def rim_speeds(law: Law, p: Floats, d: Floats, state: Floats) -> Floats:
+def rim_speeds(law: SampledLaw, p: Floats, d: Floats, state: Floats) -> Floats:
     """u_i at gain one: the nearest two wheels drive, or every rim follows the wanted motion ``-(c, theta)``."""
     c, theta = state[:2], state[2]
-    if law is Law.TRACKING:
+    if law is SampledLaw.TRACKING:
         return np.array(
             [d_i @ (-c - theta * np.array([c[1] - p_i[1], p_i[0] - c[0]])) for p_i, d_i in zip(p, d, strict=True)]
         )
@@ -182,7 +182,7 @@ def rim_speeds(law: Law, p: Floats, d: Floats, state: Floats) -> Floats:
     return speeds
 
 
-def rates_of_minimizers(functional: Functional, law: Law, side: float, state: Floats) -> tuple[float, float]:
+def rates_of_minimizers(functional: Functional, law: SampledLaw, side: float, state: Floats) -> tuple[float, float]:
     """Least and largest V'/V over the twists that minimize D for the four-wheel array, by CVXPY."""
     import cvxpy as cp
 
@@ -205,8 +205,8 @@ def rates_of_minimizers(functional: Functional, law: Law, side: float, state: Fl
 
 
 @pytest.mark.parametrize("functional", list(Functional))
-@pytest.mark.parametrize("law", list(Law))
-def test_worst_states_are_as_bad_by_a_convex_program(arrays: Arrays, functional: Functional, law: Law) -> None:
+@pytest.mark.parametrize("law", list(SampledLaw))
+def test_worst_states_are_as_bad_by_a_convex_program(arrays: Arrays, functional: Functional, law: SampledLaw) -> None:
     """The law, the loads and D are written out here; where D has many minimizers one of them has the rate."""
     sample = sample_closed_loop(contact_model(arrays.four_wheel((1, Fraction(1, 5)))), functional, law, 0.3, 20)
     assert sample.worst_rate is not None

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.polygon import Polygon
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
@@ -33,7 +33,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays, WheelData
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.partitions.partition import Partition
+    from nonsmooth.analysis.cells.partition import Partition
 
 Shape: TypeAlias = tuple[Fraction, Fraction]
 

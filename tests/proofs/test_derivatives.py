@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from nonsmooth.analysis.fields.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
 from nonsmooth.proofs.inequalities.ladder import Interval, ladder_at
 from nonsmooth.proofs.inequalities.strata import Part, derivatives_at

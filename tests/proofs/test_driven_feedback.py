@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.loads import load_regions
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.partitions.loads import load_regions
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, rim_speeds

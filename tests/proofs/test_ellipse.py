@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from nonsmooth.analysis.partitions.loads import LoadError, LoadRegion, load_regions, value_at
+from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, common_twist, ellipse_point
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene

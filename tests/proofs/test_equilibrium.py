@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist

@@ -270,7 +270,7 @@ def test_random_fans_meet_every_verdict_and_every_escape_can_be_simulated() -> N
 
 
 def test_the_fan_of_an_array_covers_every_direction(arrays: Arrays) -> None:
-    from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+    from nonsmooth.analysis.cells.nearest import build_nearest_partition
 
     for scene in (arrays.four_wheel(), arrays.ring(5), arrays.grid(4, 4)):
         cones = build_fan(build_nearest_partition(scene))
@@ -339,7 +339,7 @@ def test_mixtures_of_tied_motions_never_refute_a_verdict() -> None:
 
 
 def test_tied_motions_of_an_array_are_decided(arrays: Arrays) -> None:
-    from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+    from nonsmooth.analysis.cells.nearest import build_nearest_partition
     from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 
     verdicts = {decide_translation(build_nearest_partition(arrays.cocircular(s, (1, 1)))).verdict for s in range(40)}

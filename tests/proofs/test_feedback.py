@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import Descent
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.feedback.feedback_rate import ConeRate, FeedbackRate, certified_rate, exponent_of
 from nonsmooth.symbolic.files.scene_file import load_scene

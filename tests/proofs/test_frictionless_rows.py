@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, corrected_law, printed_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Theorem4

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.region import quadrants
+from nonsmooth.analysis.cells.region import quadrants
 from nonsmooth.proofs.inequalities.germs import Adherence, Extent, adherence, extent, ray_adherence
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.system_stability import Method, plane_cells, system_check

@@ -16,8 +16,8 @@ import z3
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.analysis.partitions.polygon import square
-from nonsmooth.analysis.partitions.region import Region, cone_region, polygon_region, quadrants
+from nonsmooth.analysis.cells.polygon import square
+from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
 from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE
 from nonsmooth.proofs.inequalities.products import ProductEvidence
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Question, Sense, Undecided, Witness, ZeroBetween, prove

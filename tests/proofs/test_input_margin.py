@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
@@ -24,7 +24,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.partitions.polygon import Point
+    from nonsmooth.analysis.cells.polygon import Point
 
 ARRAYS = Arrays()
 SEEDS = range(40)

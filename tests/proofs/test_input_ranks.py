@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.feedback.input_ranks import input_ranks
 from nonsmooth.proofs.verdicts import Feedback

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.equilibria import find_equilibria
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.equilibria import find_equilibria
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs import judged_equilibria
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.symbolic.constraints import Triple, independent

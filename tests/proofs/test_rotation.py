@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, decide_rotation, drift_at_rest
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation

@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.filippov import upper_derivative_at
+from nonsmooth.analysis.cells.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.analysis.fields.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
+from nonsmooth.analysis.cells.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
 from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_audit import audit

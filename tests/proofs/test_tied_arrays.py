@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4

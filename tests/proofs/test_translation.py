@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.filippov import filippov_twists, upper_derivative_at
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.filippov import filippov_twists, upper_derivative_at
+from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.linear_program import best_mixture

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_fan

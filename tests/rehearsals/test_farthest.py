@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -5,12 +5,12 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
-from nonsmooth.reports.choices import Law, Method
+from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.feedback_loop import build_loop
-from nonsmooth.reports.simulate import Run, follow
+from nonsmooth.reports.simulate import PathRun, follow
 from tests.conftest import WheelData
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ def test_theta_may_rise_under_a_law_by_v_without_a_region(arrays: Arrays) -> Non
     assert feedback.law is not None
     assert feedback.region is None
     assert feedback.cascade is None
-    loop = build_loop(partition, Law.CERTIFIED, Kinematics.EXACT, feedback)
-    path = follow(partition, Run(START, 2.0, Kinematics.EXACT, Method.EVENTS, Law.CERTIFIED, 1e-3), loop)
+    loop = build_loop(partition, LawName.CERTIFIED, Kinematics.EXACT, feedback)
+    path = follow(partition, PathRun(START, 2.0, Kinematics.EXACT, Method.EVENTS, LawName.CERTIFIED, 1e-3), loop)
     thetas = [abs(float(state[2])) for state in path.states]
     assert max(thetas) > thetas[0] + 0.01
     loop.refuse_contradiction(path)

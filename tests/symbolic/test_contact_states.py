@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition, nearest_states
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.constraints import (
     Row,
     RowKind,

@@ -11,7 +11,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.symbolic.constraints import side_row
 from nonsmooth.symbolic.contact_states import regular_states, solve_rows
 from nonsmooth.symbolic.equations import (

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene_error import Fact, SceneError, shown
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, shown
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'
 WHEEL = "[[wheel]]\nposition = [1, 0]\n"
@@ -274,7 +274,7 @@ def test_error_carries_its_values(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (Fact("no such file"), "no such file"),
+        (StatedFact("no such file"), "no such file"),
         ("a\n'b'", "\"a\\n'b'\""),
         (Decimal("1.50"), "1.50"),
         ([1, "a", [True]], "[1, 'a', [true]]"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.scene import LoadTable
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system, with_friction_ratio, with_rate_ratio

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.analysis.partitions import box, nearest
+from nonsmooth.analysis.cells import box, nearest
 from nonsmooth.proofs import theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -16,7 +17,6 @@ from nonsmooth.analysis.measurements.cases.followed_field import cells_of
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.reference_fields import gradient_reference
 from nonsmooth.analysis.measurements.rows import ResultRow, Rows, brief, counted, judged, refused
-from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate

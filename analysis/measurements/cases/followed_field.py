@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -20,8 +22,6 @@ from nonsmooth.analysis.measurements.references.reference_fields import (
     array_reference,
     system_reference,
 )
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.analysis.trajectories.smooth import onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene

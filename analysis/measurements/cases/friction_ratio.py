@@ -10,6 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.least_dissipation import LeastDissipation
@@ -19,7 +20,6 @@ from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP
-from nonsmooth.analysis.partitions.loads import LoadError
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 

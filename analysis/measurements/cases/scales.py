@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.cases.followed_field import (
     START,
@@ -18,8 +20,6 @@ from nonsmooth.analysis.measurements.cases.followed_field import (
 )
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system

@@ -11,11 +11,11 @@ from fractions import Fraction
 
 import numpy as np
 
+from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, support_polygon
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, brief, judged, refused
 from nonsmooth.analysis.minimizers.float_loads import RESIDUAL, elastic_loads
-from nonsmooth.analysis.partitions.loads import LoadError, elastic_loads_at, support_polygon
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import scaled
 

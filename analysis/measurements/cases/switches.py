@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.system_field import constant_system
@@ -23,7 +24,6 @@ from nonsmooth.analysis.measurements.cases.followed_field import START, Followed
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.taylor import Reached, precision
 from nonsmooth.analysis.measurements.rows import EPSILON, Rows, asserted, brief, counted, judged
-from nonsmooth.analysis.partitions.cell_complex import AtCorner
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate

@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import HalfPlane
+from nonsmooth.analysis.cells.switched_cells import fields_by_signs
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_cells import fields_by_signs
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.references.taylor import (
     Form,
@@ -22,8 +24,6 @@ from nonsmooth.analysis.measurements.references.taylor import (
     follow_series,
     precision,
 )
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import HalfPlane
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import Lazy

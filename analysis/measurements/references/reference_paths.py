@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, State, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 

@@ -16,13 +16,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from nonsmooth.analysis.cells.loads import load_regions, value_at
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.measurements.references.ball_dissipation import Group, derivatives
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
-from nonsmooth.analysis.partitions.loads import load_regions, value_at
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.symbolic.constraints import scene_rows
 from nonsmooth.symbolic.scene import Scene
 
@@ -65,7 +65,7 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
     """The twists of rule ``ellipse`` to 60 digits at points where every loaded wheel slips.
 
     Raises:
-        nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+        nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
     """
     model = contact_model(scene)
     points = list(_points(scene))

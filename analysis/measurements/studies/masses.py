@@ -10,6 +10,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.dynamics.ellipse_path import RELATIVE_TOLERANCE
 from nonsmooth.analysis.dynamics.mass_study import massless_limit, path_distance, rule_path
@@ -18,7 +19,6 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.symbolic.scene import Scene
 

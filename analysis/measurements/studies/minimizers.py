@@ -15,6 +15,8 @@ from functools import partial
 
 import numpy as np
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
@@ -33,8 +35,6 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.symbolic.scene import Scene
 
 Entrant = tuple[str, float | None, Minimizer]  # method, tolerance, minimizer

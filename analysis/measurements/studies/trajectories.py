@@ -20,6 +20,8 @@ from functools import partial
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.polygon_field import PolygonField
@@ -28,8 +30,6 @@ from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_paths import ExactPath, reference_paths
 from nonsmooth.analysis.measurements.timing import Clock
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import RefusalError
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import Event, State
 from nonsmooth.analysis.trajectories.smooth import follow_smooth

@@ -15,15 +15,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.filippov import cell_derivatives
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.fields.filippov import cell_derivatives
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_on
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
-from nonsmooth.analysis.partitions.contact_partition import build_partition
-from nonsmooth.analysis.partitions.partition import Partition, RefusalError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.loads import LoadRegion
+from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.symbolic.constraints import (
     Row,
     Triple,

@@ -20,7 +20,7 @@ from enum import StrEnum
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
+from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
 from nonsmooth.proofs.clauses.at_point.linearization import (
     Linearization,

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
+from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.symbolic.constraints import (
     Triple,
     added,

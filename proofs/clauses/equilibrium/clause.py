@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
-from nonsmooth.analysis.partitions.loads import load_regions
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium

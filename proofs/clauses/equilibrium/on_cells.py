@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist

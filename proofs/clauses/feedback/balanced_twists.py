@@ -28,8 +28,8 @@ from typing import TypeVar
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.minimizers.friction_search import search_forces
-from nonsmooth.analysis.partitions.loads import LoadRegion
 from nonsmooth.proofs.clauses.feedback.exclusion import Exclusion, excludes, search_exclusion
 from nonsmooth.proofs.clauses.feedback.wheel_forces import (
     PRECISION,

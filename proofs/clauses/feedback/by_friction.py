@@ -27,9 +27,9 @@ from itertools import pairwise
 from math import comb
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.partitions.loads import LoadRegion, load_regions
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.feedback.balanced_twists import balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
 from nonsmooth.proofs.clauses.feedback.driven_law import (
@@ -150,7 +150,7 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The same with two laws of the field sampled in the checked square of the centred scene."""
     from nonsmooth.analysis.fields.contact_model import contact_model
-    from nonsmooth.analysis.minimizers.closed_loop import Law, LoopSample, sample_closed_loop
+    from nonsmooth.analysis.minimizers.closed_loop import LoopSample, SampledLaw, sample_closed_loop
     from nonsmooth.analysis.minimizers.proved import free_motions
 
     functional = rule_of(scene).functional
@@ -159,8 +159,8 @@ def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     model, radius, states = contact_model(scene), float(scene.check.radius), STATES[functional]
     free = free_motions(scene)
     if free:
-        return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in Law))
-    samples = [sample_closed_loop(model, functional, law, radius, states) for law in Law]
+        return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))
+    samples = [sample_closed_loop(model, functional, law, radius, states) for law in SampledLaw]
     return replace(feedback, samples=tuple(sorted(samples, key=_worst_rate)))
 
 

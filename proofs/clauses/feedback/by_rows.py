@@ -18,9 +18,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.support import limiting_support
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
 from nonsmooth.proofs.clauses.feedback.feedback_rate import FeedbackRate, balanced, certified_rate

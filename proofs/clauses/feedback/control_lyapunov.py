@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.proofs.clauses.translation.decrease_region import squared_distance
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, shaped
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist
 from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
 from nonsmooth.proofs.clauses.feedback.held_twists import HeldTwist

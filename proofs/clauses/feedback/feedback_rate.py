@@ -28,9 +28,9 @@ from typing import Any
 
 from flint import arb
 
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.support import limiting_support
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, Shape
 from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.translation.quadratic import root_above

@@ -11,7 +11,7 @@ the planes ``S_k . xi = 0``, closed and symmetric; with a cone its edges are hel
 anything in [-1, 1].  So *the edges that are held span all that is held*: at most one candidate for each pair of
 wheels.  (Where the side rows do not span, the coordinate planes are added; a finer arrangement has the same property.)
 
-The condition is the one of :mod:`nonsmooth.analysis.partitions.arrangement`: no slope of D is negative.  Slopes are
+The condition is the one of :mod:`nonsmooth.analysis.cells.arrangement`: no slope of D is negative.  Slopes are
 affine in c.  Where all are positive at the equilibrium, they are near it: the twist is the only minimizer there.
 """
 
@@ -24,9 +24,9 @@ from itertools import combinations
 
 import numpy as np
 
-from nonsmooth.analysis.partitions.arrangement import Arrangement, order
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.arrangement import Arrangement, order
+from nonsmooth.analysis.cells.loads import Affine, LoadRegion
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.constraints import (
     RowKind,
     Triple,

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.partition import Cell
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.partition import Cell
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import Demand
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind

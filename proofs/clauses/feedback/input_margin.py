@@ -31,7 +31,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.proofs.clauses.witness import Witness

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nonsmooth.analysis.partitions.equilibria import shared_sides
-from nonsmooth.analysis.partitions.partition import Cell, Partition
+from nonsmooth.analysis.cells.equilibria import shared_sides
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.symbolic.constraints import Triple, independent
 
 

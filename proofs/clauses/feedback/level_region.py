@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 from flint import arb, fmpq
 
-from nonsmooth.analysis.partitions.polygon import Point, square
+from nonsmooth.analysis.cells.polygon import Point, square
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.analysis.partitions.loads import LoadRegion
+from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.scene import Scene
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.fields.filippov import filippov_twists
+from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.rotation.at_point import spin_of
 from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, bounds_rotation, decide_rotation

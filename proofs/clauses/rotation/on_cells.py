@@ -16,8 +16,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.analysis.fields.filippov import CellDerivative, filippov_twists
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.filippov import CellDerivative, filippov_twists
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.fan import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture

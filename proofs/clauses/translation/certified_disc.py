@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.support import limiting_support
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import dot

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.analysis.partitions.support import limiting_support
+from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.proofs.clauses.translation.cones import build_fan

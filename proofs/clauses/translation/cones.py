@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cmp_to_key
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from nonsmooth.analysis.fields.filippov import CellDerivative
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point
+from nonsmooth.analysis.cells.filippov import CellDerivative
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.enclosures import rational_below, square_root
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import cross, dot

@@ -38,8 +38,8 @@ from enum import StrEnum
 from itertools import product
 from typing import Any
 
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan, is_plane, rays_of
 from nonsmooth.proofs.clauses.translation.full_turns import (
     FullTurn,

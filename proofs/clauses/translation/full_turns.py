@@ -31,7 +31,7 @@ from enum import Enum
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.formulas import brief_text

@@ -23,10 +23,10 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from nonsmooth.analysis.fields.filippov import CellDerivative, Slope, cell_derivatives
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.support import Support, limiting_support
+from nonsmooth.analysis.cells.filippov import CellDerivative, RelativeRate, cell_derivatives
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.translation.decrease_region import region_radius, squared_reach
@@ -60,7 +60,7 @@ class TranslationResult:
 
     verdict: Translation
     derivatives: tuple[CellDerivative, ...]
-    worst: Slope
+    worst: RelativeRate
     region_radius: Number | None
     witness: Witness | None
     reason: str

@@ -18,8 +18,8 @@ from math import isqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.analysis.partitions.polygon import Point
 from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import Vector, dot

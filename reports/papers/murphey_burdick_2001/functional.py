@@ -7,13 +7,13 @@ from fractions import Fraction
 
 import numpy as np
 
+from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.agreement import shared_area
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.minimum import Minimum
-from nonsmooth.analysis.partitions.box import build_box_partition, rest_cells
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
-from nonsmooth.analysis.partitions.partition import Partition
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Entry, display, number, table

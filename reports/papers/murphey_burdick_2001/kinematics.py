@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.partitions.partition import Cell
+from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Entry, Math, display, point, table
 from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome

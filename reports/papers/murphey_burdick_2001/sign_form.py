@@ -22,7 +22,7 @@ from nonsmooth.symbolic.numbers.printing import number_summands
 
 MOST_FACTORS = 6  # 2^6 products make 2016 pairs
 
-Polynomial: TypeAlias = Terms  # coefficient of x^i y^j by (i, j)
+FactorPolynomial: TypeAlias = Terms  # coefficient of x^i y^j by (i, j)
 Direction: TypeAlias = tuple[Number, Number]
 Product: TypeAlias = tuple[int, ...]  # numbers of the factors, ascending
 
@@ -31,7 +31,7 @@ Product: TypeAlias = tuple[int, ...]  # numbers of the factors, ascending
 class Factor:
     """A polynomial that changes its sign on one line through the origin, or on two that mirror each other."""
 
-    polynomial: Polynomial
+    polynomial: FactorPolynomial
 
     def sign_at(self, x: Any, y: Any) -> int:
         """Its sign at a point."""
@@ -139,19 +139,19 @@ def _candidates(
         yield [((total + difference) / 2, first), ((total - difference) / 2, second)]
 
 
-def multiplied(polynomials: Iterable[Polynomial]) -> Polynomial:
+def multiplied(polynomials: Iterable[FactorPolynomial]) -> FactorPolynomial:
     """The product of at least one polynomial, without terms that cancel."""
     return reduce(multiply_terms, polynomials)
 
 
-def _line(a: Number, b: Number) -> Polynomial:
+def _line(a: Number, b: Number) -> FactorPolynomial:
     """``a y - b x`` on the line of direction (a, b), scaled so that its first coefficient is 1: y where it occurs."""
     if not a:
         return {(1, 0): b / b}
     return {(0, 1): a / a} if not b else _scaled({(0, 1): a, (1, 0): -b})
 
 
-def _scaled(polynomial: Polynomial) -> Polynomial:
+def _scaled(polynomial: FactorPolynomial) -> FactorPolynomial:
     """Divided by the coefficient of the highest power of y."""
     leading = polynomial[max(polynomial, key=lambda power: power[1])]
     return {power: number / leading for power, number in polynomial.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.partitions.partition import Partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import Direction, SignForm, find_sign_form, line_factors
 from nonsmooth.reports.prose import listed, paragraph, prose

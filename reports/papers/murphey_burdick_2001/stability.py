@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.fields.filippov import filippov_twists, upper_derivative_at
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
+from nonsmooth.analysis.cells.filippov import filippov_twists, upper_derivative_at
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation

@@ -10,6 +10,8 @@ import mpmath
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.references.reference_paths import STARTS, ExactPath, reference_paths
 from nonsmooth.analysis.measurements.references.reference_twists import (
@@ -21,8 +23,6 @@ from nonsmooth.analysis.measurements.references.reference_twists import (
 )
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.partitions.box import build_box_partition
-from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.trajectories.result import Event, EventKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Scene

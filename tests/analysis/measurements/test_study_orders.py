@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.harness import Study
@@ -26,7 +27,6 @@ from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES, f
 from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE, codimension_of_largest
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
-from nonsmooth.analysis.partitions.contact_partition import build_partition
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import pytest
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.system_field import constant_system
@@ -16,7 +17,6 @@ from nonsmooth.analysis.measurements.references.reference_fields import (
     system_reference,
 )
 from nonsmooth.analysis.measurements.references.taylor import ReferencePiece, follow_series
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system

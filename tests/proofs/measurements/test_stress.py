@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.measurements.cases import near_collinear, support_edge
 from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
@@ -21,7 +22,6 @@ from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, suppo
 from nonsmooth.analysis.measurements.cases.switches import SWITCHES
 from nonsmooth.analysis.measurements.harness import Case, measure
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, judged
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories import guards
 from nonsmooth.analysis.trajectories.motion import Free
 from nonsmooth.analysis.trajectories.stiffness import IMPLICIT

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import sympy
 
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.filippov import filippov_twists
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.partitions.nearest import build_nearest_partition
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult

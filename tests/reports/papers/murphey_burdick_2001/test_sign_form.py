@@ -10,7 +10,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.analysis.partitions.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import equation_3, equation_4, plane_symbols
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     MOST_FACTORS,

@@ -15,10 +15,10 @@ from itertools import pairwise
 import numpy as np
 from flint import arb
 
+from nonsmooth.analysis.cells.loads import support_polygon
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point, square
 from nonsmooth.analysis.contact_rule import contact_rule
-from nonsmooth.analysis.partitions.loads import support_polygon
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point, square
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import Vector, cross, dot, minus

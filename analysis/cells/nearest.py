@@ -22,8 +22,8 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import (
     Row,
     RowKind,

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot
 

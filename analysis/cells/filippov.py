@@ -16,8 +16,8 @@ from functools import cached_property
 
 from flint import arb, ctx
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, enclosure, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -49,7 +49,7 @@ def upper_derivative_at(partition: Partition, point: Point) -> Number:
 
 
 @dataclass(frozen=True)
-class Slope:
+class RelativeRate:
     """The number ``2 v . c/|c|`` for a direction c; compared without taking roots, and mostly by balls."""
 
     velocity: Point
@@ -69,7 +69,7 @@ class Slope:
         with ctx.workprec(_PRECISION):
             return enclosure(self._product) / enclosure(self._length_squared).sqrt()
 
-    def __lt__(self, other: Slope) -> bool:
+    def __lt__(self, other: RelativeRate) -> bool:
         if self._ball < other._ball:
             return True
         if self._ball > other._ball:
@@ -121,7 +121,7 @@ class CellDerivative:
         best = max(range(len(self.rates)), key=lambda k: self.rates[k])
         return self.rates[best], self.cell.polygon.vertices[best]
 
-    def relative(self) -> Slope:
+    def relative(self) -> RelativeRate:
         """Supremum of ``V*/|c|`` over the nonzero points of the closed cell."""
         return largest_slope(self.twist, self.cell.polygon)
 
@@ -135,7 +135,7 @@ def cell_derivatives(partition: Partition) -> tuple[CellDerivative, ...]:
     )
 
 
-def largest_slope(twist: Twist, polygon: Polygon) -> Slope:
+def largest_slope(twist: Twist, polygon: Polygon) -> RelativeRate:
     """Supremum of ``2 v . c/|c|`` over the polygon's nonzero points.
 
     It is ``2 |v|`` where the polygon holds a point along v, and is attained at a vertex otherwise: the cosine
@@ -145,9 +145,9 @@ def largest_slope(twist: Twist, polygon: Polygon) -> Slope:
     directions = [p for p in polygon.vertices if any(p)]
     if any(velocity) and points_into(polygon, velocity):
         directions = [velocity]
-    best = Slope(velocity, directions[0])
+    best = RelativeRate(velocity, directions[0])
     for p in directions[1:]:
-        best = max(best, Slope(velocity, p))
+        best = max(best, RelativeRate(velocity, p))
     return best
 
 

@@ -13,14 +13,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias, TypeVar
 
-from nonsmooth.analysis.partitions.partition import Partition
-from nonsmooth.analysis.partitions.polygon import Point
-from nonsmooth.analysis.partitions.region import Region, Triple, polygon_region, quadrants
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import Fact, SceneError, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane, sign_by_factors
 
 MAX_CELLS = 400
@@ -142,7 +142,7 @@ def system_cells(system: SwitchedSystem, regions: Iterable[Region]) -> tuple[Fie
         return tuple(FieldCell(region, (field,)) for region, field in smooth_pieces(regions, evaluate))
     except TooManyCells:
         expected = f"formulas that cut the plane into at most {MAX_CELLS} cells"
-        raise SceneError(system.origin, "system.rhs", expected, Fact("more")) from None
+        raise SceneError(system.origin, "system.rhs", expected, StatedFact("more")) from None
 
 
 def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dict[tuple[int, ...], PlaneField]]:
@@ -206,7 +206,7 @@ def lyapunov_cells(
             raise SceneError(file, key, requirement(error), lyapunov.text) from None
         except TooManyCells:
             expected = f"a V that cuts the plane into at most {MAX_CELLS} cells"
-            raise SceneError(file, key, expected, Fact("more")) from None
+            raise SceneError(file, key, expected, StatedFact("more")) from None
         found += [LyapunovCell(region, cell.velocities, piece) for region, piece in pieces]
     return tuple(found)
 

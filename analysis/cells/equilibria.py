@@ -19,8 +19,8 @@ from enum import StrEnum
 from itertools import combinations, pairwise, product
 from typing import Any
 
-from nonsmooth.analysis.partitions.partition import Cell, Partition
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import between, cross, dot, hull_holds_zero, minus
@@ -37,7 +37,7 @@ class Place(StrEnum):
 
 
 @dataclass(frozen=True)
-class Equilibrium:
+class RestPlace:
     """A point, segment or polygon of equilibria: its points, and the cells that meet there."""
 
     place: Place
@@ -45,9 +45,9 @@ class Equilibrium:
     cells: tuple[int, ...]
 
 
-def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
+def find_equilibria(partition: Partition) -> tuple[RestPlace, ...]:
     """Every equilibrium of the square, areas first."""
-    areas = [Equilibrium(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if c.rests]
+    areas = [RestPlace(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if c.rests]
     found = [*areas, *_centres(partition), *_ties(partition)]
     for side in shared_sides(partition):
         found += _on_side(side)
@@ -58,7 +58,7 @@ def find_equilibria(partition: Partition) -> tuple[Equilibrium, ...]:
             continue
         rates = [twist.pose_rate(corner.point) for cell in cells for twist in cell.twists]
         if hull_holds_zero(rates) and not any(_covers(known, corner.point) for known in found):
-            found.append(Equilibrium(Place.VERTEX, (corner.point,), tuple(cell.index for cell in cells)))
+            found.append(RestPlace(Place.VERTEX, (corner.point,), tuple(cell.index for cell in cells)))
     return tuple(found)
 
 
@@ -83,17 +83,17 @@ def shared_sides(partition: Partition) -> Iterator[SharedSide]:
             )
 
 
-def _centres(partition: Partition) -> Iterator[Equilibrium]:
+def _centres(partition: Partition) -> Iterator[RestPlace]:
     """Cells that turn about a point of their own."""
     for cell in partition.cells:
         turning = [twist for twist in cell.twists if twist.omega]
         centres = dict.fromkeys((-twist.vy / twist.omega, twist.vx / twist.omega) for twist in turning)
         for centre in centres:
             if all(sign(side.slack(centre)) > 0 for side in cell.polygon.sides):
-                yield Equilibrium(Place.CENTRE, (centre,), (cell.index,))
+                yield RestPlace(Place.CENTRE, (centre,), (cell.index,))
 
 
-def _ties(partition: Partition) -> Iterator[Equilibrium]:
+def _ties(partition: Partition) -> Iterator[RestPlace]:
     """Equilibria of cells with several motions: ``f_1 x f_2`` is affine in c, so they lie on a line or everywhere."""
     for cell in partition.cells:
         if cell.rests:
@@ -103,7 +103,7 @@ def _ties(partition: Partition) -> Iterator[Equilibrium]:
             if not any(values):
                 middle = cell.polygon.centre
                 if sign(dot(a.pose_rate(middle), b.pose_rate(middle))) < 0:
-                    yield Equilibrium(Place.AREA, cell.polygon.vertices, (cell.index,))
+                    yield RestPlace(Place.AREA, cell.polygon.vertices, (cell.index,))
                 continue
             ends = _zeros_on_boundary(cell.polygon, values)
             if len(ends) == 2:
@@ -124,7 +124,7 @@ def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
     return points
 
 
-def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
+def _on_side(side: SharedSide) -> Iterator[RestPlace]:
     """Equilibria in the open common segment of two cells."""
     if side.first.rests or side.second.rests:
         return
@@ -137,7 +137,7 @@ def _on_side(side: SharedSide) -> Iterator[Equilibrium]:
             t = at_start / (at_start - at_end)
             point = between(side.start, side.end, t)
             if sign(dot(a.pose_rate(point), b.pose_rate(point))) <= 0:
-                yield Equilibrium(Place.SIDE, (point,), cells)
+                yield RestPlace(Place.SIDE, (point,), cells)
 
 
 def _opposition(a: Twist, b: Twist, point: Point) -> Any:
@@ -145,7 +145,7 @@ def _opposition(a: Twist, b: Twist, point: Point) -> Any:
     return cross(a.pose_rate(point), b.pose_rate(point))
 
 
-def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> Iterator[Equilibrium]:
+def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> Iterator[RestPlace]:
     """Parts of a side with parallel velocities on which these oppose each other.
 
     Both velocities lie along one line there, so each changes sign at most once along the side: the zeros of the
@@ -164,12 +164,12 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
     for lower, upper in pairwise(marks):
         middle = between(side.start, side.end, (lower + upper) / 2)
         if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
-            yield Equilibrium(
+            yield RestPlace(
                 Place.SEGMENT, (between(side.start, side.end, lower), between(side.start, side.end, upper)), cells
             )
 
 
-def _covers(known: Equilibrium, point: Point) -> bool:
+def _covers(known: RestPlace, point: Point) -> bool:
     """Whether a known segment (or point) holds the point."""
     first, last = known.points[0], known.points[-1]
     if known.place is Place.AREA:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import cmp_to_key
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import Vector, cross, minus

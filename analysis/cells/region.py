@@ -14,7 +14,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import outer
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators

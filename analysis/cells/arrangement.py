@@ -25,9 +25,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, value_at
-from nonsmooth.analysis.partitions.partition import RefusalError
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, leading_one, outer, scaled, scene_rows
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
@@ -45,7 +45,7 @@ Lexicographic: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Slope:
+class SlopeOfD:
     """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction."""
 
     direction: Triple
@@ -69,7 +69,7 @@ class Vertex:
 
     twist: Twist
     tight: tuple[int, ...]
-    slopes: tuple[Slope, ...]
+    slopes: tuple[SlopeOfD, ...]
 
     def doubtful(self, points: NDArray[np.float64], among: Sequence[int] | None = None) -> list[int]:
         """Numbers of the slopes (of those given) that are not certainly positive at all points ``(1, x, y)``."""
@@ -83,7 +83,7 @@ class Vertex:
         return np.array([slope.floats for slope in self.slopes]).reshape(-1, 3)
 
     @property
-    def flat(self) -> tuple[Slope, ...]:
+    def flat(self) -> tuple[SlopeOfD, ...]:
         """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
         return tuple(slope for slope in self.slopes if not any(slope.form))
 
@@ -121,7 +121,7 @@ class Arrangement:
             weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
             return float(weights @ np.abs(residuals))
 
-    def slopes(self, signs: NDArray[np.int_]) -> tuple[Slope, ...]:
+    def slopes(self, signs: NDArray[np.int_]) -> tuple[SlopeOfD, ...]:
         """The slopes of D that can vanish in the region, where the residuals of the rows have these signs.
 
         Nothing else of the twist and of the speeds counts.
@@ -138,7 +138,7 @@ class Arrangement:
             signs[k] = self.rows[k].residual(twist).sign()
         return signs
 
-    def falling_slope(self, signs: NDArray[np.int_]) -> Slope | None:
+    def falling_slope(self, signs: NDArray[np.int_]) -> SlopeOfD | None:
         """The slope that is clearly negative, and most of all, where the centre of mass is at the origin."""
         tight = _tight(signs)
         pairs = _pairs(tight)
@@ -154,12 +154,12 @@ class Arrangement:
         direction = outer(self.rows[a].normal, self.rows[b].normal)
         return min(self._slopes_along(direction, tight, self._pull(signs)), key=lambda slope: slope.form[0])
 
-    def _slopes(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> Iterator[Slope]:
+    def _slopes(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> Iterator[SlopeOfD]:
         pull = self._pull(signs)
         for direction in self._directions(signs, tight):
             yield from self._slopes_along(direction, tight, pull)
 
-    def _slopes_along(self, direction: Triple, tight: tuple[int, ...], pull: Sequence[Affine]) -> Iterator[Slope]:
+    def _slopes_along(self, direction: Triple, tight: tuple[int, ...], pull: Sequence[Affine]) -> Iterator[SlopeOfD]:
         """The slopes along a direction and back."""
         kept = _zero_form(self.scene)
         for k in tight:
@@ -169,8 +169,8 @@ class Arrangement:
         along = _zero_form(self.scene)
         for entry, part in zip(direction, pull, strict=True):
             along = added(along, scaled(part, entry))
-        yield Slope(direction, added(kept, along))
-        yield Slope((-direction[0], -direction[1], -direction[2]), added(kept, scaled(along, -1)))
+        yield SlopeOfD(direction, added(kept, along))
+        yield SlopeOfD((-direction[0], -direction[1], -direction[2]), added(kept, scaled(along, -1)))
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms."""
@@ -198,7 +198,7 @@ class Arrangement:
                 directions.setdefault(leading_one(direction) if len(tight) > 3 else direction, direction)
         return list(directions.values())
 
-    def line_search(self, vertex: Vertex, slope: Slope, point: Point, outward: Point) -> Twist:
+    def line_search(self, vertex: Vertex, slope: SlopeOfD, point: Point, outward: Point) -> Twist:
         """First vertex along the direction beyond which D no longer falls."""
         form, twist = slope.form, vertex.twist
         for step, crossed in self.breakpoints(vertex, slope.direction):

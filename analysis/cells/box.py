@@ -1,6 +1,6 @@
 """Rule ``box``: the exact minimizer of the power dissipation functional, one twist per polygon of the plane.
 
-Each slope of D at a vertex of the arrangement (:mod:`nonsmooth.analysis.partitions.arrangement`) is affine in the
+Each slope of D at a vertex of the arrangement (:mod:`nonsmooth.analysis.cells.arrangement`) is affine in the
 centre of mass, so the cell of a vertex, where all its slopes are non-negative, is a convex polygon in explicit
 half-plane form.  Where a slope vanishes, D is flat along that edge up to the next vertex: that vertex owns the cell
 beyond. So the partition is found by walking from cell to neighbouring cell, one ratio test per side, never by trying
@@ -15,10 +15,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.partitions.arrangement import Arrangement, Slope, Vertex, float_corners, order
-from nonsmooth.analysis.partitions.loads import Affine, LoadRegion, at_least_zero, load_regions
-from nonsmooth.analysis.partitions.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
-from nonsmooth.analysis.partitions.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD, Vertex, float_corners, order
+from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
+from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
@@ -31,7 +31,7 @@ def build_box_partition(scene: Scene) -> Partition:
     """Cells of rule ``box`` in the checked square.
 
     Raises:
-        nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+        nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
     """
     require_rank(rows_with_friction(scene), "friction: required rows")
     cells: list[Cell] = []
@@ -48,7 +48,7 @@ def build_rest_partition(scene: Scene) -> Partition | None:
     """The cells of rest alone, where they hold the centred equilibrium in their interior; None where they do not.
 
     Raises:
-        nonsmooth.analysis.partitions.loads.LoadError: where the loads do not exist.
+        nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
     """
     zero = scene.field.zero
     cells: list[Cell] = []
@@ -130,7 +130,7 @@ class _Walk:
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
         return self._descend(self.arrangement.vertex(start), centre, outward)
 
-    def _neighbour(self, vertex: Vertex, slope: Slope, point: Point, outward: Point) -> Vertex:
+    def _neighbour(self, vertex: Vertex, slope: SlopeOfD, point: Point, outward: Point) -> Vertex:
         """The vertex that is optimal just beyond a side of the cell."""
         twist = self.arrangement.line_search(vertex, slope, point, outward)
         return self._descend(self.arrangement.vertex(twist), point, outward)
@@ -145,10 +145,10 @@ class _Walk:
                 return vertex
             vertex = self.arrangement.vertex(self.arrangement.line_search(vertex, falling, point, outward))
 
-    def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, Slope]]:
+    def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""
         polygon = self.region.polygon
-        origins: dict[str, Slope] = {}
+        origins: dict[str, SlopeOfD] = {}
         waiting = vertex.doubtful(self.arrangement.corners)
         while waiting:
             k = waiting.pop(0)

@@ -9,8 +9,8 @@ from functools import cached_property
 
 from flint import arb
 
-from nonsmooth.analysis.partitions.cell_complex import CellComplex, build_complex, tile
-from nonsmooth.analysis.partitions.polygon import Point, Polygon
+from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, tile
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Twist, independent
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.formulas import brief_text
