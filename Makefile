@@ -27,7 +27,7 @@ demo: $(INSTALLED) ## check the four-wheel array under every contact rule and wr
 	@echo "The derivation report is in $(REPORT)"
 
 test: $(INSTALLED) $(TOOLS) ## run the tests
-	$(BIN)/python -m pytest -n 2 --ignore=tests/benchmarks -q
+	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -q
 
 tools: ## try to install Chromium and LaTeX, in which tests open the reports (Debian and Ubuntu, as root)
 	@rm -f $(TOOLS)

@@ -11,6 +11,7 @@ import ast
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, parse_tree, turn_of
@@ -57,6 +58,19 @@ class PiecewiseExpression:
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""
         return not any(isinstance(n, ast.Name) and n.id not in NUMBERS for n in ast.walk(node))
+
+    @cached_property
+    def numbers(self) -> Mapping[ast.AST, Expression]:
+        """The largest parts without states, read once for all pieces."""
+        found: dict[ast.AST, Expression] = {}
+        waiting: list[ast.AST] = [self.tree]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.expr) and self.is_constant(node):
+                found[node] = _constant(node, self)
+            else:
+                waiting += ast.iter_child_nodes(node)
+        return found
 
 
 def parse_piecewise(value: object, states: Collection[str]) -> PiecewiseExpression:
@@ -115,8 +129,8 @@ def _polynomial(
     node: ast.expr, whole: PiecewiseExpression, values: Mapping[str, Polynomial], sign_of: SignOf
 ) -> Polynomial:
     some = next(iter(values.values()))
-    if whole.is_constant(node):
-        number = _constant(node, whole).value(some.field)
+    if node in whole.numbers:
+        number = whole.numbers[node].value(some.field)
         return Polynomial.constant(some.field, some.variables, number)
     match node:
         case ast.Name(id=name):

@@ -19,6 +19,7 @@ import numpy as np
 DIGITS = 40
 STEP = 0.004  # of the search for brackets: some hundredths of the shortest period
 ROOT_STEPS = 200
+SERIES_ENDS = 1e-60  # size of the last term
 
 
 @dataclass(frozen=True)
@@ -152,12 +153,27 @@ def _float_watch(system: StickSlip, mode: tuple[int, int], k: int) -> Callable[[
 
 
 def _root(system: StickSlip, mode: tuple[int, int], z: Any, k: int, low: Any, high: Any) -> Any:
-    """Where what is watched falls through zero, by bisection on the exact flow."""
-    flow, watched = _flow(system, mode), _watched(system, mode, k)
-    if low == 0:  # just after an event it may start from zero: the first moment at which it is clearly positive
+    """Where what is watched falls through zero, by bisection on the exact flow from the start of a short bracket."""
+    z, watched, before = _flow(system, mode)(low) * z, _watched(system, mode, k), low
+    matrix = mpmath.matrix([[_exact(c) for c in row] for row in system.matrix(mode)])
+    low, high = low - before, high - before
+    if before == 0:  # just after an event it may start from zero: the first moment at which it is clearly positive
         low = high
-        while watched(flow(low) * z) <= 0:
+        while watched(_moved(matrix, z, low)) <= 0:
             low = low / 2
             if low < mpmath.mpf(10) ** -30:
                 raise AssertionError("required a mode that lasts")
-    return mpmath.findroot(lambda t: watched(flow(t) * z), (low, high), solver="anderson", tol=mpmath.mpf(10) ** -60)
+    tolerance = mpmath.mpf(10) ** -60
+    return before + mpmath.findroot(
+        lambda t: watched(_moved(matrix, z, t)), (low, high), solver="anderson", tol=tolerance
+    )
+
+
+def _moved(matrix: Any, z: Any, span: Any) -> Any:
+    """``exp(A span) z`` by its series, which is short for a short span."""
+    total, term, count = z, z, 0
+    while mpmath.norm(term, mpmath.inf) > SERIES_ENDS:
+        count += 1
+        term = matrix * term * (span / count)
+        total = total + term
+    return total

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -37,6 +38,7 @@ SEEDS = range(120)
 J = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
+@cache
 def decided(arrays: Arrays, seed: int) -> tuple[Scene, FeedbackResult]:
     scene = arrays.cocircular(seed, ROLL).recentred()
     return scene, decide_feedback(build_nearest_partition(scene))

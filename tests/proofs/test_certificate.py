@@ -20,6 +20,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+from tests.built_in import checked
 from tests.four_wheel import CORNERS
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ SLOWEST_CHECK = 10.0  # seconds; the slowest (grid-4x4, rule box) takes about on
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_each_built_in_scene_has_a_valid_certificate(name: str, rule: str) -> None:
-    result = check_cells(load_scene(name, rule=rule))
+    result = checked(name, rule)
     certificate = build_certificate(result)
     text = certificate_text(certificate)
     assert json.loads(text) == certificate

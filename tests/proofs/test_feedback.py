@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -25,7 +26,7 @@ from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot, turned
 from nonsmooth.symbolic.scene import Friction, Scene
-from tests.conftest import HALF, WheelData
+from tests.conftest import HALF, Arrays, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
 
 if TYPE_CHECKING:
@@ -40,6 +41,12 @@ ANGLES = 3000
 ZERO = 1e-9
 
 
+@lru_cache(maxsize=len(SEEDS))
+def cocircular(seed: int) -> Scene:
+    return Arrays().cocircular(seed, ROLL)
+
+
+@lru_cache(maxsize=len(SEEDS))
 def decide(scene: Scene) -> FeedbackResult:
     return decide_feedback(build_nearest_partition(scene.recentred()))
 
@@ -62,7 +69,7 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
 
 
 def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
-    results = [decide(arrays.cocircular(seed, ROLL)) for seed in SEEDS]
+    results = [decide(cocircular(seed)) for seed in SEEDS]
     seen = Counter((result.verdict, result.has_lyapunov) for result in results)
     assert seen == {
         (Feedback.STABILIZABLE, True): 36,
@@ -75,7 +82,7 @@ def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_formulas_for_a_and_b_are_v_dot_along_the_control_fields(arrays: Arrays, seed: int) -> None:
     """``V'/2 = c . v + theta omega = a u_i + b u_j`` with the annihilator's own control fields."""
-    scene = arrays.cocircular(seed, ROLL)
+    scene = cocircular(seed)
     rng = np.random.default_rng(seed)
     for data in decide(scene).cells:
         if data.lever is not None:
@@ -95,7 +102,7 @@ def test_under_the_law_v_falls_off_the_equilibrium_in_every_closed_cell(arrays: 
 
     Also at the theta at which b vanishes, under exact kinematics.
     """
-    scene = arrays.cocircular(seed, ROLL)
+    scene = cocircular(seed)
     result = decide(scene)
     if result.verdict is not Feedback.STABILIZABLE:
         return
@@ -160,7 +167,7 @@ def directions(data: InputCell) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> None:
-    scene = arrays.cocircular(seed, ROLL)
+    scene = cocircular(seed)
     result = decide(scene)
     cells = local_cells(result, scene)
     response = min(smallest_response(data) for data in cells)
@@ -172,7 +179,7 @@ def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> Non
 
 
 def test_the_random_arrays_show_both_verdicts(arrays: Arrays) -> None:
-    found = {decide(arrays.cocircular(seed, ROLL)).verdict for seed in SEEDS}
+    found = {decide(cocircular(seed)).verdict for seed in SEEDS}
     assert found == {Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE}
 
 
@@ -211,7 +218,7 @@ def test_four_wheels_turned_have_a_v_below_45_degrees(
 @pytest.mark.parametrize("seed", SEEDS)
 def test_at_a_witness_no_input_changes_v(arrays: Arrays, seed: int) -> None:
     """All control fields of a cell there have ``c . g_v + theta g_omega = 0``, and it is not the equilibrium."""
-    scene = arrays.cocircular(seed, ROLL)
+    scene = cocircular(seed)
     result = decide(scene)
     if result.verdict is Feedback.NO_CERTIFICATE:
         assert result.witness is not None
@@ -270,7 +277,7 @@ def test_the_printed_sign_fails_in_four_of_the_eight_cells(arrays: Arrays) -> No
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_lever_has_the_sign_of_the_turning_input(arrays: Arrays, seed: int) -> None:
-    for data in decide(arrays.cocircular(seed, ROLL)).cells:
+    for data in decide(cocircular(seed)).cells:
         if data.lever is not None:
             assert data.torque_sign == data.state.control_fields[data.second.index][2].sign() != 0
 
@@ -338,7 +345,7 @@ def wrong_versions(result: FeedbackResult, partition: Partition) -> list[Feedbac
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_tampered_results_are_refused(arrays: Arrays, seed: int) -> None:
-    partition = build_nearest_partition(arrays.cocircular(seed, ROLL))
+    partition = build_nearest_partition(cocircular(seed))
     result = decide_feedback(partition)
     assert result.check()
     assert [k for k, wrong in enumerate(wrong_versions(result, partition)) if wrong.check()] == []

@@ -23,6 +23,7 @@ from nonsmooth.reports.derivation import derive_report
 from nonsmooth.reports.document import Figure, Math, Section, Text
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.reports.derived import derived
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -53,6 +54,7 @@ class Array:
         self.rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
         self.frictions = np.array([[float(w.friction.roll), float(w.friction.side)] for w in scene.wheels])
         self.radius = float(scene.check.radius)
+        self._taken: dict[bytes, list[tuple[int, bool, Floats]]] = {}
 
     def row(self, wheel: int, axis: Floats) -> Floats:
         """``axis . (v + omega J p)`` as a row on (v, omega)."""
@@ -60,8 +62,15 @@ class Array:
 
     def nearest_rows(self, c: Floats) -> list[tuple[int, bool, Floats]]:
         """Wheels by distance, the row of larger friction first, greedily while independent: (wheel, is roll, row)."""
+        order = np.argsort(((self.positions - c) ** 2).sum(axis=1), kind="stable")
+        key = order.tobytes()
+        if key not in self._taken:
+            self._taken[key] = self._greedy_rows(order)
+        return self._taken[key]
+
+    def _greedy_rows(self, order: NDArray[np.intp]) -> list[tuple[int, bool, Floats]]:
         chosen: list[tuple[int, bool, Floats]] = []
-        for wheel in np.argsort(((self.positions - c) ** 2).sum(axis=1), kind="stable"):
+        for wheel in order:
             rows = [(int(wheel), True, self.row(wheel, self.rims[wheel]))]
             rows.append((int(wheel), False, self.row(wheel, J @ self.rims[wheel])))
             for entry in rows if self.frictions[wheel, 0] > self.frictions[wheel, 1] else rows[::-1]:
@@ -185,7 +194,7 @@ def test_terminal_json_and_report_name_the_same_law(invoke: Invoke, tmp_path: Pa
     text = " ".join(invoke(*start).out.split())
     assert f"{law} law, certified by the feedback clause" in text
     assert clause["law"] in text
-    report = derive_report(load_scene(name), Invocation(name)).document.sections
+    report = derived(name).document.sections
     feedback, loop = (plain_text(find(report, title)) for title in ("Feedback law", "With feedback"))
     assert f"certifies the {law} law" in feedback
     assert f"Under the {law} law, certified by the feedback clause" in loop
@@ -228,7 +237,7 @@ def test_without_a_certified_law_one_line_says_why(invoke: Invoke, arguments: tu
 
 def test_only_the_papers_array_is_compared_with_its_figures() -> None:
     for name, its_own in (("four-wheel", True), ("outward", False), ("ring-5", False)):
-        report = derive_report(load_scene(name), Invocation(name)).document.sections
+        report = derived(name).document.sections
         captions = [plain(block.caption) for section in whole(report) for block in section.blocks
                     if isinstance(block, Figure)]  # fmt: skip
         assert any(re.search(r"Figure \d", caption) for caption in captions) == its_own

@@ -13,6 +13,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.reports.derived import derived
 
 HEADING = 1e-12
 
@@ -81,7 +82,7 @@ def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize("suffix", REPORT_FORMATS)
 def test_the_derivation_has_a_section(suffix: str) -> None:
-    text = render_report(derive_report(load_scene("elliptic")), suffix)
+    text = render_report(derived("elliptic"), suffix)
     assert "The continuous idealization" in text
     assert "turns to certain headings" in text
 

@@ -25,6 +25,7 @@ from nonsmooth.reports.sections.rules import MOST_WHEELS
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.reports.derived import derived, derived_afresh
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -37,12 +38,12 @@ RANDOM = settings(max_examples=80)
 
 @pytest.fixture(scope="module", params=SCENES)
 def report(request: pytest.FixtureRequest) -> Report:
-    return derive_report(load_scene(request.param), COMMAND)
+    return derived(request.param)
 
 
 @pytest.fixture(scope="module")
 def four_wheel() -> Report:
-    return derive_report(load_scene("four-wheel"), COMMAND)
+    return derived("four-wheel")
 
 
 def sections(document: Document) -> Iterator[Section]:
@@ -122,7 +123,7 @@ def test_four_wheel_census(four_wheel: Report) -> None:
 def test_the_command_that_reproduces_the_report_is_named(four_wheel: Report) -> None:
     (versions,) = four_wheel.document.sections[-1].blocks
     assert isinstance(versions, Paragraph)
-    assert Code("nonsmooth derive test") in versions.text
+    assert Code("nonsmooth derive four-wheel") in versions.text
 
 
 def test_coordinates_are_stated_away_from_the_origin() -> None:
@@ -132,9 +133,15 @@ def test_coordinates_are_stated_away_from_the_origin() -> None:
     assert "measured from the checked point" in plain(conventions.items[-1])
 
 
+@pytest.fixture(scope="module")
+def twice() -> tuple[Report, Report]:
+    """A report derived two times."""
+    return derived("ring-5"), derived_afresh("ring-5")
+
+
 @pytest.mark.parametrize("suffix", REPORT_FORMATS)
-def test_equal_input_gives_equal_reports(suffix: str) -> None:
-    first, second = (render_report(derive_report(load_scene("ring-5"), COMMAND), suffix) for _ in range(2))
+def test_equal_input_gives_equal_reports(twice: tuple[Report, Report], suffix: str) -> None:
+    first, second = (render_report(report, suffix) for report in twice)
     assert first == second
     assert first.endswith("\n")
 
@@ -148,7 +155,7 @@ def test_unverified_evidence_is_not_reported(monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize("name", ["four-wheel", "off-center"])
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:
-    report = derive_report(load_scene(name, rule=rule), COMMAND)
+    report = derived(name, rule)
     titles = [s.title for s in report.document.sections]
     assert ("Motion at the checked point" in titles) == (rule == "ellipse")
     assert ("Cells" in titles) == (rule == "box")

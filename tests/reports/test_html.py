@@ -21,6 +21,7 @@ from nonsmooth.reports.formats.mathml import NAMESPACE, display_mathml, inline_m
 from nonsmooth.reports.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.reports.derived import derived, derived_afresh
 
 HOSTILE = "<script>alert(1)</script> & \"q\" 'a' </p><img src=x onerror=y> {{ 7 * 7 }} {% raw %}"
 MOST_BYTES = 2_000_000
@@ -60,7 +61,7 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module", params=["four-wheel", "ring-5", "off-center"])
 def text(request: pytest.FixtureRequest) -> str:
-    return render_report(derive_report(load_scene(request.param), Invocation(request.param)), ".html")
+    return render_report(derived(request.param), ".html")
 
 
 def test_the_page_stands_alone(text: str) -> None:
@@ -150,9 +151,7 @@ def test_marked_pieces_become_links_and_frames() -> None:
 
 
 def test_equal_input_gives_equal_pages() -> None:
-    first, second = (
-        render_report(derive_report(load_scene("four-wheel"), Invocation("four-wheel")), ".html") for _ in range(2)
-    )
+    first, second = (render_report(report, ".html") for report in (derived("four-wheel"), derived_afresh("four-wheel")))
     assert first == second
 
 

@@ -11,9 +11,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-from nonsmooth.reports.derivation import derive_report, render_report
-from nonsmooth.reports.subject import Invocation
-from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.reports.derivation import render_report
+from tests.reports.derived import derived
 
 CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
 pytestmark = pytest.mark.skipif(
@@ -65,10 +64,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     written = {}
     for name, rule in SCENES.items():
-        options = () if rule is None else ("--rule", rule)
-        report = derive_report(load_scene(name, rule=rule), Invocation(name, options))
         written[name] = folder / f"{name}.html"
-        written[name].write_text(render_report(report, ".html"), encoding="utf-8")
+        written[name].write_text(render_report(derived(name, rule), ".html"), encoding="utf-8")
     return written
 
 

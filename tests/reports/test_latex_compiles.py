@@ -13,6 +13,7 @@ import pytest
 from nonsmooth.reports.derivation import derive_report, render_report
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from tests.reports.derived import derived
 
 WIDEST = 5.0  # points by which a box may stick out: below a character, unseen on paper
 HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
@@ -41,14 +42,13 @@ def overfull(said: str) -> list[float]:
 
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_every_built_in_scene_compiles_and_fits(tmp_path: Path, name: str) -> None:
-    said = compiled(tmp_path, render_report(derive_report(load_scene(name), Invocation(name)), ".tex"))
+    said = compiled(tmp_path, render_report(derived(name), ".tex"))
     assert max(overfull(said), default=0.0) <= WIDEST
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
-    report = derive_report(load_scene("four-wheel", rule=rule), Invocation("four-wheel", ("--rule", rule)))
-    assert max(overfull(compiled(tmp_path, render_report(report, ".tex"))), default=0.0) <= WIDEST
+    assert max(overfull(compiled(tmp_path, render_report(derived("four-wheel", rule), ".tex"))), default=0.0) <= WIDEST
 
 
 def test_hostile_names_compile(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ class ExactPath:
     def error_at(self, time: Any, state: State) -> float:
         """Largest difference of a coordinate at one time: exact, then rounded."""
         exact = self.path.at(_exact(time))
-        return max(float(abs(mine - _exact(value))) for mine, value in zip(exact, state, strict=True))
+        return max(abs(float(mine - _exact(value))) for mine, value in zip(exact, state, strict=True))
 
     def event_error(self, events: Sequence[Event]) -> float | None:
         """Largest difference of the times at which a path first meets the same edges; None where it never does."""

@@ -1,0 +1,18 @@
+"""Derivation reports of built-in scenes that several files of tests read: each is derived once in a process."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from nonsmooth.reports.derivation import Report, derive_report
+from nonsmooth.reports.subject import Invocation
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+
+def derived_afresh(name: str, rule: str | None = None) -> Report:
+    """The report that ``nonsmooth derive`` writes."""
+    options = () if rule is None else ("--rule", rule)
+    return derive_report(load_scene(name, rule=rule), Invocation(name, options))
+
+
+derived = cache(derived_afresh)
