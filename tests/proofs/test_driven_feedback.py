@@ -15,11 +15,11 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, rim_speeds
+from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
-from nonsmooth.proofs.clauses.feedback.held_twists import Drives, HeldTwist, candidate_twists
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.constraints import independent, inner, side_row
@@ -137,11 +137,11 @@ def test_under_box_a_minimizer_tells_which_twists_are_held(arrays: Arrays, seed:
         held = drives.hold(twist)
         exact = np.array([float(x) for x in twist])
         found = minimizer("box", model, np.zeros(2), np.array(rim_speeds(scene, held)))
-        if held.is_firm:
+        if held.is_unique:
             assert np.abs(found - exact).max() < BOX_ERROR
-        if held.is_lost:
+        if held.is_excluded:
             assert np.abs(found - exact).max() > BOX_ERROR
-        assert not (held.is_firm and held.is_lost)
+        assert not (held.is_unique and held.is_excluded)
 
 
 @pytest.mark.parametrize("seed", FORCES_AND_SEPARATORS[:3])
@@ -151,12 +151,12 @@ def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, 
     region, model = load_regions(scene, (zero, zero))[0], contact_model(scene)
     for twist in list(candidate_twists(scene))[:4]:
         balanced = exclude_twist(balance_twist(scene, region, twist))
-        assert not (balanced.is_firm and balanced.is_lost)
-        if balanced.is_firm:
+        assert not (balanced.is_unique and balanced.is_excluded)
+        if balanced.is_unique:
             found = minimizer("ellipse", model, np.zeros(2), np.array(rim_speeds(scene, balanced)))
             assert np.abs(found - np.array([float(x) for x in twist])).max() < ELLIPSE_ERROR
         shifted = replace(balanced, values=tuple(value + Fraction(1, 1000) for value in balanced.values))
-        assert not shifted.is_firm  # the Newton step leaves the box around values that do not balance
+        assert not shifted.is_unique  # the Newton step leaves the box around values that do not balance
 
 
 def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> None:
@@ -170,7 +170,7 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
     for _ in range(60):
         x, y, w = (scene.field(int(k)) for k in rng.integers(-9, 10, 3))
         held = drives.hold((x, y, w))
-        if held.is_lost or not any((x, y, w)):
+        if held.is_excluded or not any((x, y, w)):
             continue
         inside += 1
         sides = [inner(row.normal, (x, y, w)).sign() for row in side_rows]
@@ -180,7 +180,7 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
             if all(inner(row.normal, edge).sign() in (0, s) for row, s in zip(side_rows, sides, strict=True))
         ]
         assert len(independent(closure)) >= 1
-        assert not any(drives.hold(edge).is_lost for edge in closure)
+        assert not any(drives.hold(edge).is_excluded for edge in closure)
     assert inside > 10
 
 
@@ -225,22 +225,22 @@ def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
     scene = ruled(arrays.differential_drive(), "ellipse")
     zero, one = scene.field.zero, scene.field.one
     region = load_regions(scene, (zero, zero))[0]
-    lost = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
-    assert lost.is_lost
-    assert not lost.is_firm
-    assert isinstance(lost.exclusion, Divided)
+    excluded = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
+    assert excluded.is_excluded
+    assert not excluded.is_unique
+    assert isinstance(excluded.exclusion, Divided)
     held = balance_twist(scene, region, (one, zero, zero))
-    assert held.is_firm
+    assert held.is_unique
     assert exclude_twist(held).exclusion is None
     for wrong in (
-        lost.exclusion.lower,  # one half alone
-        Divided(lost.exclusion.wheel, lost.exclusion.lower, lost.exclusion.lower),
-        Divided((lost.exclusion.wheel + 1) % 2, lost.exclusion.lower, lost.exclusion.upper),
+        excluded.exclusion.lower,  # one half alone
+        Divided(excluded.exclusion.wheel, excluded.exclusion.lower, excluded.exclusion.lower),
+        Divided((excluded.exclusion.wheel + 1) % 2, excluded.exclusion.lower, excluded.exclusion.upper),
         Excluded((Fraction(0), Fraction(1), Fraction(0))),
         Excluded((Fraction(0),) * 3),
     ):
-        assert not replace(lost, exclusion=wrong).is_lost
-    assert not replace(held, exclusion=lost.exclusion).is_lost
+        assert not replace(excluded, exclusion=wrong).is_excluded
+    assert not replace(held, exclusion=excluded.exclusion).is_excluded
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -301,7 +301,7 @@ def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Ar
     assert "balance exactly" in feedback.reason
     for cone in feedback.cones:
         assert cone.check()
-        assert not all(held.is_firm for held in cone.twists)
+        assert not all(held.is_unique for held in cone.twists)
         assert not replace(cone, rays=None).check()
         assert any(twist[2] for twist in cone.vectors)
 

@@ -3,7 +3,7 @@
 With ``V = |c|^2 + theta^2`` one has ``V'/2 = g . xi``, ``g = (c, theta)``, under exact and leading-order kinematics.
 
 - *Stabilizable.*  Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
-  ``xi_l`` (module ``held_twists``, module ``balanced_twists``).  D is
+  ``xi_l`` (module ``box_twists``, module ``ellipse_twists``).  D is
   homogeneous in twist and speeds together, so all multiples are imposed too.  The law takes the ``xi_l`` with the
   largest ``|g . xi_l|`` and imposes ``-k (g . xi_l) xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c*, where
   ``3 kappa`` is below the least eigenvalue of ``sum_l xi_l xi_l^T``.  Where the law switches, each of the velocities
@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.balanced_twists import balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
@@ -41,7 +41,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     gains,
     rank_of,
 )
-from nonsmooth.proofs.clauses.feedback.held_twists import Drives, HeldTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.ellipse_twists import balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.translation.cones import by_angle
 from nonsmooth.proofs.clauses.witness import Witness
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
-ENOUGH = 60  # candidates beyond which three firm independent twists end the search: a better rate is not sought
+ENOUGH = 60  # candidates beyond which three independent unique minimizers end the search: a better rate is not sought
 LOOKED_AT = 20_000  # wheels times candidates that are looked at: a minute or so under rule ellipse
 FEW_OF = 6  # part of them beyond which the search may end
 TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
@@ -77,7 +77,7 @@ class DrivenFeedback:
         kappa: ``V' <= -2 k kappa V`` near c* (stabilizable).
         obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no static
             feedback stabilizes.
-        candidates: all candidates, those off the plane with the proof that they are lost (no certificate).
+        candidates: all candidates, those off the plane with the proof that they are excluded (no certificate).
         samples: two laws of the field, sampled, best first; empty where nobody asked.
     """
 
@@ -105,10 +105,10 @@ class DrivenFeedback:
         return None if self.obstruction is None else Witness(self.obstruction[:2], self.obstruction[2], STALL)
 
     def check(self) -> bool:
-        """Re-verify the twists and the rate (stabilizable), or that all off the plane is lost (no certificate)."""
+        """Re-verify the twists and the rate (stabilizable), or that all off the plane is excluded (no certificate)."""
         normal = self.obstruction
         if self.verdict is Feedback.NO_CERTIFICATE:
-            kept = normal is not None and all(not inner(normal, c.twist) or c.is_lost for c in self.candidates)
+            kept = normal is not None and all(not inner(normal, c.twist) or c.is_excluded for c in self.candidates)
             return kept and not self.cones and normal is not None and any(normal)
         if self.verdict is not Feedback.STABILIZABLE:
             return not self.cones and normal is None
@@ -125,25 +125,27 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     zero = scene.field.zero
     regions = load_regions(scene, (zero, zero))
     candidates, complete = _impose_candidates(scene, regions[0])
-    firm = [imposed for imposed in candidates if imposed.is_firm]
-    if rank_of(firm) == 3:
+    unique = [imposed for imposed in candidates if imposed.is_unique]
+    if rank_of(unique) == 3:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
-        three = best_three(firm)
+        three = best_three(unique)
         others = regions[1:] if isinstance(rule_of(scene), CellRule) else ()
         elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
     if not complete:
-        reason = f"the first {len(candidates)} candidates show twists of rank {rank_of(firm)}; more were not looked at"
+        reason = (
+            f"the first {len(candidates)} candidates show twists of rank {rank_of(unique)}; more were not looked at"
+        )
         return DrivenFeedback(Feedback.UNDECIDED, reason)
     candidates = _with_exclusions(candidates)
-    possible = [candidate.twist for candidate in candidates if not candidate.is_lost]
+    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
     normal = common_normal(possible, scene.field)
     if normal is not None:
         reason = obstruction_text(normal)
         return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, obstruction=normal, candidates=tuple(candidates))
     if isinstance(rule_of(scene), CellRule):
         return _decide_by_direction(scene, regions, possible)
-    reason = f"twists of rank {rank_of(firm)} are proved to be imposed at c*; others are neither proved nor excluded"
+    reason = f"twists of rank {rank_of(unique)} are proved to be imposed at c*; others are neither proved nor excluded"
     return DrivenFeedback(Feedback.UNDECIDED, reason)
 
 
@@ -188,7 +190,7 @@ def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
 
 
 def _impose_candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist], bool]:
-    """The candidates, and whether these are all; of many only until three are firm and independent.
+    """The candidates, and whether these are all; of many only until three unique minimizers are independent.
 
     The more wheels, the longer each takes, and the fewer are looked at.
     """
@@ -200,7 +202,7 @@ def _impose_candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTw
             return found, False
         found.append(balance_twist(scene, region, twist) if drives is None else drives.hold(twist))
         enough = len(found) > min(ENOUGH, most // FEW_OF)
-        if enough and found[-1].is_firm and rank_of([entry for entry in found if entry.is_firm]) == 3:
+        if enough and found[-1].is_unique and rank_of([entry for entry in found if entry.is_unique]) == 3:
             return found, False
     return found, True
 
@@ -210,8 +212,8 @@ def _with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
     judged: list[ImposedTwist] = []
     tried = 0
     for candidate in candidates:
-        open_ones = [entry for entry in judged if not entry.is_lost]
-        if isinstance(candidate, HeldTwist) or candidate.is_firm or rank_of(open_ones) == 3 or tried == TRIED:
+        open_ones = [entry for entry in judged if not entry.is_excluded]
+        if isinstance(candidate, HeldTwist) or candidate.is_unique or rank_of(open_ones) == 3 or tried == TRIED:
             judged.append(candidate)
         else:
             tried += 1
@@ -238,15 +240,15 @@ def _decide_by_direction(scene: Scene, regions: Sequence[LoadRegion], twists: Se
     for start, end in _cones(scene, regions, by_region):
         middle = between(start, end)
         here = next(held for region, held in zip(regions, by_region, strict=True) if _points_into(region, middle))
-        firm = [held for held in here if held.is_firm_towards(middle)]
-        if rank_of(firm) < 3:
+        unique = [held for held in here if held.is_unique_towards(middle)]
+        if rank_of(unique) < 3:
             x, y = (brief_text(entry) for entry in middle)
             reason = (
                 "exactly marginal: frictions balance at c* (a slope of D vanishes), and towards "
-                f"({x}, {y}) speeds impose twists of rank {rank_of(firm)} only, as the only minimizers"
+                f"({x}, {y}) speeds impose twists of rank {rank_of(unique)} only, as the only minimizers"
             )
             return DrivenFeedback(Feedback.UNDECIDED, reason)
-        cones.append(LawCone((start, end), best_three(firm)))
+        cones.append(LawCone((start, end), best_three(unique)))
     reason = (
         f"frictions balance exactly at c*, but in each of {len(cones)} cones of directions about it some speeds impose "
         "three independent twists, each as the only minimizer of D (Filippov solutions do not see the rays between)"

@@ -11,16 +11,16 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import HeldTwist
+from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
 from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
-from nonsmooth.proofs.clauses.feedback.held_twists import HeldTwist
 from nonsmooth.symbolic.constraints import Triple, gram, independent, inner, outer, roll_row, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
 ImposedTwist: TypeAlias = HeldTwist | BalancedTwist
 
-CHOICES = 16  # firm twists among which the best three are sought
+CHOICES = 16  # unique minimizers among which the best three are sought
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposed rate too large
 
 
@@ -55,13 +55,13 @@ class LawCone:
                         yield constant / size
 
     def check(self) -> bool:
-        """Re-verify that the twists are independent and firm."""
-        return rank_of(self.twists) == 3 and all(map(self._is_firm, (*self.twists, *self.elsewhere)))
+        """Re-verify that the twists are independent, each the only minimizer."""
+        return rank_of(self.twists) == 3 and all(map(self._is_unique, (*self.twists, *self.elsewhere)))
 
-    def _is_firm(self, imposed: ImposedTwist) -> bool:
+    def _is_unique(self, imposed: ImposedTwist) -> bool:
         if self.rays is None:
-            return imposed.is_firm
-        return isinstance(imposed, HeldTwist) and imposed.is_firm_towards(between(*self.rays))
+            return imposed.is_unique
+        return isinstance(imposed, HeldTwist) and imposed.is_unique_towards(between(*self.rays))
 
 
 def rank_of(imposed: Iterable[ImposedTwist]) -> int:
@@ -74,10 +74,10 @@ def between(start: Point, end: Point) -> Point:
     return start[0] + end[0], start[1] + end[1]
 
 
-def best_three(firm: Sequence[ImposedTwist]) -> tuple[ImposedTwist, ...]:
+def best_three(unique: Sequence[ImposedTwist]) -> tuple[ImposedTwist, ...]:
     """Three independent ones of twists that span, of the first few those of the largest rate in floats."""
-    basis = independent([imposed.twist for imposed in firm])
-    few = [*(firm[k] for k in basis), *(imposed for k, imposed in enumerate(firm) if k not in basis)][:CHOICES]
+    basis = independent([imposed.twist for imposed in unique])
+    few = [*(unique[k] for k in basis), *(imposed for k, imposed in enumerate(unique) if k not in basis)][:CHOICES]
     floats = np.array([[float(x) for x in imposed.twist] for imposed in few])
     choices = np.array(list(combinations(range(len(few)), 3)))
     grams = np.einsum("clr,cls->crs", floats[choices], floats[choices])

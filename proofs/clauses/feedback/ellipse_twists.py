@@ -66,12 +66,12 @@ class BalancedTwist:
     exclusion: Exclusion | None = None
 
     @cached_property
-    def is_firm(self) -> bool:
+    def is_unique(self) -> bool:
         """Whether it is proved to be the only minimizer at c* for some speeds."""
         return bool(self.values) and self._is_enclosed()
 
     @cached_property
-    def is_lost(self) -> bool:
+    def is_excluded(self) -> bool:
         """Whether it is proved to be no minimizer at c*, for any speeds."""
         return self.exclusion is not None and excludes(self.exclusion, self.wheels)
 

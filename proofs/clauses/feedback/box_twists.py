@@ -51,7 +51,7 @@ class HeldTwist:
     Attributes:
         twist: xi.
         slopes: affine forms of c; xi is not held where one is negative.  Where the rows that it satisfies are of rank
-            three, it is held iff none is negative, and alone iff all are positive.  Where it is lost at the
+            three, it is held iff none is negative, and alone iff all are positive.  Where it is excluded at the
             equilibrium, one that is negative there stands alone.
         region: where the forms hold.
         determined: whether the rows that it satisfies are of rank three; if not, it is nowhere the only minimizer.
@@ -63,16 +63,16 @@ class HeldTwist:
     determined: bool
 
     @property
-    def is_lost(self) -> bool:
+    def is_excluded(self) -> bool:
         """Whether it is not held at the equilibrium, hence nowhere near it."""
         return any(sign(form[0]) < 0 for form in self.slopes)
 
     @property
-    def is_firm(self) -> bool:
+    def is_unique(self) -> bool:
         """Whether it is the only minimizer at the equilibrium, hence everywhere near it."""
         return self.determined and all(sign(form[0]) > 0 for form in self.slopes)
 
-    def is_firm_towards(self, direction: Point) -> bool:
+    def is_unique_towards(self, direction: Point) -> bool:
         """Whether it is the only minimizer at ``epsilon direction``, for all small epsilon > 0."""
         origin = (direction[0] * 0, direction[1] * 0)
         return self.determined and all(order(form, origin, direction) > (0, 0) for form in self.slopes)
@@ -96,7 +96,7 @@ class Drives:
         self._arrangement = Arrangement(scene, region)
 
     def hold(self, twist: Triple) -> HeldTwist:
-        """The twist with its slopes, for speeds at which no rim slips along; of a lost twist one that is negative."""
+        """The twist with its slopes, for speeds at which no rim slips along; of an excluded one a negative slope."""
         rows = self._arrangement.rows
         slips = (0 if row.kind is RowKind.ROLL else sign(inner(row.normal, twist)) for row in rows)
         signs = np.fromiter(slips, dtype=int, count=len(rows))
