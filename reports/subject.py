@@ -70,5 +70,5 @@ class Subject:
 
     @cached_property
     def agreement(self) -> Agreement:
-        """The three contact rules side by side."""
+        """The contact rules side by side."""
         return compare_rules(self.scene)
