@@ -15,7 +15,7 @@ from tests.oracles.tied_box_arrays import tied_box
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-TIED, BLOCKS = 40, 4
+TIED, BLOCKS = 80, 8
 
 
 @pytest.mark.parametrize("block", range(BLOCKS))
