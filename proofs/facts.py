@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
+
+Record: TypeAlias = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,3 @@ def row_fact(row: str, words: str, *shown: Any) -> Fact:
 def unsaid(facts: Iterable[Fact]) -> tuple[Fact, ...]:
     """The same facts as data only."""
     return tuple(replace(fact, words="", shown=(), row="") for fact in facts)
-
-
-Record = Mapping[str, Any]

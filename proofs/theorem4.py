@@ -6,6 +6,8 @@ Which clauses there are: :data:`nonsmooth.proofs.clauses.registry.CLAUSES`.  Wha
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import affordable
 from nonsmooth.proofs.clauses import registry
@@ -16,6 +18,8 @@ from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck, conc
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
+
+Kind = TypeVar("Kind", CellCheck, SmoothCheck)
 
 CENSUS_LIMIT = 20_000  # row triples that are counted unasked: 25 wheels; a count decides no clause
 FULL_CENSUS_LIMIT = 500_000  # row triples that are counted without pruning: 72 wheels, some ten seconds
@@ -44,10 +48,7 @@ def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
     Raises:
         TypeError: for a rule without cells.
     """
-    result = check_theorem4(scene, prune=prune)
-    if not isinstance(result, CellCheck):
-        raise TypeError(f"required a rule with cells, received {scene.contact.rule}")
-    return result
+    return _of_kind(CellCheck, check_theorem4(scene, prune=prune))
 
 
 def check_smooth(scene: Scene, *, prune: bool = True) -> SmoothCheck:
@@ -56,9 +57,12 @@ def check_smooth(scene: Scene, *, prune: bool = True) -> SmoothCheck:
     Raises:
         TypeError: for a rule with cells.
     """
-    result = check_theorem4(scene, prune=prune)
-    if not isinstance(result, SmoothCheck):
-        raise TypeError(f"required a rule without cells, received {scene.contact.rule}")
+    return _of_kind(SmoothCheck, check_theorem4(scene, prune=prune))
+
+
+def _of_kind(kind: type[Kind], result: Check) -> Kind:
+    if not isinstance(result, kind):
+        raise TypeError(f"required a rule that gives a {kind.__name__}, received {result.scene.contact.rule}")
     return result
 
 

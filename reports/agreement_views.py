@@ -33,10 +33,10 @@ def agreement_view(agreement: Agreement) -> RenderableType:
         twists.append(f"{len(shared.shared_twists)} twists in common{which}")
     for (first, second), difference in agreement.differences.items():
         table.add_row(f"{first} and {second}", _difference_text(difference))
-    counts = [f"{len(partition.cells)} cells under rule {name}" for name, partition in agreement.partitions.items()]
-    heads = [counts[0], *(count.replace(" cells", "") for count in counts[1:])]
+    (first, cells), *others = ((name, len(partition.cells)) for name, partition in agreement.partitions.items())
+    counts = [f"{cells} cells under rule {first}", *(f"{count} under rule {name}" for name, count in others)]
     note = "differences of the twist (|v|, R omega), R the distance of the farthest wheel, relative to the larger twist"
-    return Group(Text(", ".join(heads + twists)), table, Text(note, "dim"))
+    return Group(Text(", ".join(counts + twists)), table, Text(note, "dim"))
 
 
 def agreement_record(agreement: Agreement) -> dict[str, Any]:

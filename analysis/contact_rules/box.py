@@ -30,8 +30,8 @@ class BoxRule(CellRule):
 
         return Functional.BOX
 
-    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:  # every wheel carries
-        """Cells by walking from one to its neighbours."""
+    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
+        """Cells by walking from one to its neighbours; every wheel carries load, so there is none to leave out."""
         from nonsmooth.analysis.cells.box import build_box_partition
 
         return build_box_partition(scene)

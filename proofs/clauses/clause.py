@@ -59,11 +59,11 @@ class Clause(ABC, Generic[Result]):
             RefusalError: where the motion is not determined.
         """
 
-    def is_about(self, result: Result, check: Theorem4Result) -> bool:  # for those who need them
+    def is_about(self, result: Result, check: Theorem4Result) -> bool:
         """Whether the evidence is about the array of a check, and all of it: compared with its wheels and cells."""
         return True
 
-    def recompute(self, result: Result, check: Theorem4Result) -> bool:  # for those who need it
+    def recompute(self, result: Result, check: Theorem4Result) -> bool:
         """Whether deciding again gives the same, where ``result.check()`` does not verify all that is said."""
         return True
 
