@@ -3,6 +3,8 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+# The package alone, as a user needs it; and with what the tests need.
+PACKAGE := .venv/package
 INSTALLED := .venv/installed
 PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check -c constraints.txt
 TOOLS := .venv/tools
@@ -10,14 +12,22 @@ TOOLS := .venv/tools
 TOOL_PACKAGES := chromium fonts-dejavu-core texlive-latex-base
 TOOL_SECONDS := 300
 REPORT := build/four-wheel.html
+# `make lowest`: what touches each library, against its oldest version that pyproject.toml allows.
+# Needs Python 3.11 or 3.12 (make PYTHON=python3.12 lowest): for later ones these versions were never built.
+LOWEST := .venv-lowest
+LOWEST_TESTS := tests/symbolic tests/analysis/test_minimizers.py tests/analysis/test_filippov.py \
+    tests/analysis/test_trajectory.py tests/analysis/test_dynamics.py tests/proofs/test_theorem4.py \
+    tests/proofs/test_quadratic.py tests/proofs/test_systems.py tests/proofs/test_ellipse.py \
+    tests/proofs/test_driven_feedback.py tests/reports/interface tests/reports/test_cli.py \
+    tests/reports/test_derivation.py tests/reports/test_html.py tests/reports/test_report_commands.py tests/test_api.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test tools lint format bench precision gallery clean
+.PHONY: help demo test lowest tools lint format bench precision gallery clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(INSTALLED) ## check the four-wheel array under every contact rule and write its derivation report
+demo: $(PACKAGE) ## check the four-wheel array under every contact rule and write its derivation report
 	$(BIN)/nonsmooth check four-wheel
 	$(BIN)/nonsmooth check four-wheel-side
 	@# The theorem is about rule nearest: under the other two it does not hold (exit status 1), and that is shown.
@@ -28,6 +38,9 @@ demo: $(INSTALLED) ## check the four-wheel array under every contact rule and wr
 
 test: $(INSTALLED) $(TOOLS) ## run the tests
 	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -q
+
+lowest: $(LOWEST)/installed ## run a part of the tests with the oldest versions of all libraries
+	$(LOWEST)/bin/python -m pytest -n 2 --dist worksteal -q $(LOWEST_TESTS)
 
 tools: ## try to install Chromium and LaTeX, in which tests open the reports (Debian and Ubuntu, as root)
 	@rm -f $(TOOLS)
@@ -47,14 +60,14 @@ bench: $(INSTALLED) ## run the measured comparisons in tests/benchmarks
 	@$(PIP_INSTALL) --no-build-isolation -e '.[bench]'
 	$(BIN)/python -m pytest tests/benchmarks
 
-precision: $(INSTALLED) ## measure error against run time and write docs/precision.md (some minutes)
+precision: $(PACKAGE) ## measure error against run time and write docs/precision.md (some minutes)
 	$(BIN)/python -m nonsmooth.reports.precision_page docs
 
-gallery: $(INSTALLED) ## rebuild docs/gallery.md and the reports in it
+gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
 	$(BIN)/python -m nonsmooth.reports.gallery docs
 
 clean: ## remove all that make has built, .venv included
-	rm -rf .venv build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv $(LOWEST) build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find symbolic analysis proofs reports tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Tried once, for a limited time; without them the tests that need them are skipped, and say so.
@@ -71,7 +84,19 @@ $(TOOLS): | $(INSTALLED)
 	fi
 	@touch $@
 
-$(INSTALLED): pyproject.toml constraints.txt
+$(INSTALLED): $(PACKAGE)
+	@echo "Installing what the tests need into .venv ..."
+	@$(PIP_INSTALL) --no-build-isolation -e '.[test]'
+	@touch $@
+
+$(LOWEST)/installed: pyproject.toml constraints-lowest.txt
+	@$(PYTHON) -m venv $(LOWEST)
+	@$(LOWEST)/bin/python -m pip install -qq --disable-pip-version-check -c constraints-lowest.txt setuptools wheel
+	@$(LOWEST)/bin/python -m pip install -qq --disable-pip-version-check -c constraints-lowest.txt \
+	    --no-build-isolation -e . pytest pytest-xdist hypothesis
+	@touch $@
+
+$(PACKAGE): pyproject.toml constraints.txt
 	@command -v $(PYTHON) > /dev/null || { \
 	    echo "error: $(PYTHON) was not found; install Python >= 3.11, or name one: make PYTHON=python3.11" >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
@@ -83,5 +108,5 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@echo "Installing into .venv (only now, and when pyproject.toml or constraints.txt change) ..."
 	@$(PYTHON) -m venv .venv
 	@$(PIP_INSTALL) setuptools wheel
-	@$(PIP_INSTALL) --no-build-isolation -e '.[test]'
+	@$(PIP_INSTALL) --no-build-isolation -e .
 	@touch $@

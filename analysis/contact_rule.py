@@ -31,7 +31,8 @@ class ContactRule(ABC):
 
     Attributes:
         name: in scene files and on the command line.
-        summary: one line for people, which completes "Rule <name> ...".
+        summary: one line for people, which completes "rule <name>: ...".
+        hardware: the machines for which it is a good guess, in a few words.
         needs_loads: whether the motion depends on the normal forces.  Such a rule refuses squares in which
             they do not exist (the body tips); the regions of any other rule are cut at the support polygon.
         keeps_rows: whether the motion satisfies the rows of its contact state exactly, so that inputs act through the
@@ -41,9 +42,14 @@ class ContactRule(ABC):
 
     name: ClassVar[str]
     summary: ClassVar[str]
+    hardware: ClassVar[str] = ""
     needs_loads: ClassVar[bool] = False
     keeps_rows: ClassVar[bool] = False
     is_massless_limit: ClassVar[bool] = False
+
+    def remark(self, scene: Scene) -> str:
+        """Why the friction of a scene makes the rule a poor model of it, in one sentence; empty where it does not."""
+        return ""
 
     @property
     def functional(self) -> Functional | None:

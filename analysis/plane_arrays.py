@@ -1,4 +1,4 @@
-"""Float arrays of plane vectors, the coordinates last: the counterpart of :mod:`nonsmooth.symbolic.plane`."""
+"""The products of :mod:`nonsmooth.symbolic.plane` for float arrays of plane vectors, the coordinates last."""
 
 from __future__ import annotations
 
@@ -7,14 +7,20 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.symbolic import plane
+
 Floats: TypeAlias = NDArray[np.float64]
 
 
 def turned(vectors: Floats) -> Floats:
     """``J v``: a quarter turn counterclockwise of vectors of shape (..., 2)."""
-    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+    return np.stack(plane.turned(_coordinates(vectors)), axis=-1)
 
 
 def cross(a: Floats, b: Floats) -> Floats:
     """``a_x b_y - a_y b_x`` for vectors of shape (..., 2)."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    return np.asarray(plane.cross(_coordinates(a), _coordinates(b)))
+
+
+def _coordinates(vectors: Floats) -> tuple[Floats, Floats]:
+    return vectors[..., 0], vectors[..., 1]

@@ -28,6 +28,7 @@ from nonsmooth.proofs.checker import SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
@@ -37,7 +38,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 Record: TypeAlias = dict[str, Any]
@@ -224,7 +225,7 @@ def _feedback(feedback: AnyFeedback) -> Record:
     (first, *others) = feedback.cones
     if others:
         return {"verdict": str(Feedback.UNDECIDED), "evidence": None}
-    return {"verdict": str(verdict), "evidence": list(first.vectors)}
+    return {"verdict": str(verdict), "evidence": [in_scene(twist, feedback.length) for twist in first.vectors]}
 
 
 def _notes(result: CellCheck) -> Record:
@@ -265,8 +266,8 @@ def _corners(partition: Partition) -> tuple[list[Point], list[list[int]]]:
 
 def _with_origin(points: list[Point], chain: list[int]) -> list[int]:
     """The chain with one more corner, of the next free number, where the origin lies on a side."""
-    for k, start in enumerate(chain):
-        a, b = points[start], points[chain[(k + 1) % len(chain)]]
+    for k, (start, end) in enumerate(around(chain)):
+        a, b = points[start], points[end]
         if not sign(cross(a, b)) and sign(dot(a, b)) < 0:
             return [*chain[: k + 1], len(points), *chain[k + 1 :]]
     return chain

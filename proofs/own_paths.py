@@ -10,13 +10,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
@@ -42,6 +36,18 @@ def refuse_contradiction(partition: Partition, translation: TranslationResult) -
     decided_by_fan = translation.fan is not None and translation.region_radius is None
     if not decided_by_fan or translation.verdict not in STABLE_VERDICTS or not partition.complete:
         return
+    _follow_some(partition, translation)
+
+
+def _follow_some(partition: Partition, translation: TranslationResult) -> None:
+    """Paths from close by; what follows them is loaded only here."""
+    import numpy as np
+
+    from nonsmooth.analysis.fields.constant_field import array_field
+    from nonsmooth.analysis.fields.kinematics import Kinematics
+    from nonsmooth.analysis.trajectories.result import TrajectoryError
+    from nonsmooth.analysis.trajectories.trajectory import simulate
+
     radius = float(partition.scene.check.radius)
     speeds = [math.hypot(float(t.vx), float(t.vy)) for cell in partition.cells for t in cell.twists if any(t.velocity)]
     if not speeds:

@@ -12,7 +12,7 @@ from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import affordable
 from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
-from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck, conclude
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
@@ -27,19 +27,20 @@ CHECK_UNITS = 15_000_000  # of exact arithmetic in a whole check: a minute or so
 SEARCH_UNITS = 4_000_000  # in the search for other equilibria, which no clause needs
 
 
-def check_theorem4(scene: Scene, *, prune: bool = True) -> Check:
+def check_theorem4(scene: Scene, *, prune: bool = True, announce: Announce = unheard) -> Check:
     """Check Theorem 4 for an array under the contact rule of its scene.
 
     Args:
         scene: the array; the point ``scene.check.equilibrium`` is checked in the square around it.
         prune: leave out what no verdict needs; without, everything is computed, with the same verdicts.
+        announce: hears the name of each step before it begins.
 
     Raises:
         RefusalError: where the motion is not determined (loads that do not exist, frictionless wheels), and where the
             exact arithmetic would take too long.
     """
     with affordable(scene, CHECK_UNITS, "all clauses"):
-        return _check(Workspace(scene, prune=prune))
+        return _check(Workspace(scene, prune=prune, announce=announce))
 
 
 def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Self, TypeAlias, cast
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses import registry
@@ -17,7 +17,6 @@ from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.authority import Authority
-from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -28,12 +27,15 @@ from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.own_paths import refuse_contradiction
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.contact_states import ContactCensus
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.scene import Scene
 
+if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 
-@dataclass(frozen=True)
-class Theorem4Result:
+
+@dataclass(frozen=True, repr=False)
+class Theorem4Result(ShortRepr):
     """What every check reports, whatever the contact rule.
 
     Attributes:
@@ -85,9 +87,16 @@ class Theorem4Result:
         return None
 
     @property
+    def equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
+        """All equilibria of the square; None where they were not searched for."""
+        return None
+
+    @property
     def other_equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
         """Equilibria of the square beside the checked point; None where they were not searched for."""
-        return None
+        if self.equilibria is None:
+            return None
+        return tuple(e for e in self.equilibria if len(e.found.points) > 1 or any(e.found.points[0]))
 
     @property
     def theta_is_weakly_stable(self) -> bool | None:
@@ -115,7 +124,7 @@ class Theorem4Result:
         return html_table(head, ("clause", "verdict", "reason"), [*rows, ("Theorem 4", self.verdict, self.reason)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CellCheck(Theorem4Result):
     """Check under a rule with cells.
 
@@ -154,11 +163,9 @@ class CellCheck(Theorem4Result):
         return len(self.partition.states) if self.partition.complete else None
 
     @property
-    def other_equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
-        """Equilibria of the square beside the checked point; None where they were not searched for."""
-        if self.others is None:
-            return None
-        return tuple(e for e in self.others if len(e.found.points) > 1 or any(e.found.points[0]))
+    def equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
+        """All equilibria of the square; None where they were not searched for."""
+        return self.others
 
     @property
     def theta_is_weakly_stable(self) -> bool:
@@ -180,7 +187,7 @@ class CellCheck(Theorem4Result):
         return self.partition.scene == self.scene.recentred() and super().check()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SmoothCheck(Theorem4Result):
     """Check under a rule whose field is continuous and has no cells."""
 

@@ -9,7 +9,9 @@ from rich.text import Text
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, intersect
 from nonsmooth.reports.exact_record import with_exact
-from nonsmooth.reports.figures.cell_map import PICTURE, TINT, figure_bytes, require_drawable
+from nonsmooth.reports.figures.cell_map import PICTURE, TINT, draw_hatch, figure_bytes, require_drawable
+from nonsmooth.reports.figures.labels import centre_labels, wrapped
+from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import float_text, place_text, short_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 AGREEMENT_SCHEMA = "nonsmooth-agreement/1"
 AGREE, DIFFER = "#009E73", "#E69F00"  # bluish green and orange: told apart by color-blind readers, and by hatching
+HATCH = "//"
 
 
 def agreement_view(agreement: Agreement) -> RenderableType:
@@ -79,6 +82,7 @@ def build_figure(agreement: Agreement) -> Figure:
 
 
 def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str) -> None:
+    from matplotlib.colors import to_rgba
     from matplotlib.patches import Patch
 
     axes = panel.subplots()
@@ -89,16 +93,18 @@ def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str)
                 same = frozenset(own.twists) == frozenset(other.twists)
                 xs, ys = zip(*((float(x), float(y)) for x, y in common.vertices), strict=True)
                 axes.fill(xs, ys, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
-                axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1, hatch=None if same else "//")
+                axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1)
+                if not same:
+                    draw_hatch(axes, xs, ys, HATCH)
     share = short_text(agreement.shared[first, second].share)
     handles = [
         Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {share} of the area"),
-        Patch(facecolor=DIFFER, alpha=TINT, hatch="//", edgecolor="white", label="different motions"),
+        Patch(facecolor=to_rgba(DIFFER, TINT), hatch=HATCH, edgecolor=INK, linewidth=0, label="different motions"),
     ]
     panel.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
-    axes.set(xlabel="x of the centre of mass [length unit of the scene]")
-    axes.set(ylabel="y of the centre of mass [length unit of the scene]", aspect="equal")
-    axes.set_title(f"{one_line(_scene_name(agreement))}: rules {first} and {second}", parse_math=False)
+    units = agreement.partitions[first].scene.units
+    axes.set(aspect="equal", **centre_labels(units))
+    axes.set_title(wrapped(f"{one_line(_scene_name(agreement))}: rules {first} and {second}"), parse_math=False)
 
 
 def _difference_text(difference: TwistDifference) -> str:

@@ -1,4 +1,4 @@
-"""The command line: ``nonsmooth check | partition | derive | simulate | precision | verify | audit | stress | scenes``.
+"""The command line: ``nonsmooth`` and its commands, each in a file of ``reports/commands``.
 
 Exit status: 0 holds, done or valid, 1 does not hold, 2 bad input (one line on standard error, nothing written),
 3 undecided, 70 a fault of this program (with its traceback), 130 interrupted.  Each command imports what it needs
@@ -18,6 +18,7 @@ from nonsmooth.reports.commands.check import check
 from nonsmooth.reports.commands.derive import derive
 from nonsmooth.reports.commands.partition import partition
 from nonsmooth.reports.commands.precision import precision
+from nonsmooth.reports.commands.rules import rules
 from nonsmooth.reports.commands.scenes import scenes
 from nonsmooth.reports.commands.simulate import simulate
 from nonsmooth.reports.commands.stress import stress
@@ -42,6 +43,7 @@ app.command(epilog="Example: nonsmooth verify four-wheel.json")(verify)
 app.command(epilog='Example: nonsmooth audit four-wheel --lyapunov "x**2 + 3*y**2"')(audit)
 app.command(epilog="Example: nonsmooth stress four-wheel -o stress.svg")(stress)
 app.command(epilog="Example: nonsmooth scenes")(scenes)
+app.command(epilog="Example: nonsmooth rules")(rules)
 
 
 def _show_version(wanted: bool) -> None:

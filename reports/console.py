@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 PROGRAM = "nonsmooth"
+# Typer's own errors of usage; before Typer 0.27.3 they are Click's, the second base of this one.
+USAGE_ERROR: Any = getattr(typer, "TyperException", typer.BadParameter.__mro__[2])
 BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
 
 
@@ -47,7 +49,7 @@ def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
             sys.stdout.flush()
     except (SceneError, OutputError, RefusedError) as error:
         return _refuse(str(error))
-    except typer.TyperException as error:
+    except USAGE_ERROR as error:
         return _refuse(_usage_line(error))
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -75,7 +77,7 @@ def _refuse(message: str) -> int:
     return BAD_INPUT
 
 
-def _usage_line(error: typer.TyperException) -> str:
+def _usage_line(error: Any) -> str:
     """Typer's message on one line, with the place where help is."""
     message = " ".join(error.format_message().split()).removesuffix(".").replace("Value error, ", "")
     context = getattr(error, "ctx", None)

@@ -7,8 +7,9 @@ what a section, a row or a piece of a figure is about; a format that can link ti
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas import number_latex
@@ -31,7 +32,24 @@ class Code:
     text: str
 
 
-Inline: TypeAlias = str | Math | Code
+class Tone(StrEnum):
+    """How a verdict looks: a color repeats what its word says."""
+
+    GOOD = "good"
+    FAIR = "fair"
+    BAD = "bad"
+    OPEN = "open"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The word of an answer."""
+
+    text: str
+    tone: Tone
+
+
+Inline: TypeAlias = str | Math | Code | Verdict
 Text: TypeAlias = tuple[Inline, ...]
 Entry: TypeAlias = Inline | Text
 Marks: TypeAlias = tuple[str, ...]
@@ -93,8 +111,8 @@ class Figure:
         caption: what it shows, beneath it.
         description: the same for those who cannot see it.
         command: draws it by itself.
-        draw: the picture as an SVG file; the ``id`` of a piece is the mark it is about (``cell-3``), with
-            ``--something`` behind it where several pieces are about one.
+        draw: the picture as a file of a format (``.svg``, ``.pdf``); in SVG the ``id`` of a piece is the mark it is
+            about (``cell-3``), with ``--something`` behind it where several pieces are about one.
         frames: marks of pieces that are shown in turn, the first one where nothing can be chosen.
     """
 
@@ -102,11 +120,18 @@ class Figure:
     caption: Text
     description: str
     command: str
-    draw: Callable[[], bytes] = field(repr=False, compare=False)
+    draw: Callable[[str], bytes] = field(repr=False, compare=False)
     frames: tuple[Frame, ...] = ()
 
 
-Block: TypeAlias = Paragraph | Display | Bullets | Table | Figure
+@dataclass(frozen=True)
+class Listing:
+    """Lines of a file, as they are."""
+
+    text: str
+
+
+Block: TypeAlias = Paragraph | Display | Bullets | Table | Figure | Listing
 
 
 @dataclass(frozen=True)
@@ -125,6 +150,17 @@ class Document:
 
     title: str
     sections: tuple[Section, ...]
+
+    @property
+    def figures(self) -> tuple[Figure, ...]:
+        """All figures, in order."""
+        return tuple(block for section in _all(self.sections) for block in section.blocks if isinstance(block, Figure))
+
+
+def _all(sections: tuple[Section, ...]) -> Iterator[Section]:
+    for section in sections:
+        yield section
+        yield from _all(section.subsections)
 
 
 def display(latex: str, plain: str) -> Display:

@@ -8,6 +8,7 @@ exact form of a vertex would be endless, an enclosure ``[0.123 +/- 4e-21]`` stan
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any, TypeAlias
 
 from flint import arb
@@ -29,7 +30,7 @@ def floats(value: Any) -> Any:
     """Numbers as floats, through nested tuples; None beyond the range of floats (JSON has no infinity)."""
     if value is None:
         return None
-    if isinstance(value, Number | Lazy | arb | float | int):
+    if isinstance(value, Number | Lazy | arb | Fraction | float | int):
         number = float(value)
         return number if math.isfinite(number) else None
     return [floats(entry) for entry in value]
@@ -39,6 +40,8 @@ def exact_texts(value: Any) -> Any:
     """The exact texts of numbers, nested like them; None where they are sampled, or there are none."""
     if value is None or isinstance(value, float):
         return None
+    if isinstance(value, Fraction):
+        return str(value)
     if isinstance(value, Number | Lazy | arb):
         return real_text(value)
     return [exact_texts(entry) for entry in value]

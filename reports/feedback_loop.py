@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, StateLaw, feedback_field
@@ -30,7 +31,6 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_fee
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
 from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion
-from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
@@ -42,6 +42,7 @@ GAIN = 1.0
 RISE_SLACK = 1e-7
 ROUNDING = 1e-16  # of V at the equilibrium, relative to the level of the region
 PAPER_LAW = "u_i = |u_j| + k |c|, u_j = {}k theta"
+WEIGHED_PAPER_LAW = "u_i = |u_j| + k |c|, u_j = {}k l theta, l = {}"
 _PAPER_LAWS = {LawName.CORRECTED: corrected_law, LawName.PRINTED: printed_law}
 
 
@@ -76,13 +77,17 @@ class FeedbackLoop:
         """The law in plain text."""
         match self.law:
             case LawName.CORRECTED:
-                return PAPER_LAW.format("-sgn(d_j.J(p_j - p_i)) ")
+                return self._paper_formula("-sgn(d_j.J(p_j - p_i)) ")
             case LawName.PRINTED:
-                return PAPER_LAW.format("-")
+                return self._paper_formula("-")
             case LawName.CASCADE:
                 return str(self.cascade)
             case _:
                 return gradient_text(self.feedback.lyapunov)
+
+    def _paper_formula(self, sign: str) -> str:
+        length = self.partition.scene.check.length
+        return PAPER_LAW.format(sign) if length == 1 else WEIGHED_PAPER_LAW.format(sign, length)
 
     @property
     def status(self) -> str:
@@ -102,8 +107,8 @@ class FeedbackLoop:
         return f"{self.law} law, {self.status}"
 
     @property
-    def length(self) -> float:
-        """The length l of the law of slow turns: the half-width of the checked square."""
+    def turning_length(self) -> float:
+        """The length of the law of slow turns: the half-width of the checked square."""
         return float(self.partition.scene.check.radius)
 
     @cached_property
@@ -122,12 +127,12 @@ class FeedbackLoop:
     def speeds(self) -> StateLaw:
         """The speeds in every cell, with gain one."""
         if self.law in _PAPER_LAWS:
-            return _PAPER_LAWS[self.law](GAIN)
+            return _PAPER_LAWS[self.law](GAIN, float(self.partition.scene.check.length))
         if self.law is LawName.GRADIENT:
             (e, f), weight = self.feedback.lyapunov.shape, self.feedback.lyapunov.weight
             return gradient_law(GAIN, (float(e), float(f)), float(weight))
         if self.cascade.descent is Descent.SLOW_TURNS:
-            return tangential_law(GAIN, self.length)
+            return tangential_law(GAIN, self.turning_length)
         signs = zip(self.cascade.wheels, self.cascade.signs, strict=True)
         return cascade_law(GAIN, {wheel.index: side for wheel, side in signs})
 

@@ -74,6 +74,18 @@ def write_whole(path: Path, data: bytes) -> None:
         raise _unusable(path, error) from None
 
 
+def make_folder(path: Path) -> None:
+    """A folder, where there is none yet.
+
+    Raises:
+        OutputError: where the system refuses.
+    """
+    try:
+        path.mkdir(exist_ok=True)
+    except OSError as error:
+        raise _unusable(path, error) from None
+
+
 def _create_beside(target: Path) -> tuple[Path, int]:
     """A new file in the target's folder, and its descriptor.
 

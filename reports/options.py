@@ -7,14 +7,31 @@ from typing import Annotated, Any
 
 import typer
 
+from nonsmooth.reports.console import RefusedError
 from nonsmooth.symbolic.rule import CONTACT_RULES
 
 ALL_RULES = "all"
+AUTO = "auto"  # for --at: the best rest point of the square
+THEOREM = "theorem4"
+REQUIRABLE = ("position", "heading", "pose", THEOREM)  # the questions, and the theorem; tests hold them to the registry
 
 
 def chosen_rules(rule: str | None) -> tuple[str | None, ...]:
     """The contact rules that ``--rule`` asks for; one None for the scene's own."""
     return tuple(CONTACT_RULES) if rule == ALL_RULES else (rule,)
+
+
+def required_answers(text: str | None) -> tuple[str, ...]:
+    """The answers that ``--require`` asks for; the theorem alone unless told.
+
+    Raises:
+        RefusedError: for a name that is none.
+    """
+    names = (THEOREM,) if text is None else tuple(name.strip() for name in text.split(","))
+    unknown = next((name for name in names if name not in REQUIRABLE), None)
+    if unknown is not None:
+        raise RefusedError(f"--require: required names among {', '.join(REQUIRABLE)}, received {unknown[:60]!r}")
+    return names
 
 
 def _rule_option(*more: str) -> Any:
@@ -43,6 +60,21 @@ def complete_scene(incomplete: str) -> list[str]:
     return [name for name in (*builtin_scenes(), *builtin_systems(), *files) if name.startswith(incomplete)]
 
 
+def complete_part(incomplete: str) -> list[str]:
+    """Names of report sections, the last of a list with commas, for the shell."""
+    from nonsmooth.reports.parts import PART_NAMES
+
+    first, comma, last = incomplete.rpartition(",")
+    return [f"{first}{comma}{name}" for name in PART_NAMES if name.startswith(last)]
+
+
+def complete_study(incomplete: str) -> list[str]:
+    """Names of studies, for the shell."""
+    from nonsmooth.proofs.measurements.registry import STUDIES
+
+    return [study.name for study in STUDIES if study.name.startswith(incomplete)]
+
+
 SceneText = Annotated[
     str,
     typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.", autocompletion=complete_scene),
@@ -60,6 +92,14 @@ Radius = Annotated[
 At = Annotated[
     str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4; replaces the scene's.")
 ]
+AtOrAuto = Annotated[
+    str | None,
+    typer.Option(
+        "--at",
+        metavar="X,Y|auto",
+        help="The point to check, such as 0,1/4; replaces the scene's. auto: the best rest point of the square.",
+    ),
+]
 AllowOutside = Annotated[
     bool,
     typer.Option("--allow-outside", help="Read a table of wheels from outside the scene's folder too (wheels.file)."),
@@ -72,6 +112,14 @@ CertificateFile = Annotated[
     ),
 ]
 Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
+Require = Annotated[
+    str | None,
+    typer.Option(
+        "--require",
+        metavar="NAME,...",
+        help=f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home, keeps or returns, can be held, holds.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Picture = Annotated[
     str | None,

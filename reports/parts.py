@@ -15,8 +15,9 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section, is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import sign_form_section, without_sign_form
+from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
-from nonsmooth.reports.sections.closing import left_out_section, reproduction_section
+from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section
 from nonsmooth.reports.sections.contact import constraints_section, contact_states_section, held_wheels
 from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
@@ -112,6 +113,7 @@ def _left_out(subject: Subject) -> Section:
 
 
 PARTS = (
+    Part("answers", answers_section),
     Part("verdict", lambda subject: verdict_section(subject.result)),
     Part("array", array_section),
     Part("conventions", lambda subject: conventions_section(subject.scene)),
@@ -132,6 +134,7 @@ PARTS = (
     Part("stress", stress_section),
     Part("audit", lambda subject: audit_section(), _not_the_papers),
     Part("left-out", _left_out),
+    Part("references", references_section),
     Part("versions", lambda subject: reproduction_section(subject.invocation)),
 )
 PART_NAMES = tuple(part.name for part in PARTS)

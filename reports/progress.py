@@ -1,14 +1,23 @@
-"""Progress of long work on standard error: on a terminal only, and only once it has lasted a second."""
+"""Progress of long work on standard error: on a terminal only, and only once it has lasted a second.
+
+:func:`progress` counts what is done of a known total.  :func:`steps` names the step under way, where each is one long
+computation; a thread that does nothing but write keeps the seconds going.
+"""
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Protocol, TextIO
 
 PATIENCE = 1.0  # seconds that pass before anything is shown
+TICK = 0.25  # seconds between two lines of steps
+CLEAR_LINE = "\r\x1b[K"
 
 
 class Report(Protocol):
@@ -26,7 +35,7 @@ def silent(done: int, total: int, what: str | None = None) -> None:
 @contextmanager
 def progress(what: str = "") -> Iterator[Report]:
     """A function to call from the work; nothing is left on the terminal afterwards."""
-    if sys.stderr is None or not sys.stderr.isatty():
+    if _terminal() is None:
         yield silent
         return
     from rich.console import Console
@@ -43,3 +52,61 @@ def progress(what: str = "") -> Iterator[Report]:
             bar.update(task, description=what, completed=done, total=total or None, visible=visible)
 
         yield report
+
+
+@contextmanager
+def steps(first: str) -> Iterator[Callable[[str], None]]:
+    """A function to call with the name of each step; nothing is left on the terminal afterwards."""
+    stream = _terminal()
+    if stream is None or os.environ.get("TERM") == "dumb":
+        yield lambda _: None
+        return
+    line = _StepLine(stream, first)
+    line.start()
+    try:
+        yield line.name
+    finally:
+        line.stop()
+
+
+def _terminal() -> TextIO | None:
+    """Standard error, where somebody watches it."""
+    return sys.stderr if sys.stderr is not None and sys.stderr.isatty() else None
+
+
+class _StepLine:
+    """One line of a terminal: the step under way, and the seconds since the start."""
+
+    def __init__(self, stream: TextIO, first: str) -> None:
+        self._stream, self._step = stream, first
+        self._started = time.monotonic()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._show, daemon=True)
+
+    def start(self) -> None:
+        """Begin to wait."""
+        self._thread.start()
+
+    def name(self, step: str) -> None:
+        """Another step is under way."""
+        self._step = step
+
+    def stop(self) -> None:
+        """End, and clear the line."""
+        self._ended.set()
+        self._thread.join()
+
+    def _show(self) -> None:
+        """Write until the end, once patience is over."""
+        if self._ended.wait(PATIENCE):
+            return
+        while True:
+            text = f"{self._step} ({time.monotonic() - self._started:.0f} s)"
+            self._write(CLEAR_LINE + text[: shutil.get_terminal_size().columns - 1])
+            if self._ended.wait(TICK):
+                self._write(CLEAR_LINE)
+                return
+
+    def _write(self, text: str) -> None:
+        self._stream.write(text)
+        self._stream.flush()

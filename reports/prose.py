@@ -7,10 +7,14 @@ of the prose is written once, and a misspelt one is an error.  ``{}`` takes the 
 from __future__ import annotations
 
 import re
+from functools import cache
 
 from nonsmooth.reports.document import Inline, Math, Paragraph, Text
 
 _PARTS = re.compile(r"`([^`]*)`|(\{\})")
+_ROOT = r"(-?)(\d+\*)?sqrt\((\d+)\)(?:/(\d+))?"  # such as -3*sqrt(2)/4
+_FRACTION = r"(-?\d+)/(\d+)"
+_GREEK = frozenset({"theta", "omega", "xi", "kappa", "Delta"})
 
 _NOTATION = {
     "theta": r"\theta",
@@ -26,6 +30,18 @@ _NOTATION = {
     "V'": r"\dot V",
     "V/2": "V/2",
     "V*": r"\dot V^*",
+    "V* > 0": r"\dot V^* > 0",
+    "|c|": r"\lvert c \rvert",
+    "|c_0|": r"\lvert c_0 \rvert",
+    "V = |c|^2": r"V = \lvert c \rvert^2",
+    "|omega| <= K |v|": r"\lvert \omega \rvert \le K \lvert v \rvert",
+    "u = -k (a, b)": r"u = -k\,(a, b)",
+    "c' = A c": r"\dot c = A c",
+    "0 in F": r"0 \in F",
+    "|c|^2 + theta^2": r"\lvert c \rvert^2 + \theta^2",
+    "c^T P c + w theta^2": r"c^T P c + w \theta^2",
+    "m . xi = 0": r"m \cdot \xi = 0",
+    "omega = 0": r"\omega = 0",
     "V* < 0": r"\dot V^* < 0",
     "V* <= 0": r"\dot V^* \le 0",
     "V* = 0": r"\dot V^* = 0",
@@ -54,6 +70,7 @@ _NOTATION = {
     "P": "P",
     "P = I": "P = I",
     "w": "w",
+    "l": "l",
     "c^T P d_i": r"c^T P d_i",
     "c^T P d_i = 0": r"c^T P d_i = 0",
     "V'/V": r"\dot V / V",
@@ -118,6 +135,35 @@ def prose(text: str, *values: Inline) -> Text:
     if waiting:
         raise ValueError(f"required a {{}} for every value of {text!r}, received {len(values)} values")
     return (*parts, text[end:]) if text[end:] else tuple(parts)
+
+
+def with_formulas(text: str) -> Text:
+    """A sentence of the program in plain notation, with the formulas and exact numbers in it set as such."""
+    parts: list[Inline] = []
+    end = 0
+    for match in _in_sentences().finditer(text):
+        parts += [text[end : match.start()]] * (match.start() > end)
+        parts.append(_number_or_formula(match))
+        end = match.end()
+    return (*parts, text[end:]) if text[end:] or not parts else tuple(parts)
+
+
+@cache
+def _in_sentences() -> re.Pattern[str]:
+    """The notation but for single letters and words, longest first, then exact numbers with roots, then fractions."""
+    names = [name for name in _NOTATION if not name.isalpha() or name in _GREEK]
+    notation = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
+    return re.compile(rf"(?<![\w.|^~])(?:({notation})|{_ROOT}|{_FRACTION})(?![\w*'|^(/]|[.]\d)")
+
+
+def _number_or_formula(match: re.Match[str]) -> Math:
+    name, sign, factor, root, below, over, under = match.groups()
+    if name:
+        return Math(_NOTATION[name], name)
+    if over:
+        return Math(rf"{'-' * over.startswith('-')}\tfrac{{{over.lstrip('-')}}}{{{under}}}", match.group())
+    top = rf"{(factor or '').rstrip('*')}\sqrt{{{root}}}"
+    return Math(sign + (rf"\tfrac{{{top}}}{{{below}}}" if below else top), match.group())
 
 
 def paragraph(text: str, *values: Inline) -> Paragraph:

@@ -6,8 +6,11 @@ from collections.abc import Iterable
 from typing import Any
 
 from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.answers import answers_record
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.facts import fact_record
 from nonsmooth.symbolic.contact_states import ContactState
@@ -20,11 +23,12 @@ PARTITION_SCHEMA = "nonsmooth-partition/1"
 SCENES_SCHEMA = "nonsmooth-scenes/1"
 
 
-def check_record(result: Check, continuum: Record | None = None) -> Record:
+def check_record(result: Check, answered: Answers | None = None, continuum: Record | None = None) -> Record:
     """The verdicts of one check; points and twists are measured from ``equilibrium.at``.
 
     Args:
         result: the verdicts.
+        answered: where bodies go and what the other rules say, where that was asked.
         continuum: the record of the continuous idealization, where it is asked for.
     """
     scene = result.scene
@@ -33,12 +37,13 @@ def check_record(result: Check, continuum: Record | None = None) -> Record:
         "scene": scene.name,
         "wheels": len(scene.wheels),
         "rule": str(scene.contact.rule),
-        **with_exact({"radius": scene.check.radius}),
+        **with_exact({"radius": scene.check.radius, "length": scene.field(scene.check.length)}),
+        "answers": answers_record(answers_of(result), answered),
         "contact_states": _census_record(result),
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
         "continuum": continuum,
-        "notes": list(angle_notes(scene.field)),
+        "notes": [*angle_notes(scene.field), *filter(None, [rule_of(scene).remark(scene)])],
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
         "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
     }

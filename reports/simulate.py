@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
@@ -63,17 +64,29 @@ def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None 
 def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None) -> Trajectory:
     """Simulate; a path by events is compared with what is certified about its start.
 
+    A closed loop is followed with the length l of the scene for its unit: steps are the same in every unit of length.
+
     Raises:
         ValueError: for a start outside the square, or a law without control fields.
         ContradictionError: for a closed-loop path that contradicts the verdict about its law.
     """
-    field: Any = array_field(partition, run.kinematics) if loop is None else loop.field(partition)
+    if loop is None:
+        return _by_method(array_field(partition, run.kinematics), run)
+    length = float(partition.scene.check.length)
+    field, (x, y, theta) = loop.field(partition), run.start
+    if not field.faces_at(np.array(run.start)):
+        raise ValueError(f"required a start inside the domain of the cells, received {[x, y, theta]}")
+    own = replace(run, start=(x / length, y / length, theta), width=run.width / length)
+    path = _by_method(field.in_unit(length), own).in_lengths(length)
     if run.method is Method.EVENTS:
-        path = simulate(field, run.start, run.until)
-        if loop is not None:
-            x, y = (float(value) for value in partition.scene.check.equilibrium)
-            loop.refuse_contradiction(path, (x, y))
-        return path
+        at = partition.scene.check.equilibrium
+        loop.refuse_contradiction(path, (float(at[0]), float(at[1])))
+    return path
+
+
+def _by_method(field: Any, run: PathRun) -> Trajectory:
+    if run.method is Method.EVENTS:
+        return simulate(field, run.start, run.until)
     from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 
     compared = simulate_hysteresis if run.method is Method.HYSTERESIS else simulate_smoothed

@@ -225,8 +225,8 @@ def array_mode(options: Options, load: Callable[[], Scene]) -> ArrayMode:
     return BodyPath(load) if options.method is Method.DYNAMICS else ArrayPath(load)
 
 
-def read_start(text: str | None, states: Sequence[str]) -> tuple[float, ...]:
-    """A finite number for each state, separated by commas.
+def read_start(text: str | None, states: Sequence[str], angle: str = "") -> tuple[float, ...]:
+    """A finite number or formula for each state, separated by commas; that of the state ``angle`` may hold pi.
 
     Raises:
         RefusedError: for anything else.
@@ -234,13 +234,25 @@ def read_start(text: str | None, states: Sequence[str]) -> tuple[float, ...]:
     required = f"--from: required {len(states)} numbers {','.join(states)}"
     if text is None:
         raise RefusedError(f"{required}, received nothing")
-    try:
-        values = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        values = ()
-    if len(values) != len(states) or not all(math.isfinite(value) for value in values):
+    parts = text.split(",")
+    if len(parts) != len(states):
         raise RefusedError(f"{required}, received {text[:60]!r}")
-    return values
+    return tuple(_start_value(name, part, is_angle=name == angle) for name, part in zip(states, parts, strict=True))
+
+
+def _start_value(name: str, text: str, *, is_angle: bool) -> float:
+    from nonsmooth.symbolic.files.start_values import read_start_angle, read_start_value
+    from nonsmooth.symbolic.scene_error import requirement, shown
+
+    try:
+        value = read_start_angle(text) if is_angle else read_start_value(text)
+    except OverflowError:
+        value = math.inf
+    except ValueError as error:
+        raise RefusedError(f"--from: {name}: required {requirement(error)}, received {shown(text)}") from None
+    if not math.isfinite(value):
+        raise RefusedError(f"--from: {name}: required a number within the range of floats, received {shown(text)}")
+    return value
 
 
 def _refuse_map_options(options: Options) -> None:
@@ -252,7 +264,7 @@ def _refuse_map_options(options: Options) -> None:
 def _pose_run(options: Options) -> PathRun:
     from nonsmooth.reports.simulate import POSE, PathRun
 
-    x, y, theta = read_start(options.start, POSE)
+    x, y, theta = read_start(options.start, POSE, angle="theta")
     until = options.until or UNTIL
     return PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
 

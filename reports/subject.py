@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
+from nonsmooth.proofs.answers.answers import Answers, full_answers
+from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verified import verified
@@ -46,16 +48,25 @@ class Subject:
         scene: the array.
         invocation: how the report was asked for.
         parts: names of the sections that are written.
+        announce: hears the steps of the check.
     """
 
     scene: Scene
     invocation: Invocation
     parts: tuple[str, ...]
+    announce: Announce = unheard
 
     @cached_property
     def result(self) -> Check:
         """The check, its evidence verified once more."""
-        return verified(check_theorem4(self.scene))
+        result = check_theorem4(self.scene, announce=self.announce)
+        self.announce("verification of the evidence")
+        return verified(result)
+
+    @cached_property
+    def answers(self) -> Answers:
+        """Position, heading and pose, where bodies go, and what the other rules say."""
+        return full_answers(self.result)
 
     @property
     def cells(self) -> CellCheck:

@@ -10,6 +10,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.answers.answers import answers_of, exit_status, full_answers
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified
@@ -23,9 +24,9 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-COLUMNS = ("scene", "rule", "verdict", "reason")
+COLUMNS = ("scene", "rule", "position", "heading", "pose", "Theorem 4")
 WORST_FIRST = (BAD_INPUT, 1, UNDECIDED)
-NONE = "-"  # the contact rule of a plain system
+NONE = "-"  # the contact rule of a plain system, and what is not asked of it
 REFUSED = "refused"
 
 
@@ -36,45 +37,60 @@ class Line:
     Attributes:
         origin: file or built-in name.
         rule: the contact rule; a dash for a plain system.
-        verdict: of Theorem 4; of stability for a plain system; or that it was refused.
-        reason: one sentence.
+        answers: of position, heading and pose; of a plain system its stability.
+        theorem: the verdict of Theorem 4; a dash for a plain system.
+        refusal: why the scene was refused; empty where it was not.
         status: the exit status that the scene alone would give.
         record: JSON.
     """
 
     origin: str
     rule: str
-    verdict: str
-    reason: str
+    answers: tuple[str, ...]
+    theorem: str
+    refusal: str
     status: int
     record: Record
 
 
-def check_all(scenes: Sequence[Scene | SwitchedSystem], *, prune: bool) -> tuple[Line, ...]:
-    """Check one scene after the other; a scene that is refused stops no other."""
+def check_all(
+    scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str], *, prune: bool, records: bool
+) -> tuple[Line, ...]:
+    """Check one scene after the other; a scene that is refused stops no other.
+
+    Args:
+        scenes: arrays and plain systems.
+        required: the answers that exit status 0 asks for.
+        prune: leave out what no verdict needs.
+        records: build the JSON records too.
+    """
     lines = []
     with progress("checked") as report:
         for done, scene in enumerate(scenes):
             report(done, len(scenes))
-            lines.append(_system_line(scene) if isinstance(scene, SwitchedSystem) else _array_line(scene, prune=prune))
+            if isinstance(scene, SwitchedSystem):
+                lines.append(_system_line(scene))
+            else:
+                lines.append(_array_line(scene, required, prune=prune, records=records))
     return tuple(lines)
 
 
-def _array_line(scene: Scene, *, prune: bool) -> Line:
+def _array_line(scene: Scene, required: Sequence[str], *, prune: bool, records: bool) -> Line:
     rule = str(scene.contact.rule)
     try:
         result = verified(check_theorem4(scene, prune=prune))
     except RefusalError as error:
         refusal = one_line(str(error))
-        record = {"schema": CHECK_SCHEMA, "scene": scene.name, "rule": rule, "refused": refusal}
-        return Line(scene.origin, rule, REFUSED, refusal, BAD_INPUT, record)
-    verdict = result.verdict
-    return Line(scene.origin, rule, str(verdict), result.reason, verdict.exit_status, check_record(result))
+        record: Record = {"schema": CHECK_SCHEMA, "scene": scene.name, "rule": rule, "refused": refusal}
+        return Line(scene.origin, rule, (REFUSED,), NONE, refusal, BAD_INPUT, record)
+    answers = tuple(str(answer.verdict) for answer in answers_of(result))
+    record = check_record(result, full_answers(result)) if records else {}
+    return Line(scene.origin, rule, answers, str(result.verdict), "", exit_status(result, required), record)
 
 
 def _system_line(scene: SwitchedSystem) -> Line:
     result = verified(system_check(scene))
-    return Line(scene.origin, NONE, str(result.verdict), result.reason, result.exit_status, system_record(result))
+    return Line(scene.origin, NONE, (str(result.verdict),), NONE, "", result.exit_status, system_record(result))
 
 
 def worst_status(lines: Iterable[Line]) -> int:
@@ -84,17 +100,24 @@ def worst_status(lines: Iterable[Line]) -> int:
 
 
 def summary_view(lines: Sequence[Line]) -> RenderableType:
-    """A table with one row per scene and rule, and how many there are of each verdict."""
-    table = header_table(*COLUMNS)
+    """A table with one row per scene and rule, why scenes were refused, and how many there are of each verdict."""
+    table = header_table(*COLUMNS, widest="scene")
     for line in lines:
+        said = [*line.answers, *(NONE,) * (len(COLUMNS) - 3 - len(line.answers)), line.theorem]
         place = Text(one_line(line.origin), overflow="fold")
-        table.add_row(place, Text(line.rule, no_wrap=True), verdict_text(line.verdict), Text(line.reason))
-    return Group(table, Text(_counted(lines)))
+        table.add_row(place, Text(line.rule, no_wrap=True), *map(verdict_text, said))
+    refused = [
+        Text(f"refused: {one_line(line.origin)}, rule {line.rule}: {line.refusal}") for line in lines if line.refusal
+    ]
+    return Group(table, *refused, Text(_counted(lines)))
 
 
 def _counted(lines: Sequence[Line]) -> str:
-    """``Theorem 4: 5 holds, 2 fails; plain systems: 1 stable``."""
-    arrays = Counter(line.verdict for line in lines if line.rule != NONE)
-    systems = Counter(line.verdict for line in lines if line.rule == NONE)
-    groups = (("Theorem 4", arrays), ("plain systems", systems))
+    """``position: 5 comes home, 2 leaves; Theorem 4: 5 holds, 2 fails; plain systems: 1 stable``."""
+    arrays = [line for line in lines if line.rule != NONE]
+    groups = (
+        ("position", Counter(line.answers[0] for line in arrays)),
+        ("Theorem 4", Counter(line.theorem for line in arrays if line.theorem != NONE)),
+        ("plain systems", Counter(line.answers[0] for line in lines if line.rule == NONE)),
+    )
     return "; ".join(f"{name}: {', '.join(f'{n} {word}' for word, n in c.most_common())}" for name, c in groups if c)

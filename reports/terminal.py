@@ -22,6 +22,14 @@ from nonsmooth.symbolic.scene_error import one_line
 VERDICT_WIDTH = 14  # columns: "asymptotically"
 
 _STYLES = {
+    "comes home": "green",
+    "can be held": "green",
+    "returns": "green",
+    "keeps": "green",
+    "stays near": "yellow",
+    "drifts": "yellow",
+    "leaves": "red",
+    "cannot be held": "red",
     "holds": "green",
     "asymptotically stable": "green",
     "stable": "green",
@@ -42,7 +50,7 @@ _LEGEND = (
 
 
 def check_view(result: Check) -> RenderableType:
-    """The verdict of Theorem 4, clause by clause, with its evidence."""
+    """Why: the verdict of Theorem 4, clause by clause, with its evidence."""
     table = header_table("clause", "verdict", "evidence")
     table.show_lines = True
     table.columns[1].max_width = VERDICT_WIDTH
@@ -51,7 +59,7 @@ def check_view(result: Check) -> RenderableType:
         table.add_row(Text(clause.name), verdict_text(found.verdict), Text("\n".join(evidence)))
     table.add_row(Text("Theorem 4", "bold"), verdict_text(result.verdict, bold=True), Text(result.reason))
     left_out = [Text(f"left out: {s.what} ({s.count}): {s.why}") for s in result.skipped]
-    return Group(_headline(result), Text(_census(result)), table, *left_out)
+    return Group(Text(_census(result)), table, *left_out)
 
 
 def partition_view(partition: Partition) -> RenderableType:
@@ -94,12 +102,14 @@ def legend() -> RenderableType:
     return grid
 
 
-def _headline(result: Check) -> Text:
+def headline(result: Check) -> Text:
+    """What is checked."""
     scene = result.scene
     x, y = (short_text(entry) for entry in scene.check.equilibrium)
     head = Text(one_line(scene.name), "bold")
     head.append(f": {len(scene.wheels)} wheels, rule {scene.contact.rule}", "not bold")
-    return head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}", "not bold")
+    unit = f" {scene.units.length}" if scene.units.length else ""
+    return head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
 
 
 def _census(result: Check) -> str:

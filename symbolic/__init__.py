@@ -17,7 +17,11 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.constraints import scene_rows as scene_rows
     from nonsmooth.symbolic.contact_states import ContactState as ContactState
     from nonsmooth.symbolic.contact_states import take_census as take_census
+    from nonsmooth.symbolic.equations import Coordinates as Coordinates
+    from nonsmooth.symbolic.equations import annihilator as annihilator
     from nonsmooth.symbolic.equations import governing_equations as governing_equations
+    from nonsmooth.symbolic.equations import stacked_constraints as stacked_constraints
+    from nonsmooth.symbolic.equations import wheel_constraints as wheel_constraints
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
     from nonsmooth.symbolic.files.system_file import load_any as load_any
@@ -37,7 +41,11 @@ __getattr__ = on_demand(
         "Twist": "constraints",
         "constraint_matrix": "constraints",
         "scene_rows": "constraints",
+        "Coordinates": "equations",
+        "annihilator": "equations",
         "governing_equations": "equations",
+        "stacked_constraints": "equations",
+        "wheel_constraints": "equations",
         "builtin_scenes": "files.scene_file",
         "load_scene": "files.scene_file",
         "load_any": "files.system_file",

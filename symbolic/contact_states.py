@@ -24,11 +24,12 @@ from nonsmooth.symbolic.constraints import (
     outer,
     scene_rows,
 )
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene
 
 
-@dataclass(frozen=True)
-class ContactState:
+@dataclass(frozen=True, repr=False)
+class ContactState(ShortRepr):
     """Rows of rank three and what follows from them.
 
     Attributes:

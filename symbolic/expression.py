@@ -63,9 +63,13 @@ class Expression:
             if isinstance(node, ast.Call) and _name(node.func) in ("sin", "cos"):
                 yield turn_of(node.args[0], self.text)
 
-    def turn(self) -> Fraction:
-        """The formula read as an angle: the rational ``t`` of ``t * pi``."""
-        return turn_of(self.tree, self.text)
+    def parts_in_pi(self) -> tuple[Fraction, Fraction]:
+        """Rational a and b of a formula ``a + b pi``.
+
+        Raises:
+            ExpressionError: for any other formula.
+        """
+        return _linear_in_pi(self.tree, self.text)
 
 
 def parse(value: object, variables: Collection[str] = ()) -> Expression:

@@ -12,6 +12,26 @@ from html import escape
 from importlib import import_module
 from typing import Any
 
+MOST_SHOWN = 2_000  # characters of the representation of a result
+LONGEST_ENTRY = 80  # characters of one of its entries
+
+
+class ShortRepr:
+    """A dataclass that prints its numbers and texts, and of everything larger only what it is (``repr=False``)."""
+
+    def __repr__(self) -> str:
+        names: Mapping[str, object] = getattr(self, "__dataclass_fields__", {})
+        parts = [f"{name}={_brief(getattr(self, name))}" for name in names]
+        return f"{type(self).__name__}({', '.join(parts)})"[:MOST_SHOWN]
+
+
+def _brief(value: object) -> str:
+    if isinstance(value, str | int | float | None):
+        return repr(value)[:LONGEST_ENTRY]
+    if isinstance(value, Mapping | Sequence):
+        return f"<{len(value)} entries>"
+    return f"<{type(value).__name__}>"
+
 
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A table in HTML; every text is escaped."""

@@ -1,4 +1,4 @@
-"""How numbers are written, in one place; every other room chooses from here.
+"""How numbers are written, in one place; every other module chooses from here.
 
 | what | for | how |
 | --- | --- | --- |
@@ -6,7 +6,7 @@
 | :func:`brief_text` | sentences, tables of a report | exact up to SHORT characters, else ``~`` and ten digits |
 | :func:`short_text` | lines and columns of the terminal | exact up to TERSE characters, else ``~`` and six digits |
 | :func:`decimal_text` | an exact number as a decimal, whatever its size | significant digits, rounded to nearest |
-| :func:`lower_text` | a bound that must stay true | significant digits, never above the number |
+| :func:`lower_text`, :func:`upper_text` | a bound that must stay true | significant digits, never above, never below |
 | :func:`float_text`, :func:`place_text` | what is sampled, drawn or integrated | six significant digits unless told |
 | :func:`measured_text` | errors, times and settings of measurements | two digits, counts as they are |
 | :func:`power_text` | a power of ten | ``1e-9`` |
@@ -83,11 +83,24 @@ def decimal_text(value: Real, digits: int = DIGITS) -> str:
 
 def lower_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
     """Decimal value of a positive number with the given significant digits, not above it."""
-    text = float_text(value, digits) if isinstance(value, Fraction) else decimal_text(value, digits)
-    if sign(value - Fraction(text)) >= 0:
-        return text
-    below = Decimal(text) - Decimal((0, (1,), Decimal(text).adjusted() - digits + 1))
-    return f"{below:.{digits}g}"
+    text = _nearest(value, digits)
+    return text if sign(value - Fraction(text)) >= 0 else _neighbour(text, digits, -1)
+
+
+def upper_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
+    """Decimal value of a positive number with the given significant digits, not below it."""
+    text = _nearest(value, digits)
+    return text if sign(value - Fraction(text)) <= 0 else _neighbour(text, digits, 1)
+
+
+def _nearest(value: Number | Lazy | Fraction, digits: int) -> str:
+    return float_text(value, digits) if isinstance(value, Fraction) else decimal_text(value, digits)
+
+
+def _neighbour(text: str, digits: int, step: int) -> str:
+    """The decimal one unit of the last digit away."""
+    decimal = Decimal(text)
+    return f"{decimal + step * Decimal((0, (1,), decimal.adjusted() - digits + 1)):.{digits}g}"
 
 
 # ---- floats --------------------------------------------------------------------------------------

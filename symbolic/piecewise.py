@@ -1,5 +1,6 @@
-"""Formulas with ``sign`` and ``Abs``: polynomials that change where an inner expression changes its sign.
+"""Formulas with ``sign``, ``Abs``, ``Max`` and ``Min``: polynomials on each side of where an inner expression vanishes.
 
+``Max(a, b)`` is ``(a + b + Abs(a - b))/2``, and ``Min`` likewise; more than two arguments are compared one by one.
 Text is parsed and walked like that of :mod:`nonsmooth.symbolic.expression`, never evaluated; every part without a
 state is handed to that module, so numbers, roots and cosines are its own.  Given the sign of every inner expression, a
 formula is a polynomial (:meth:`PiecewiseExpression.polynomial`); who asks decides where each sign holds.
@@ -11,7 +12,7 @@ import ast
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, parse_tree, turn_of
@@ -22,7 +23,9 @@ MAX_TEXT = 2_000  # characters
 MAX_DEPTH = 60  # nested operations
 MAX_DEGREE = 16  # of a smooth piece
 
-SWITCHES = ("sign", "Abs")
+SIGNS = ("sign", "sgn")
+EXTREMES = {"Max": 1, "max": 1, "Min": -1, "min": -1}  # the sign of Abs(a - b)
+SWITCHES = (*SIGNS, "Abs", *EXTREMES)
 NUMBERS = ("pi", "sqrt", "sin", "cos")
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
@@ -103,13 +106,19 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
         case ast.BinOp() if isinstance(node.op, _OPERATORS):
             _check(node.left, whole, depth - 1)
             _check(node.right, whole, depth - 1)
-        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in SWITCHES:
-            _check(argument, whole, depth - 1)
+        case ast.Call(func=ast.Name(id=name), keywords=[]) if _takes(name, len(node.args)):
+            for argument in node.args:
+                _check(argument, whole, depth - 1)
         case _:
             allowed = ", ".join(
-                [*sorted(whole.states), "numbers", "+ - * / **", *SWITCHES, "sqrt, sin, cos of numbers"]
+                [*sorted(whole.states), "numbers", "+ - * / **", "sign, Abs, Max, Min", "sqrt, sin, cos of numbers"]
             )
             raise ExpressionError(f"required a formula of {allowed}, received {shown(whole.text)}")
+
+
+def _takes(name: str, count: int) -> bool:
+    """Whether a function of that name has so many arguments."""
+    return count >= 2 if name in EXTREMES else count == 1 and name in SWITCHES
 
 
 def _constant(node: ast.expr, whole: PiecewiseExpression) -> Expression:
@@ -149,10 +158,23 @@ def _polynomial(
             return _combined(node.op, left, right, whole)
         case ast.Call(func=ast.Name(id=name), args=[argument]):
             inner = _polynomial(argument, whole, values, sign_of)
-            constant = inner.constant_value
-            sign = sign_of(inner) if constant is None else constant.sign()
+            sign = _sign(inner, sign_of)
             return inner * sign if name == "Abs" else Polynomial.constant(some.field, some.variables, sign)
+        case ast.Call(func=ast.Name(id=name)):
+            arguments = [_polynomial(argument, whole, values, sign_of) for argument in node.args]
+            return reduce(lambda a, b: _extreme(a, b, EXTREMES[name], sign_of), arguments)
     raise ExpressionError(f"required a formula, received {shown(whole.text)}")
+
+
+def _sign(inner: Polynomial, sign_of: SignOf) -> int:
+    constant = inner.constant_value
+    return sign_of(inner) if constant is None else constant.sign()
+
+
+def _extreme(a: Polynomial, b: Polynomial, side: int, sign_of: SignOf) -> Polynomial:
+    """The larger of two for side 1, the smaller for side -1."""
+    difference = a - b
+    return (a + b + difference * (side * _sign(difference, sign_of))) * a.field.rational(Fraction(1, 2))
 
 
 def _combined(operator: ast.operator, left: Polynomial, right: Polynomial, whole: PiecewiseExpression) -> Polynomial:

@@ -1,35 +1,39 @@
-"""Vectors of the plane over exact numbers: products, the quarter turn, and whether zero lies in a convex hull.
+"""Vectors of the plane: products, the quarter turn, and whether zero lies in a convex hull.
 
-The same functions serve floats and other numbers that know their sign; float arrays of many vectors have
+Over exact numbers, floats and other numbers that know their sign; for float arrays with the coordinates last see
 :mod:`nonsmooth.analysis.plane_arrays`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.numbers.number import Number, sign
 
 Vector: TypeAlias = tuple[Number, Number]
 
 
-def turned(vector: Vector) -> Vector:
+E = TypeVar("E", bound=Any)  # a coordinate
+T = TypeVar("T")
+
+
+def turned(vector: tuple[E, E]) -> tuple[E, E]:
     """``J vector``: a quarter turn counterclockwise, ``J = [[0, -1], [1, 0]]``."""
     return -vector[1], vector[0]
 
 
-def minus(a: Vector, b: Vector) -> Vector:
+def minus(a: tuple[E, E], b: tuple[E, E]) -> tuple[E, E]:
     """``a - b``."""
     return a[0] - b[0], a[1] - b[1]
 
 
-def dot(a: Vector, b: Vector) -> Number:
+def dot(a: tuple[E, E], b: tuple[E, E]) -> E:
     """Inner product."""
     return a[0] * b[0] + a[1] * b[1]
 
 
-def cross(a: Vector, b: Vector) -> Number:
+def cross(a: tuple[E, E], b: tuple[E, E]) -> E:
     """``a_x b_y - a_y b_x``."""
     return a[0] * b[1] - a[1] * b[0]
 
@@ -37,6 +41,11 @@ def cross(a: Vector, b: Vector) -> Number:
 def between(start: tuple[Any, Any], end: tuple[Any, Any], share: Any) -> tuple[Any, Any]:
     """The point after a share of the way from start to end."""
     return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+
+
+def around(items: Sequence[T]) -> list[tuple[T, T]]:
+    """Each item with the next, the last with the first: the sides of a polygon from its vertices."""
+    return list(zip(items, [*items[1:], *items[:1]], strict=True))
 
 
 def same_direction(a: Vector, b: Vector) -> bool:

@@ -7,14 +7,19 @@ root of the wheel, so it is taken only when needed), and its surface runs along 
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 
+from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, dot
+from nonsmooth.symbolic.units import Units
 
 
 @dataclass(frozen=True)
@@ -86,12 +91,16 @@ class CheckedSquare:
     """What is checked: the equilibrium ``c*`` and the square ``|x - x*|, |y - y*| <= radius``.
 
     ``lyapunov`` is the V that an audit judges, a formula in the displacement ``(x, y)`` from ``c*``, if the scene
-    names one; the clauses of Theorem 4 find their own.
+    names one; the clauses of Theorem 4 find their own.  ``length`` is the l of ``V = |c - c*|^2 + l^2 theta^2``, by
+    which feedback weighs headings against places; ``has_default_length`` says that it follows the point (module
+    ``characteristic_length``).
     """
 
     equilibrium: Vector
     radius: Number
     lyapunov: PiecewiseExpression | None = None
+    length: Fraction = Fraction(1)
+    has_default_length: bool = dataclasses.field(default=False, compare=False)
 
     @property
     def named_lyapunov(self) -> str | None:
@@ -99,12 +108,12 @@ class CheckedSquare:
         return None if self.lyapunov is None else self.lyapunov.text
 
 
-@dataclass(frozen=True)
-class Scene:
+@dataclass(frozen=True, repr=False)
+class Scene(ShortRepr):
     """A wheel array with everything a check needs; numbers live in one field.
 
     ``source`` names where it came from (a file or a built-in name) for messages and reports; ``continuum`` is the
-    field that the array stands for, where its file gives one.
+    field that the array stands for, where its file gives one; ``units`` are labels, which no result depends on.
     """
 
     name: str
@@ -114,11 +123,19 @@ class Scene:
     check: CheckedSquare
     source: str = ""
     continuum: ContinuousField | None = None
+    units: Units = dataclasses.field(default=Units(), compare=False)
 
     @property
     def origin(self) -> str:
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name
+
+    def checked_at(self, point: Vector, radius: Number) -> Scene:
+        """The same array, checked at another point; a length that is not stated follows it."""
+        check = replace(self.check, equilibrium=point, radius=radius)
+        if check.has_default_length:
+            check = replace(check, length=default_length([wheel.position for wheel in self.wheels], point))
+        return replace(self, check=check)
 
     def recentred(self) -> Scene:
         """The same array in coordinates whose origin is the checked equilibrium.

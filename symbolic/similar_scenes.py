@@ -2,7 +2,7 @@
 
 All changes are exact.  What has to follow:
 
-- *scaled* (positions, square, equilibrium times s; speeds kept): twists ``(v, omega/s)``, the same verdicts;
+- *scaled* (positions, square, equilibrium, length l times s; speeds kept): twists ``(v, omega/s)``, the same verdicts;
 - *moved* (array and equilibrium shifted alike): the same verdicts about the shifted point;
 - *with friction ratio* r (``mu_S = r mu_R``): under rule ``nearest`` only ``r < 1``, ``= 1`` or ``> 1`` matters;
 - a plain system *scaled* by s, ``x' = s f(x/s)``, or *sped up* by k, ``x' = k f(x)``: the same verdict.
@@ -30,15 +30,24 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
 
     def larger(wheel: Wheel) -> Wheel:
         x, y = wheel.position
-        return replace(wheel, position=(x * factor, y * factor), given_speed=wheel.speed)
+        return replace(wheel, position=(x * factor, y * factor))
 
     (x, y), loads = scene.check.equilibrium, scene.contact.loads
     if loads is not None:
         loads = LoadTable(tuple((a, b / factor, c / factor) for a, b, c in loads.rows))
     check = replace(
-        scene.check, equilibrium=(x * factor, y * factor), radius=scene.check.radius * factor, lyapunov=None
+        scene.check,
+        equilibrium=(x * factor, y * factor),
+        radius=scene.check.radius * factor,
+        lyapunov=None,
+        length=scene.check.length * factor,
     )
     return replace(with_wheels(scene, larger), contact=replace(scene.contact, loads=loads), check=check)
+
+
+def in_own_length(scene: Scene) -> Scene:
+    """The same array with its length l for the unit: there ``V = |c|^2 + l^2 theta^2`` is ``|c|^2 + theta^2``."""
+    return scene if scene.check.length == 1 else scaled(scene, 1 / scene.check.length)
 
 
 def moved(scene: Scene, x: Fraction, y: Fraction) -> Scene:

@@ -1,8 +1,8 @@
 """Switched systems ``x' = f(x)`` in any number of states, and what is to be checked of them.
 
-The right-hand sides are formulas with ``sign`` and ``Abs``: polynomials on each cell that the switching surfaces cut.
-On the surfaces the values of f are ignored (Filippov 1988, sec. 4).  Solutions are followed in any number of states;
-stability is decided for two (:func:`require_plane`), in the displacement from the checked point.
+The right-hand sides are formulas with ``sign``, ``Abs``, ``Max``, ``Min``: polynomials on each cell that the switching
+surfaces cut.  On the surfaces the values of f are ignored (Filippov 1988, sec. 4).  Solutions are followed in any
+number of states; stability is decided for two (:func:`require_plane`), in the displacement from the checked point.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import prod
 
 from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -50,8 +51,8 @@ class SystemCheck:
         return None if self.is_default else self.lyapunov.text
 
 
-@dataclass(frozen=True)
-class SwitchedSystem:
+@dataclass(frozen=True, repr=False)
+class SwitchedSystem(ShortRepr):
     """A switched system with everything a check needs; numbers live in one field.
 
     Attributes:
@@ -88,7 +89,7 @@ class SwitchedSystem:
         """The smooth field for the given signs of the inner expressions.
 
         Args:
-            sign_of: sign of an inner expression of ``sign`` or ``Abs``.
+            sign_of: sign of an inner expression.
             states: the states as polynomials; :meth:`coordinates` unless given.
 
         Raises:

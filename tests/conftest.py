@@ -170,9 +170,24 @@ class Arrays:
         return x / sum(weights), y / sum(weights)
 
 
+# Builders whose results files share within a process: reports (tests/reports/derived.py) and arrays that turn.
+SHARED = ({"derived", "derived_afresh"}, {"tied_array"})
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the longest single tests, so that no worker is left alone with one of them at the end."""
-    items.sort(key=lambda item: "test_documents.py" not in item.nodeid)
+    """Begin with the longest single tests, so that no worker is left alone with one of them at the end.
+
+    Next come the files that share what is costly to build, together: mostly one worker then builds it once.
+    """
+    items.sort(key=place)
+
+
+def place(item: pytest.Item) -> int:
+    """Whether a test comes early: lower numbers first."""
+    if "test_documents.py" in item.nodeid:
+        return 0
+    names = vars(item.module).keys() if isinstance(item, pytest.Function) else set[str]()
+    return next((k for k, shared in enumerate(SHARED, 1) if shared & names), len(SHARED) + 1)
 
 
 def pytest_collection_finish() -> None:

@@ -10,11 +10,13 @@ import sys
 from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+import nonsmooth
 from nonsmooth.analysis import Kinematics, array_field, build_partition, simulate
 from nonsmooth.proofs import audit, check_theorem4, system_check
 from nonsmooth.symbolic import governing_equations, load_scene, load_system
@@ -56,12 +58,45 @@ def test_unknown_names_are_refused(package: str) -> None:
         getattr(import_module(f"nonsmooth.{package}"), "nothing")  # noqa: B009
 
 
-def test_the_example_of_the_page_runs() -> None:
-    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
-    example = page.split("```python\n")[1].split("```")[0]
-    done = subprocess.run([sys.executable, "-c", example], capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("holds True\n")
-    assert "v_x = " in done.stdout
+PAGES = [(ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "docs/api.md", "docs/start.md")]
+EXAMPLES = [block.split("```")[0] for page in PAGES for block in page.split("```python\n")[1:]]
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
+def test_every_program_of_the_page_runs_as_typed(example: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-W", "error", "-c", example]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert len(example.splitlines()) <= 16
+    for line in example.splitlines():  # what a comment says is printed
+        said = re.fullmatch(r"print\(.*\)  # (.*)", line)
+        assert said is None or said[1] in done.stdout.splitlines()
+
+
+def test_the_front_of_the_package() -> None:
+    names = typed_names(".")
+    page = (
+        (ROOT / "docs" / "api.md").read_text(encoding="utf-8").split("## `nonsmooth`:")[1].split("## The packages")[0]
+    )
+    assert {*names, *PACKAGES, "__version__"} == set(dir(nonsmooth))
+    for name, module in names.items():
+        assert getattr(nonsmooth, name) is getattr(import_module(module), name)
+        assert getattr(nonsmooth, name).__doc__
+        assert re.search(rf"`[^`]*\b{name}\b[^`]*`", page), name
+    assert nonsmooth.__version__ == version("nonsmooth")
+    with pytest.raises(AttributeError, match="module 'nonsmooth' has no attribute 'nothing'"):
+        getattr(nonsmooth, "nothing")  # noqa: B009
+
+
+def test_importing_the_package_loads_nothing() -> None:
+    loaded = "sorted({'numpy', 'sympy', 'flint', 'rich'} & set(sys.modules))"
+    code = f"import sys, nonsmooth as ns; dir(ns); print({loaded})"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_the_package_runs_as_a_module() -> None:
+    done = subprocess.run([sys.executable, "-m", "nonsmooth", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout == f"nonsmooth {version('nonsmooth')}\n"
 
 
 def test_symbolic_stands_alone() -> None:

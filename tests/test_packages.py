@@ -15,7 +15,7 @@ PACKAGES = ("symbolic", "analysis", "proofs", "reports")  # each may import the 
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
 IMPORTED_AS = {"python-flint": "flint", "mujoco-core": "mujoco", "z3-solver": "z3"}
-RUN_AS_COMMANDS = {"pytest-xdist", "mypy", "ruff", "pre-commit"}  # for the tests, but imported by none
+RUN_AS_COMMANDS = {"pytest-xdist", "mypy", "ruff", "pre-commit", "ipykernel"}  # for the tests, but imported by none
 EVALUATES_TEXT = {"eval", "exec", "sympify", "parse_expr"}
 TOLERANCE_NAMES = {"isclose", "allclose", "tol", "atol", "rtol", "tolerance"}
 TOLERANCE_NUMBER = re.compile(r"\b\d*\.?\d*e-\d+", re.IGNORECASE)
@@ -73,7 +73,7 @@ def listed_packages() -> list[str]:
 
 def test_listed_packages_are_those_on_disk() -> None:
     folders = {path.parent for package in PACKAGES for path in sources(package)}
-    on_disk = sorted(".".join(("nonsmooth", *folder.relative_to(ROOT).parts)) for folder in folders)
+    on_disk = sorted(".".join(("nonsmooth", *folder.relative_to(ROOT).parts)) for folder in {ROOT, *folders})
     assert sorted(listed_packages()) == on_disk
 
 
@@ -180,9 +180,29 @@ def test_dependencies_are_those_that_are_imported() -> None:
     assert declared("test") - for_tests == RUN_AS_COMMANDS
 
 
-def test_constraints_are_names_and_versions_only() -> None:
-    text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
+@pytest.mark.parametrize("file", ["constraints.txt", "constraints-lowest.txt"])
+def test_constraints_are_names_and_versions_only(file: str) -> None:
+    text = (ROOT / file).read_text(encoding="utf-8")
     pins = [line for line in text.splitlines() if not line.startswith("#")]
     assert pins
     assert [line for line in pins if not re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+]+", line)] == []
     assert "://" not in text
+
+
+def test_lower_bounds_are_the_versions_that_are_tested() -> None:
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        bounds = dict(line.lower().split(" >= ") for line in tomllib.load(file)["project"]["dependencies"])
+    text = (ROOT / "constraints-lowest.txt").read_text(encoding="utf-8").lower()
+    pins = dict(line.split("==") for line in text.splitlines() if not line.startswith("#"))
+    assert {name: pins[name].removesuffix(".0") for name in bounds} == bounds
+
+
+@pytest.mark.parametrize("package", ["symbolic", "proofs"])
+def test_verdicts_take_exact_signs(package: str) -> None:
+    """Slacks are for paths in floats: what decides around a point is told of none."""
+    found = []
+    for path in sources(package):
+        with tokenize.open(path) as file:
+            names = [token for token in tokenize.generate_tokens(file.readline) if token.type == tokenize.NAME]
+        found += [place(path, name.start[0]) for name in names if name.string in {"Signs", "signs_of"}]
+    assert found == []

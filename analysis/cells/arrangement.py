@@ -10,25 +10,24 @@ and xi is optimal iff the slope is non-negative along ``+-m`` for the directions
 (the facet normals of the zonotope ``sum_Z [-1, 1] beta_k a_k``).  The weights are affine in the centre of mass, hence
 so is each slope.
 
-Floats sort ratios, decide clear signs and drop slopes that certainly stay positive in the region; every doubtful
-sign, every tie and every kept slope is exact.
+Floats sort ratios and decide clear signs; every doubtful sign and every tie is exact.  The slopes at one vertex:
+:mod:`nonsmooth.analysis.cells.slopes`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
-from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, leading_one, outer, scaled, scene_rows
+from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, scaled, scene_rows
+from nonsmooth.symbolic.numbers.lazy import is_clear
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
@@ -38,8 +37,6 @@ FLOAT_DOUBT = 2.0**-29
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.
 STEP_DOUBT = 2.0**-16
-
-MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 
 Lexicographic: TypeAlias = tuple[int, int]
 
@@ -51,41 +48,34 @@ class SlopeOfD:
     direction: Triple
     form: Affine
 
+
+@dataclass(frozen=True, eq=False)
+class Vertex:
+    """A vertex of the arrangement: the twist xi, and the signs of the residuals of all rows there."""
+
+    twist: Twist
+    signs: NDArray[np.int_]
+
     @cached_property
-    def floats(self) -> NDArray[np.float64]:
-        """The form's coefficients, correctly rounded."""
-        return np.array([float(x) for x in self.form])
+    def tight(self) -> tuple[int, ...]:
+        """Numbers of all rows it satisfies (Z)."""
+        return tight_rows(self.signs)
 
 
 @dataclass(frozen=True)
-class Vertex:
-    """A vertex of the arrangement with what decides where it is optimal.
+class Beside:
+    """Just beside a point: at ``point + epsilon outward`` for all small epsilon > 0.
 
     Attributes:
-        twist: the point xi.
-        tight: numbers of all rows it satisfies (Z).
-        slopes: those that can vanish in the load region; the others are positive there.
+        point: often a lazy quotient, whose exact form is long.
+        outward: a direction.
+        line: a form that vanishes along a line through the point, where one is known: that its multiples vanish
+            there too needs no quotient.
     """
 
-    twist: Twist
-    tight: tuple[int, ...]
-    slopes: tuple[SlopeOfD, ...]
-
-    def doubtful(self, points: NDArray[np.float64], among: Sequence[int] | None = None) -> list[int]:
-        """Numbers of the slopes (of those given) that are not certainly positive at all points ``(1, x, y)``."""
-        numbers = np.arange(len(self.slopes)) if among is None else np.array(among, dtype=int)
-        forms = self._floats[numbers]
-        doubt = np.abs(points) @ np.abs(forms).T * FLOAT_DOUBT
-        return numbers[~(points @ forms.T > doubt).all(axis=0)].tolist()
-
-    @cached_property
-    def _floats(self) -> NDArray[np.float64]:
-        return np.array([slope.floats for slope in self.slopes]).reshape(-1, 3)
-
-    @property
-    def flat(self) -> tuple[SlopeOfD, ...]:
-        """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
-        return tuple(slope for slope in self.slopes if not any(slope.form))
+    point: Point
+    outward: Point
+    line: Affine | None = None
 
 
 class Arrangement:
@@ -106,12 +96,12 @@ class Arrangement:
         self.corners = float_corners(region.polygon)
         self.corner_weights = self.float_weights @ self.corners.T
         self._vertices: dict[Twist, Vertex] = {}
+        self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
 
     def vertex(self, twist: Twist) -> Vertex:
         """The vertex at a twist that solves three independent rows (cached)."""
         if twist not in self._vertices:
-            signs = self._residual_signs(twist)
-            self._vertices[twist] = Vertex(twist, _tight(signs), self.slopes(signs))
+            self._vertices[twist] = Vertex(twist, self._residual_signs(twist))
         return self._vertices[twist]
 
     def float_dissipation(self, twist: Twist, point: Point) -> float:
@@ -120,13 +110,6 @@ class Arrangement:
             residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
             weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
             return float(weights @ np.abs(residuals))
-
-    def slopes(self, signs: NDArray[np.int_]) -> tuple[SlopeOfD, ...]:
-        """The slopes of D that can vanish in the region, where the residuals of the rows have these signs.
-
-        Nothing else of the twist and of the speeds counts.
-        """
-        return tuple(self._slopes(signs, _tight(signs)))
 
     def _residual_signs(self, twist: Twist) -> NDArray[np.int_]:
         """Exact signs of all residuals; floats decide the clear ones."""
@@ -138,67 +121,30 @@ class Arrangement:
             signs[k] = self.rows[k].residual(twist).sign()
         return signs
 
-    def falling_slope(self, signs: NDArray[np.int_]) -> SlopeOfD | None:
-        """The slope that is clearly negative, and most of all, where the centre of mass is at the origin."""
-        tight = _tight(signs)
-        pairs = _pairs(tight)
-        m = np.cross(self.normals[pairs[:, 0]], self.normals[pairs[:, 1]])
-        weights = self.float_weights[:, 0]
-        kept = np.abs(m @ self.normals[list(tight)].T) @ weights[list(tight)]
-        margin = kept - np.abs(m @ ((weights * signs) @ self.normals))
-        bound = (kept + np.abs(m) @ (weights @ np.abs(self.normals))) * FLOAT_DOUBT
-        clear = np.flatnonzero(margin < -bound)
-        if not len(clear):
-            return None
-        a, b = pairs[clear[np.argmin(margin[clear] / bound[clear])]]
-        direction = outer(self.rows[a].normal, self.rows[b].normal)
-        return min(self._slopes_along(direction, tight, self._pull(signs)), key=lambda slope: slope.form[0])
-
-    def _slopes(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> Iterator[SlopeOfD]:
-        pull = self._pull(signs)
-        for direction in self._directions(signs, tight):
-            yield from self._slopes_along(direction, tight, pull)
-
-    def _slopes_along(self, direction: Triple, tight: tuple[int, ...], pull: Sequence[Affine]) -> Iterator[SlopeOfD]:
-        """The slopes along a direction and back."""
-        kept = _zero_form(self.scene)
-        for k in tight:
+    def slopes_along(self, direction: Triple, signs: NDArray[np.int_]) -> tuple[SlopeOfD, SlopeOfD]:
+        """The slopes along a direction and back, exactly, where the residuals of the rows have these signs."""
+        kept = along = _zero_form(self.scene)
+        for k in tight_rows(signs):
             reach = abs(inner(self.rows[k].normal, direction))
             if reach:
                 kept = added(kept, scaled(self.weights[k], reach))
-        along = _zero_form(self.scene)
-        for entry, part in zip(direction, pull, strict=True):
+        for entry, part in zip(direction, self._pull(signs), strict=True):
             along = added(along, scaled(part, entry))
-        yield SlopeOfD(direction, added(kept, along))
-        yield SlopeOfD((-direction[0], -direction[1], -direction[2]), added(kept, scaled(along, -1)))
+        back = (-direction[0], -direction[1], -direction[2])
+        return SlopeOfD(direction, added(kept, along)), SlopeOfD(back, added(kept, scaled(along, -1)))
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
-        """``g``: three affine forms."""
-        pull = [_zero_form(self.scene) for _ in range(3)]
-        for k in np.flatnonzero(signs):
-            for axis in range(3):
-                part = self.moments[k][axis]
-                pull[axis] = added(pull[axis], part if signs[k] > 0 else scaled(part, -1))
+        """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
+        last, pull = self._last_pull
+        if np.count_nonzero(signs - last) > np.count_nonzero(signs):
+            last, pull = np.zeros_like(signs), [_zero_form(self.scene) for _ in range(3)]
+        for k in np.flatnonzero(signs - last):
+            change = int(signs[k] - last[k])
+            pull = [added(form, scaled(part, change)) for form, part in zip(pull, self.moments[k], strict=True)]
+        self._last_pull = signs, pull
         return pull
 
-    def _directions(self, signs: NDArray[np.int_], tight: tuple[int, ...]) -> list[Triple]:
-        """Edge directions at the vertex, without those whose slopes are certainly positive in the region."""
-        pairs = _pairs(tight)
-        m = np.cross(self.normals[pairs[:, 0]], self.normals[pairs[:, 1]])
-        reach = np.abs(m @ self.normals[list(tight)].T)
-        kept = reach @ self.corner_weights[list(tight)]
-        pull = (self.corner_weights.T * signs) @ self.normals
-        margin = kept - np.abs(m @ pull.T)
-        bound = (kept + np.abs(m) @ (np.abs(self.corner_weights.T) @ np.abs(self.normals)).T) * FLOAT_DOUBT
-        doubtful = np.flatnonzero(~(margin > bound).all(axis=1))
-        directions: dict[Triple, Triple] = {}
-        for i in doubtful:
-            direction = outer(self.rows[pairs[i, 0]].normal, self.rows[pairs[i, 1]].normal)
-            if any(direction):
-                directions.setdefault(leading_one(direction) if len(tight) > 3 else direction, direction)
-        return list(directions.values())
-
-    def line_search(self, vertex: Vertex, slope: SlopeOfD, point: Point, outward: Point) -> Twist:
+    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> Twist:
         """First vertex along the direction beyond which D no longer falls."""
         form, twist = slope.form, vertex.twist
         for step, crossed in self.breakpoints(vertex, slope.direction):
@@ -206,7 +152,7 @@ class Arrangement:
             for k in crossed:
                 turn = 2 * abs(inner(self.rows[k].normal, slope.direction))
                 form = added(form, scaled(self.weights[k], turn))
-            if order(form, point, outward) >= (0, 0):
+            if order(form, place) >= (0, 0):
                 return twist
         return twist
 
@@ -247,10 +193,20 @@ class Arrangement:
         return step if step.sign() > 0 else None
 
 
-def order(form: Affine, point: Point, outward: Point) -> Lexicographic:
+def order(form: Affine, place: Beside) -> Lexicographic:
     """Signs of an affine form at a point and of its derivative along a direction."""
-    here = sign(value_at(form, point))
+    value, outward = value_at(form, place.point), place.outward
+    vanishes = place.line is not None and not is_clear(value) and is_multiple(form, place.line)
+    here = 0 if vanishes else sign(value)
     return here, 0 if here else sign(form[1] * outward[0] + form[2] * outward[1])
+
+
+def is_multiple(form: Affine, line: Affine) -> bool:
+    """Whether one affine form is a multiple of another that is not zero: a rational one, else by minors."""
+    factor = next(a.rational_quotient(b) for a, b in zip(form, line, strict=True) if b)
+    if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
+        return True
+    return not any(form[i] * line[j] - form[j] * line[i] for i, j in ((1, 2), (0, 1), (0, 2)))
 
 
 def float_corners(polygon: Polygon) -> NDArray[np.float64]:
@@ -258,21 +214,7 @@ def float_corners(polygon: Polygon) -> NDArray[np.float64]:
     return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
 
 
-def _pairs(tight: tuple[int, ...]) -> NDArray[np.int_]:
-    """All pairs of rows that a twist satisfies: they span the directions of edges there.
-
-    Raises:
-        RefusalError: for so many rows that the table of slopes would not fit into memory.
-    """
-    if len(tight) > MOST_TIGHT:
-        raise RefusalError(
-            f"wheels: required at most {MOST_TIGHT} rows that hold at one motion (at rest all side rows do), "
-            f"received {len(tight)}"
-        )
-    return np.array(list(combinations(tight, 2)), dtype=int).reshape(-1, 2)
-
-
-def _tight(signs: NDArray[np.int_]) -> tuple[int, ...]:
+def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:
     """Numbers of the rows without residual."""
     return tuple(int(k) for k in np.flatnonzero(signs == 0))
 

@@ -15,10 +15,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD, Vertex, float_corners, order
+from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, SlopeOfD, Vertex, float_corners, order
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.symbolic.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
@@ -87,6 +88,13 @@ class _Walk:
         self.region = region
         self.known = known
         self.arrangement = Arrangement(scene, region)
+        self._slopes: dict[Twist, Slopes] = {}
+
+    def slopes(self, vertex: Vertex) -> Slopes:
+        """The slopes of D at a vertex (cached)."""
+        if vertex.twist not in self._slopes:
+            self._slopes[vertex.twist] = Slopes(self.arrangement, vertex.signs)
+        return self._slopes[vertex.twist]
 
     def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
         """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
@@ -115,7 +123,8 @@ class _Walk:
             for k, side in enumerate(polygon.sides):
                 slope = origins.get(side.label)
                 if slope is not None:
-                    waiting.append(self._neighbour(vertex, slope, _midpoint(polygon, k), side.normal))
+                    place = Beside(_midpoint(polygon, k), side.normal, slope.form)
+                    waiting.append(self._neighbour(vertex, slope, place))
 
     def _first(self) -> Vertex:
         """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""
@@ -128,40 +137,45 @@ class _Walk:
         start = min(twists, key=lambda twist: self.arrangement.float_dissipation(twist, centre))
         one = self.scene.field.one
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
-        return self._descend(self.arrangement.vertex(start), centre, outward)
+        return self._descend(self.arrangement.vertex(start), Beside(centre, outward))
 
-    def _neighbour(self, vertex: Vertex, slope: SlopeOfD, point: Point, outward: Point) -> Vertex:
+    def _neighbour(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> Vertex:
         """The vertex that is optimal just beyond a side of the cell."""
-        twist = self.arrangement.line_search(vertex, slope, point, outward)
-        return self._descend(self.arrangement.vertex(twist), point, outward)
+        return self._descend(self.arrangement.vertex(self.arrangement.line_search(vertex, slope, place)), place)
 
-    def _descend(self, vertex: Vertex, point: Point, outward: Point) -> Vertex:
-        """Exact descent at ``point + epsilon outward``: every step lowers D, so it ends at the minimizer."""
+    def _descend(self, vertex: Vertex, place: Beside) -> Vertex:
+        """Exact descent beside a point: every step lowers D, so it ends at the minimizer.
+
+        A slope that floats show to fall is taken at once; only where there is none, those in doubt are built.
+        """
+        point = np.array([[1.0, *map(float, place.point)]])
         while True:
-            place = np.array([[1.0, float(point[0]), float(point[1])]])
-            doubtful = (vertex.slopes[k] for k in vertex.doubtful(place))
-            falling = next((s for s in doubtful if order(s.form, point, outward) < (0, 0)), None)
+            slopes = self.slopes(vertex)
+            falling = slopes.falling(point)
+            if falling is None:
+                doubtful = (slopes[k] for k in slopes.doubtful(point))
+                falling = next((slope for slope in doubtful if order(slope.form, place) < (0, 0)), None)
             if falling is None:
                 return vertex
-            vertex = self.arrangement.vertex(self.arrangement.line_search(vertex, falling, point, outward))
+            vertex = self.arrangement.vertex(self.arrangement.line_search(vertex, falling, place))
 
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""
-        polygon = self.region.polygon
+        polygon: Polygon | None = self.region.polygon
         origins: dict[str, SlopeOfD] = {}
-        waiting = vertex.doubtful(self.arrangement.corners)
-        while waiting:
+        slopes = self.slopes(vertex)
+        waiting = slopes.doubtful(self.arrangement.corners)
+        likely = slopes.sides_of(self.arrangement.corners, waiting)
+        waiting = [*likely, *(k for k in waiting if k not in set(likely))]
+        while waiting and polygon is not None:
             k = waiting.pop(0)
-            slope = vertex.slopes[k]
-            if not any(slope.form):
+            if not any(slopes[k].form):
                 continue
-            origins[f"slope {k}"] = slope
-            clipped = polygon.clipped(self._half_plane(slope.form, f"slope {k}"))
-            if clipped is None:
-                return None, origins
-            if clipped is not polygon:
-                polygon = clipped
-                waiting = vertex.doubtful(float_corners(polygon), waiting)
+            origins[f"slope {k}"] = slopes[k]
+            clipped = polygon.clipped(self._half_plane(slopes[k].form, f"slope {k}"))
+            if clipped is not None and clipped is not polygon:
+                waiting = slopes.doubtful(float_corners(clipped), waiting)
+            polygon = clipped
         return polygon, origins
 
     def _half_plane(self, form: Affine, label: str) -> HalfPlane:
@@ -174,7 +188,7 @@ class _Walk:
         face, waiting = [vertex], [vertex]
         while waiting:
             here = waiting.pop()
-            for slope in here.flat:
+            for slope in self.slopes(here).flat:
                 step, _ = next(self.arrangement.breakpoints(here, slope.direction))
                 twist = Twist(*(x + step * m for x, m in zip(here.twist, slope.direction, strict=True)))
                 if all(twist != known.twist for known in face):

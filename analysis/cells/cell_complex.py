@@ -17,9 +17,10 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis import plane_arrays
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot, minus
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29
@@ -101,11 +102,11 @@ class CellComplex:
 
     def direction(self, edge: int) -> Point:
         """From start to end; of unit length in floats, of any length in exact numbers (no square root)."""
-        (x1, y1), (x2, y2) = (self.points[k] for k in (self.edges[edge].start, self.edges[edge].end))
+        along = minus(self.points[self.edges[edge].end], self.points[self.edges[edge].start])
         if not self.slack:
-            return x2 - x1, y2 - y1
-        length = float(np.hypot(x2 - x1, y2 - y1))
-        return (x2 - x1) / length, (y2 - y1) / length
+            return along
+        length = float(np.hypot(*along))
+        return along[0] / length, along[1] / length
 
     def active_sides(self, cell: int, corner: int) -> tuple[int, ...]:
         """Sides of a cell that hold a corner."""
@@ -135,8 +136,8 @@ class CellComplex:
     def on_edge(self, edge: int, point: Point) -> bool:
         """Whether a point that is no corner lies on an edge."""
         r = self.direction(edge)
-        (x1, y1), (x2, y2) = (self.points[k] for k in (self.edges[edge].start, self.edges[edge].end))
-        from_start, to_end = (point[0] - x1, point[1] - y1), (x2 - point[0], y2 - point[1])
+        start, end = (self.points[k] for k in (self.edges[edge].start, self.edges[edge].end))
+        from_start, to_end = minus(point, start), minus(end, point)
         return not self.beyond(cross(r, from_start)) and sign(dot(r, from_start)) > 0 and sign(dot(r, to_end)) > 0
 
     def beyond(self, length: Any) -> int:
@@ -157,6 +158,25 @@ class CellComplex:
             corners=tuple(replace(c, point=p) for c, p in zip(self.corners, points, strict=True)),
             slack=PLACE_SLACK * self.size,
         )
+
+    def in_unit(self, length: float) -> CellComplex:
+        """The float form with another unit of length."""
+        return replace(
+            self,
+            polygons=tuple(_polygon_in_unit(polygon, length) for polygon in self.polygons),
+            corners=tuple(replace(corner, point=_point_in_unit(corner.point, length)) for corner in self.corners),
+            size=self.size / length,
+            slack=self.slack / length,
+        )
+
+
+def _point_in_unit(point: Point, length: float) -> Point:
+    return point[0] / length, point[1] / length
+
+
+def _polygon_in_unit(polygon: Polygon, length: float) -> Polygon:
+    sides = tuple(replace(side, offset=side.offset / length) for side in polygon.sides)
+    return Polygon(tuple(_point_in_unit(vertex, length) for vertex in polygon.vertices), sides)
 
 
 def _float_polygon(polygon: Polygon) -> Polygon:
@@ -207,8 +227,8 @@ def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], 
     places = np.array([[float(x), float(y)] for x, y in points])
     return points, [
         [
-            list(pairwise(_stops(points, places, own[k], own[(k + 1) % len(own)], polygon.sides[k], size)))
-            for k in range(len(own))
+            list(pairwise(_stops(points, places, first, last, side, size)))
+            for (first, last), side in zip(around(own), polygon.sides, strict=True)
         ]
         for polygon, own in zip(polygons, numbers, strict=True)
     ]
@@ -249,18 +269,18 @@ def _stops(points: Sequence[Point], places: Any, first: int, last: int, side: Ha
         along = places[last] - places[first]
         offset = places - places[first]
         doubt = SAME_CORNER_DOUBT * size * (float(np.hypot(*along)) + size)
-        beside = np.abs(along[0] * offset[:, 1] - along[1] * offset[:, 0]) > doubt
+        beside = np.abs(plane_arrays.cross(along, offset)) > doubt
         reach = offset @ along
         candidates = np.flatnonzero(~(beside | (reach < -doubt) | (reach > along @ along + doubt)))
-    (x1, y1), (x2, y2) = points[first], points[last]
-    r = (x2 - x1, y2 - y1)
+    start, end = points[first], points[last]
+    r = minus(end, start)
     between = [
         k
         for k in candidates.tolist()
         if k not in (first, last)
         and not sign(side.slack(points[k]))
-        and sign(dot(r, (points[k][0] - x1, points[k][1] - y1))) > 0
-        and sign(dot(r, (x2 - points[k][0], y2 - points[k][1]))) > 0
+        and sign(dot(r, minus(points[k], start))) > 0
+        and sign(dot(r, minus(end, points[k]))) > 0
     ]
     between.sort(key=lambda k: dot(r, points[k]))
     return [first, *between, last]

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import between, cross, dot, hull_holds_zero, minus
+from nonsmooth.symbolic.plane import around, between, cross, dot, hull_holds_zero, minus
 
 
 class Place(StrEnum):
@@ -113,14 +113,11 @@ def _ties(partition: Partition) -> Iterator[RestPlace]:
 def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
     """Boundary points where an affine function, given at the vertices, vanishes (two, unless it only touches)."""
     points: list[Point] = []
-    for k, here in enumerate(values):
-        p, after = polygon.vertices[k], values[(k + 1) % len(values)]
-        q = polygon.vertices[(k + 1) % len(values)]
+    for (p, here), (q, after) in around(list(zip(polygon.vertices, values, strict=True))):
         if not here:
             points.append(p)
         elif sign(here) * sign(after) < 0:
-            t = here / (here - after)
-            points.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
+            points.append(between(p, q, here / (here - after)))
     return points
 
 

@@ -21,7 +21,7 @@ from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, enclosure, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot
 
 _PRECISION = 128  # bits of the balls by which slopes are compared first
 
@@ -157,10 +157,7 @@ def points_into(polygon: Polygon, direction: Point) -> bool:
     The line ``cross(direction, c) = 0`` cuts the polygon in a segment; its ends lie on the ray iff their
     inner product with the direction is positive.
     """
-    sides = [sign(cross(direction, p)) for p in polygon.vertices]
-    for k, here in enumerate(sides):
-        p, q = polygon.vertices[k], polygon.vertices[(k + 1) % len(sides)]
-        after = sides[(k + 1) % len(sides)]
+    for (p, here), (q, after) in around([(p, sign(cross(direction, p))) for p in polygon.vertices]):
         if here == 0 and sign(dot(direction, p)) > 0:
             return True
         if here * after < 0:

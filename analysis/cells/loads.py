@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cmp_to_key
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -20,8 +19,9 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import Vector, cross, minus
+from nonsmooth.symbolic.plane import Vector, around, cross, minus
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.support_polygon import support_polygon
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
 
@@ -79,7 +79,7 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
         LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
     """
     hull = support_polygon([wheel.position for wheel in scene.wheels])
-    sides = [(corner, minus(hull[(k + 1) % len(hull)], corner)) for k, corner in enumerate(hull)]
+    sides = [(corner, minus(following, corner)) for corner, following in around(hull)]
     if len(hull) < 3 or any(cross(along, minus(point, corner)).sign() <= 0 for corner, along in sides):
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
@@ -101,25 +101,6 @@ def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> 
                 )
 
 
-def support_polygon(positions: Sequence[Vector]) -> list[Vector]:
-    """Convex hull, counterclockwise, by Andrew's monotone chain with exact comparisons."""
-    ordered = sorted(set(positions), key=cmp_to_key(_compare_points))
-
-    def chain(points: Sequence[Vector]) -> list[Vector]:
-        hull: list[Vector] = []
-        for p in points:
-            while len(hull) > 1 and cross(minus(hull[-1], hull[-2]), minus(p, hull[-1])).sign() <= 0:
-                hull.pop()
-            hull.append(p)
-        return hull[:-1]
-
-    return chain(ordered) + chain(ordered[::-1])
-
-
-def _compare_points(p: Vector, q: Vector) -> int:
-    return sign(p[0] - q[0]) or sign(p[1] - q[1])
-
-
 def _require_support(scene: Scene, domain: Polygon) -> None:
     """Refuse squares that leave the support polygon."""
     hull = support_polygon([wheel.position for wheel in scene.wheels])
@@ -128,8 +109,8 @@ def _require_support(scene: Scene, domain: Polygon) -> None:
             "contact.loads: required three wheels that are not collinear, "
             f"received {len(scene.wheels)} wheels on one line: elastic loads are undetermined"
         )
-    for k, corner in enumerate(hull):
-        along = minus(hull[(k + 1) % len(hull)], corner)
+    for corner, following in around(hull):
+        along = minus(following, corner)
         for vertex in domain.vertices:
             if cross(along, minus(vertex, corner)).sign() < 0:
                 raise LoadError(_tipping_message(scene, hull, vertex))
@@ -138,8 +119,8 @@ def _require_support(scene: Scene, domain: Polygon) -> None:
 def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str:
     """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
     (x, y), reach = scene.check.equilibrium, []
-    for k, corner in enumerate(hull):
-        along = minus(hull[(k + 1) % len(hull)], corner)
+    for corner, following in around(hull):
+        along = minus(following, corner)
         reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
     largest = min(reach)
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, ti
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Twist, independent
 from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
@@ -78,8 +78,8 @@ class Cell:
         return tuple(dict.fromkeys(row.wheel.index for row in self.states[0].rows))
 
 
-@dataclass(frozen=True)
-class Partition:
+@dataclass(frozen=True, repr=False)
+class Partition(ShortRepr):
     """Cells that cover the checked square.
 
     Attributes:

@@ -12,10 +12,8 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 
-import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.cells.loads import support_polygon
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point, square
 from nonsmooth.analysis.contact_rule import contact_rule
@@ -23,11 +21,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import Vector, cross, dot, minus
 from nonsmooth.symbolic.scene import Scene
-
-FEW = 64  # wheels of which the hull is found exactly at once
-DIRECTIONS = 32  # the farthest wheels in so many directions span a polygon; wheels well inside it are no corners
-MARGIN = 2.0**-29  # relative to the coordinates: floats err by far less, so a wheel this deep inside is inside
-
+from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 
 BITS = 40  # of a rational just below the distance
 
@@ -96,7 +90,7 @@ def _squared_distance(start: Vector, end: Vector) -> Number:
 
 def build_support(scene: Scene) -> Support:
     """The support polygon of all wheels of a centred scene."""
-    corners = tuple(support_polygon(_outer_positions(scene)))
+    corners = tuple(support_polygon(outer_positions([wheel.position for wheel in scene.wheels])))
     bare = Support(corners, covers=False)
     zero = scene.field.zero
     vertices = square((zero, zero), scene.check.radius).vertices
@@ -116,20 +110,3 @@ def limiting_support(partition: Partition) -> Support | None:
         return None
     support = build_support(partition.scene)
     return None if support.covers else support
-
-
-def _outer_positions(scene: Scene) -> list[Vector]:
-    """The positions that may be corners: floats leave out those well inside a polygon of other wheels."""
-    positions = [wheel.position for wheel in scene.wheels]
-    if len(positions) <= FEW:
-        return positions
-    places = np.array([[float(x), float(y)] for x, y in positions])
-    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    with np.errstate(over="ignore", invalid="ignore"):
-        farthest = np.argmax(places @ np.array([np.cos(angles), np.sin(angles)]), axis=0)
-        ring = places[list(dict.fromkeys(farthest.tolist()))]
-        along = np.roll(ring, -1, axis=0) - ring
-        offsets = places[:, None, :] - ring
-        areas = along[:, 0] * offsets[..., 1] - along[:, 1] * offsets[..., 0]
-        deep = (areas > MARGIN * np.square(np.abs(places).max())).all(axis=1)
-    return [position for position, is_deep in zip(positions, deep.tolist(), strict=True) if not is_deep]

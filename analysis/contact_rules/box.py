@@ -20,8 +20,15 @@ class BoxRule(CellRule):
     """
 
     name = "box"
-    summary = "minimizes the dissipation with friction limited along and across each rim apart"
+    summary = "friction losses are least, with a limit along and a limit across each rim"
+    hardware = "omniwheels, mecanum wheels and belts with rollers: friction along the rim and little, apart, across it"
     needs_loads = True
+
+    def remark(self, scene: Scene) -> str:
+        """A square limit with equal sides is a rubber wheel's circle, cornered."""
+        if all(wheel.friction.roll == wheel.friction.side for wheel in scene.wheels):
+            return "friction is equal along and across, as of rubber: its limit is a circle, not a square; see ellipse"
+        return ""
 
     @property
     def functional(self) -> Functional:

@@ -19,7 +19,8 @@ class EllipseRule(SmoothRule):
     """``D = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, the quasi-static limit of Newton-Euler dynamics."""
 
     name = "ellipse"
-    summary = "minimizes the dissipation with the friction ellipse: the limit of a light body"
+    summary = "friction losses are least under the friction ellipse: how a light body moves"
+    hardware = "rubber wheels, rollers and belts: one friction limit for all directions of slip"
     needs_loads = True
     is_massless_limit = True
 

@@ -19,8 +19,18 @@ class NearestRule(CellRule):
     """
 
     name = "nearest"
-    summary = "keeps both rows of the nearest wheel and one row of the second-nearest"
+    summary = (
+        "the two wheels nearest to the centre of mass carry the body; "
+        "the nearest does not slip, the other slips one way"
+    )
+    hardware = "the paper's distributed manipulator; cilia and other MEMS actuators, where two contacts carry the part"
     keeps_rows = True
+
+    def remark(self, scene: Scene) -> str:
+        """Equal frictions leave open which row of the second wheel holds."""
+        if any(wheel.friction.roll == wheel.friction.side for wheel in scene.wheels):
+            return "mu_roll = mu_side leaves open which way the second wheel slips: every mixture is taken; see ellipse"
+        return ""
 
     def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
         """Ordered Voronoi cells."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from nonsmooth.symbolic.continuum import Disc, Footprint
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import cross
+from nonsmooth.symbolic.plane import around, cross
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def moments(footprint: Footprint) -> Moments:
     vertices = footprint.vertices
     zero = vertices[0][0] * 0
     twice, xx, yy, xy = zero, zero, zero, zero
-    for p, q in zip(vertices, (*vertices[1:], vertices[0]), strict=True):
+    for p, q in around(vertices):
         c = cross(p, q)
         twice += c
         xx += (p[0] * p[0] + p[0] * q[0] + q[0] * q[0]) * c

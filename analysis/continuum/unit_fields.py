@@ -52,12 +52,12 @@ def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Flo
     """
     start, end = vertices, np.roll(vertices, -1, axis=0)
     along, turning = _side_integrals(matrix, start, end)
-    sweep = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    sweep = cross(start, end)
     force = speed * (sweep @ along) / 2
     about_centre = speed * float(sweep @ turning) / 3
     step = end - start
     outward = np.stack([step[:, 1], -step[:, 0]], axis=1)  # normal times length
-    moment = about_centre - float(centroid[0] * force[1] - centroid[1] * force[0])
+    moment = about_centre - float(cross(centroid, force))
     return Wrench(force, moment, speed * along.T @ outward)
 
 

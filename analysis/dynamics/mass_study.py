@@ -29,7 +29,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
@@ -80,8 +80,8 @@ class MassRow:
         return {own.rule: own for own in self.distances}[rule]
 
 
-@dataclass(frozen=True)
-class MassStudy:
+@dataclass(frozen=True, repr=False)
+class MassStudy(ShortRepr):
     """A ladder of masses.
 
     Attributes:

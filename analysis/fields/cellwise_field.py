@@ -7,7 +7,7 @@ the body by ``xi = sum_w g_w u_w`` with the cell's control vector fields g_w (Mu
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -33,12 +33,14 @@ class CellwiseField(PolygonField):
         members: the field of each cell.
         kinematics: ``exact`` or ``leading``.
         tied_members: members that are one of several possible fields of their cell.
+        unit: what x and y count, in the scene's unit of length.
     """
 
     cells: CellComplex
     members: tuple[Member, ...]
     kinematics: str
     tied_members: frozenset[str] = frozenset()
+    unit: float = 1.0
 
     def velocity(self, mode: int) -> Velocity:
         """The field of a cell."""
@@ -47,6 +49,18 @@ class CellwiseField(PolygonField):
     def mode_name(self, mode: int) -> str:
         """The name of a cell."""
         return self.members[mode].name
+
+    def in_unit(self, length: float) -> CellwiseField:
+        """The same field with x and y as multiples of a length, so that an integrator weighs them against theta."""
+        if length == 1:
+            return self
+        members = tuple(Member(member.name, _in_unit(member.velocity, length)) for member in self.members)
+        return replace(self, cells=self.cells.in_unit(length), members=members, unit=length)
+
+
+def _in_unit(velocity: Velocity, length: float) -> Velocity:
+    units = np.array([length, length, 1.0])
+    return lambda t, x: np.asarray(velocity(t, x * units) / units)
 
 
 def smooth_form(field: ConstantField) -> CellwiseField:
@@ -73,15 +87,17 @@ def feedback_field(partition: Partition, law: StateLaw, kinematics: Kinematics) 
 
 def _controlled(cell: Cell, law: StateLaw, kinematics: Kinematics, centre: tuple[float, float]) -> Member:
     state = cell.states[0]
-    columns = {wheel: np.array([float(x) for x in field]) for wheel, field in state.control_fields.items()}
+    columns = [(wheel, float(a), float(b), float(c)) for wheel, (a, b, c) in state.control_fields.items()]
     speeds = law(state)
     turning = kinematics is Kinematics.EXACT
 
     def velocity(t: float, x: Vector) -> Vector:
         given = speeds(x)
-        twist: Vector = sum((given[wheel] * column for wheel, column in columns.items()), np.zeros(3))
-        x_of, y_of = x[:2] if turning else centre
-        twist[:2] += twist[2] * np.array([-y_of, x_of])
-        return twist
+        v_x = v_y = omega = 0.0  # single floats: arrays of three cost several times as much
+        for wheel, a, b, c in columns:
+            speed = given[wheel]
+            v_x, v_y, omega = v_x + speed * a, v_y + speed * b, omega + speed * c
+        x_of, y_of = (float(x[0]), float(x[1])) if turning else centre
+        return np.array([v_x - omega * y_of, v_y + omega * x_of, omega])
 
     return Member(f"cell {cell.index}", velocity)

@@ -27,6 +27,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Velocity
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.number_text import place_text
 
 Entry: TypeAlias = Any  # int, float, Fraction or a field element
@@ -47,6 +48,10 @@ class Flow:
             return self.vx, self.vy
         return self.vx - self.turn * point[1], self.vy + self.turn * point[0]
 
+    def about(self, point: Point) -> Twist:
+        """``(c' at the point, turn)``: the motion as it is seen from the point."""
+        return Twist(*self.velocity(point), self.turn)
+
     def floats(self) -> Flow:
         """Rounded numbers."""
         return Flow(float(self.vx), float(self.vy), float(self.omega), float(self.turn))
@@ -57,8 +62,8 @@ class Flow:
         return lambda t, x: np.array([vx - turn * x[1], vy + turn * x[0], omega])
 
 
-@dataclass(frozen=True)
-class ConstantField(PolygonField):
+@dataclass(frozen=True, repr=False)
+class ConstantField(ShortRepr, PolygonField):
     """One constant twist (several where the rule ties) on each cell of a polygonal domain.
 
     Attributes:

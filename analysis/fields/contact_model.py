@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene
 
 Floats = NDArray[np.float64]
@@ -86,8 +87,8 @@ class ContactRows:
         return np.asarray(loads, float)[..., None] * self.friction.reshape(-1, 2)
 
 
-@dataclass(frozen=True, eq=False)
-class ContactModel(ContactRows):
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactModel(ShortRepr, ContactRows):
     """The rows of an array of wheels together with its geometry.
 
     Attributes:

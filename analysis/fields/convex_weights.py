@@ -27,23 +27,13 @@ def basic_weights(vectors: Array) -> Array:
     Every solution is a convex combination of these; none means that the hull of the vectors does not hold zero.
     """
     count = len(vectors)
-    scale = float(np.abs(vectors).max(initial=0.0))
-    if not scale:
-        return np.eye(count)
-    reduced = _in_their_span(vectors / scale)
-    rank = reduced.shape[1]
+    columns = _columns(vectors)
+    rank = columns.shape[1] - 1
     if count < rank + 1:
         return np.zeros((0, count))
-    subsets = np.array(list(combinations(range(count), rank + 1)))
-    systems = np.concatenate([reduced[subsets], np.ones((*subsets.shape, 1))], axis=2).transpose(0, 2, 1)
-    regular = np.abs(np.linalg.det(systems)) > RANK_SLACK
-    subsets, systems = subsets[regular], systems[regular]
-    right = np.zeros((len(systems), rank + 1, 1))
-    right[:, -1] = 1.0
-    solutions = np.linalg.solve(systems, right)[:, :, 0]
-    possible = (solutions >= -WEIGHT_SLACK).all(axis=1)
-    weights = np.zeros((int(possible.sum()), count))
-    np.put_along_axis(weights, subsets[possible], np.maximum(solutions[possible], 0.0), axis=1)
+    subsets, solutions = _basic_solutions(columns, list(combinations(range(count), rank + 1)), rank + 1)
+    weights = np.zeros((len(subsets), count))
+    np.put_along_axis(weights, subsets, np.maximum(solutions, 0.0), axis=1)
     return weights / weights.sum(axis=1, keepdims=True)
 
 
@@ -55,31 +45,38 @@ def central_weights(vectors: Array) -> Array | None:
     the best of the basic solutions, which hold t and rank many of the p.
     """
     count = len(vectors)
-    scale = float(np.abs(vectors).max(initial=0.0))
-    if not scale:
-        return np.full(count, 1.0 / count)
-    reduced = _in_their_span(vectors / scale)
-    rank = reduced.shape[1]
-    columns = np.vstack([np.concatenate([reduced, np.ones((count, 1))], axis=1), [*reduced.sum(axis=0), count]])
-    subsets = np.array([(*chosen, count) for chosen in combinations(range(count), rank)])
-    systems = columns[subsets].transpose(0, 2, 1)
-    regular = np.abs(np.linalg.det(systems)) > RANK_SLACK
-    right = np.zeros((int(regular.sum()), rank + 1, 1))
-    right[:, -1] = 1.0
-    solutions = np.linalg.solve(systems[regular], right)[:, :, 0]
-    possible = np.flatnonzero((solutions[:, :-1] >= -WEIGHT_SLACK).all(axis=1))
-    if not len(possible):
+    columns = _columns(vectors)
+    rank = columns.shape[1] - 1
+    chosen = [(*subset, count) for subset in combinations(range(count), rank)]
+    subsets, solutions = _basic_solutions(np.vstack([columns, columns.sum(axis=0)]), chosen, rank)
+    if not len(subsets):
         return None
-    best = possible[np.argmax(solutions[possible, -1])]
+    best = np.argmax(solutions[:, -1])
     weights = np.full(count, solutions[best, -1])
-    weights[subsets[regular][best, :-1]] += solutions[best, :-1]
+    weights[subsets[best, :-1]] += solutions[best, :-1]
     return weights
 
 
-def _in_their_span(vectors: Array) -> Array:
-    """Coordinates of some vectors in an orthonormal basis of what they span."""
-    _, values, directions = np.linalg.svd(vectors, full_matrices=False)
-    return np.asarray(vectors @ directions[values > RANK_SLACK * values[0]].T)
+def _columns(vectors: Array) -> Array:
+    """Coordinates of some vectors in an orthonormal basis of what they span (none if all are zero), and a last one."""
+    scale = float(np.abs(vectors).max(initial=0.0))
+    if not scale:
+        return np.ones((len(vectors), 1))
+    _, values, directions = np.linalg.svd(vectors / scale, full_matrices=False)
+    reduced = (vectors / scale) @ directions[values > RANK_SLACK * values[0]].T
+    return np.concatenate([reduced, np.ones((len(vectors), 1))], axis=1)
+
+
+def _basic_solutions(columns: Array, chosen: Sequence[tuple[int, ...]], bounded: int) -> tuple[NDArray[np.int_], Array]:
+    """The chosen columns that mix into ``(0, ..., 0, 1)``, with their weights, of which the first are not negative."""
+    subsets = np.array(chosen)
+    systems = columns[subsets].transpose(0, 2, 1)
+    regular = np.abs(np.linalg.det(systems)) > RANK_SLACK
+    right = np.zeros((int(regular.sum()), columns.shape[1], 1))
+    right[:, -1] = 1.0
+    solutions = np.linalg.solve(systems[regular], right)[:, :, 0]
+    possible = (solutions[:, :bounded] >= -WEIGHT_SLACK).all(axis=1)
+    return subsets[regular][possible], solutions[possible]
 
 
 def least_norm_weights(points: Array) -> Array:

@@ -1,12 +1,12 @@
 """Feedback laws for rule ``nearest`` with both rows of wheel i and the roll row of wheel j: speeds from the pose.
 
-With ``V = |c|^2 + theta^2`` (c from the equilibrium at the origin) and ``xi = g_i u_i + g_j u_j`` the rate is
-``V'/2 = a u_i + b u_j`` with ``a = (c, theta) . g_i``, ``b = (c, theta) . g_j``.
+With ``V = |c|^2 + l^2 theta^2`` (c from the equilibrium at the origin, l a length) and ``xi = g_i u_i + g_j u_j`` the
+rate is ``V'/2 = a u_i + b u_j`` with ``a = (c, l^2 theta) . g_i``, ``b = (c, l^2 theta) . g_j``.
 
 - *gradient*: ``u = -k (a, b)``, so ``V' = -2k (a^2 + b^2)`` (Jurdjevic & Quinn 1978, "L_g V"); also for other V;
-- *printed*: ``u_j = -k theta, u_i = |u_j| + k|c|`` as Murphey & Burdick print it in sec. 3.3; it turns the body the
-  wrong way where the torque of wheel j has the other sign;
-- *corrected*: ``u_j = -g k theta`` with g the sign of that torque;
+- *printed*: ``u_j = -k l theta, u_i = |u_j| + k|c|``, for ``l = 1`` as Murphey & Burdick print it in sec. 3.3; it turns
+  the body the wrong way where the torque of wheel j has the other sign;
+- *corrected*: ``u_j = -g k l theta`` with g the sign of that torque;
 - *cascade*: ``omega = -k theta`` and ``v = s k |c| d_i - (n_i . J p_i) omega n_i``, a sign s for each nearest wheel;
 - *tangential*, for rims at right angles to ``p_i``: ``v = (k - omega) r J p_i/|p_i|`` and ``omega = k (s/l - Theta)``
   with ``(r, s) = (c . p_i, c . J p_i)/|p_i|`` and ``Theta = theta - s^2/(2 r l)``, so c runs around the equilibrium.
@@ -34,38 +34,41 @@ def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: f
     That is half the rate of ``V = c^T P c + w theta^2`` by u_w, under exact kinematics.
 
     Args:
-        gain: k (1/time, for lengths of unit one).
+        gain: k (1/time).
         shape: (e, f) of ``P = [[1 + e, f], [f, 1 - e]]``.
-        weight: w.
+        weight: w (length^2).
     """
-    matrix = np.array([[1 + shape[0], shape[1]], [shape[1], 1 - shape[0]]])
+    e, f = shape
 
     def prepare(state: ContactState) -> Speeds:
-        fields = {wheel: np.array([float(x) for x in g]) for wheel, g in state.control_fields.items()}
+        fields = [(wheel, float(a), float(b), float(c)) for wheel, (a, b, c) in state.control_fields.items()]
 
         def speeds(pose: Vector) -> Mapping[int, float]:
-            x, y = pose[:2]
-            slope = matrix @ (x, y)
-            covector = (*slope, weight * pose[2] + slope[1] * x - slope[0] * y)
-            return {wheel: -gain * float(g @ covector) for wheel, g in fields.items()}
+            x, y, theta = pose.tolist()
+            along, across = (1 + e) * x + f * y, f * x + (1 - e) * y
+            turning = weight * theta + across * x - along * y
+            return {wheel: -gain * (a * along + b * across + c * turning) for wheel, a, b, c in fields}
 
         return speeds
 
     return prepare
 
 
-def printed_law(gain: float) -> StateLaw:
-    """``u_j = -k theta, u_i = |u_j| + k|c|`` in every cell, as printed."""
-    return _paper_law(gain, corrected=False)
+def printed_law(gain: float, length: float = 1.0) -> StateLaw:
+    """``u_j = -k l theta, u_i = |u_j| + k|c|`` in every cell, with ``l = 1`` as printed; k (1/time), l (length)."""
+    return _paper_law(gain, length, corrected=False)
 
 
-def corrected_law(gain: float) -> StateLaw:
-    """``u_j = -g k theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell."""
-    return _paper_law(gain, corrected=True)
+def corrected_law(gain: float, length: float = 1.0) -> StateLaw:
+    """``u_j = -g k l theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell."""
+    return _paper_law(gain, length, corrected=True)
 
 
 def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
     """Theta decays by itself, c runs along the rim of the nearest wheel (module ``cascade_law``).
+
+    Where a wheel is nearest that is not nearest at the point, the law says nothing; there ``v . d = -k c . d``, which
+    brings c nearer along the rim and is certified by nothing.
 
     Args:
         gain: k (1/time).
@@ -77,11 +80,12 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
         wheel = state.rows[0].wheel
         d, p = _floats(wheel.unit_direction), _floats(wheel.position)
         n = turned(d)
-        lever, sign = n @ turned(p), signs[wheel.index]
+        lever, sign = n @ turned(p), signs.get(wheel.index)
 
         def twist(c: Vector, theta: float) -> Vector:
             omega = -gain * theta
-            return np.array([*(sign * gain * np.hypot(*c) * d - lever * omega * n), omega])
+            along = -c @ d if sign is None else sign * np.hypot(*c)
+            return np.array([*(gain * along * d - lever * omega * n), omega])
 
         return _imposed(state, twist)
 
@@ -145,12 +149,12 @@ def _floats(values: Iterable[Number]) -> Vector:
     return np.array([float(x) for x in values])
 
 
-def _paper_law(gain: float, *, corrected: bool) -> StateLaw:
+def _paper_law(gain: float, length: float, *, corrected: bool) -> StateLaw:
     def prepare(state: ContactState) -> Speeds:
         _require_two_inputs(state)
         nearest, second = state.rows[0].wheel.index, state.rows[2].wheel.index
         torque = state.control_fields[second][2]
-        turn = -gain * (torque.sign() if corrected else 1)
+        turn = -gain * length * (torque.sign() if corrected else 1)
 
         def speeds(pose: Vector) -> Mapping[int, float]:
             steer = turn * float(pose[2])

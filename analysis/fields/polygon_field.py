@@ -25,6 +25,7 @@ from nonsmooth.analysis.fields.switched_field import (
     affine_surface,
 )
 from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.plane import cross, dot
 
 
 class PolygonField(ABC):
@@ -32,11 +33,13 @@ class PolygonField(ABC):
 
     Attributes:
         cells: the cell complex, in floats or exact numbers.
+        unit: the unit of length of x and y, in that of the scene.
     """
 
     states: ClassVar[tuple[str, ...]] = ("x", "y", "theta")
     heading: ClassVar[int | None] = 2
     cells: CellComplex
+    unit: float = 1.0
 
     @abstractmethod
     def velocity(self, mode: int) -> Velocity:
@@ -126,14 +129,12 @@ class PolygonField(ABC):
 
     def _frame(self, number: int) -> tuple[Surface, Surface, Surface]:
         """The line of an edge (positive on its left) and its two ends (positive inside)."""
-        a, b = self._floats.direction(number)
-        (x1, y1), (x2, y2) = (
-            self._floats.points[k] for k in (self._floats.edges[number].start, self._floats.edges[number].end)
-        )
+        r, edge = self._floats.direction(number), self._floats.edges[number]
+        start, end = self._floats.points[edge.start], self._floats.points[edge.end]
         return (
-            affine_surface("line", (-b, a, 0), a * y1 - b * x1),
-            affine_surface("start", (a, b, 0), a * x1 + b * y1),
-            affine_surface("end", (-a, -b, 0), -a * x2 - b * y2),
+            affine_surface("line", (-r[1], r[0], 0), cross(r, start)),
+            affine_surface("start", (r[0], r[1], 0), dot(r, start)),
+            affine_surface("end", (-r[0], -r[1], 0), -dot(r, end)),
         )
 
     # ---- modes ---------------------------------------------------------------------------

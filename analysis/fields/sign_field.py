@@ -45,6 +45,7 @@ class SignField:
         surfaces: the switching functions.
         flow: the field of a sign pattern (one sign -1 or 1 per surface).
         size: typical size of the states (their unit).
+        unit: one, as states are given.
     """
 
     states: tuple[str, ...]
@@ -54,6 +55,7 @@ class SignField:
     kinematics: str = "given"
     heading: int | None = None
     tied_members: frozenset[str] = frozenset()
+    unit: float = 1.0
     _known: dict[tuple[object, ...], list[Face]] = field(default_factory=dict, init=False, repr=False)
     _members: dict[Signs, Member] = field(default_factory=dict, init=False, repr=False)
 

@@ -14,13 +14,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.moves import RaySpeeds, ray_speeds, sliding
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.analysis.fields.constant_field import flow_of
+from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import between, cross, dot
+from nonsmooth.symbolic.plane import between, minus
 
 XY: TypeAlias = tuple[float, float]
+Speeds: TypeAlias = Sequence[RaySpeeds]  # of a neighbour of an edge, at both ends
 
 
 class EdgeKind(StrEnum):
@@ -41,20 +43,6 @@ class SwitchingStretch:
     end: XY
 
 
-@dataclass(frozen=True)
-class _Sides:
-    """Normal speeds (towards the left) and tangential speeds of both neighbours at the two ends of an edge."""
-
-    normals: tuple[tuple[Any, Any], tuple[Any, Any]]
-    tangents: tuple[tuple[Any, Any], tuple[Any, Any]]
-
-    @property
-    def rests(self) -> bool:
-        """Whether the equivalent control stands still all along: ``N_R rho_L = N_L rho_R`` at both ends."""
-        (left, right), (along_left, along_right) = self.normals, self.tangents
-        return all(not sign(right[k] * along_left[k] - left[k] * along_right[k]) for k in range(2))
-
-
 def switching_stretches(partition: Partition) -> tuple[SwitchingStretch, ...]:
     """Where solutions (exact pose kinematics) slide or rest along edges, or may leave them to both sides."""
     cells = partition.complex
@@ -66,38 +54,33 @@ def switching_stretches(partition: Partition) -> tuple[SwitchingStretch, ...]:
         if all(len(set(cell.twists)) == 1 for cell in beside):
             ends = cells.points[edge.start], cells.points[edge.end]
             start, end = ((float(x), float(y)) for x, y in ends)
-            sides = _sides(ends, beside[0].twists[0], beside[1].twists[0])
-            for kind, first, last in _stretches(sides):
+            along = minus(ends[1], ends[0])
+            flows = [flow_of(cell.twists[0], Kinematics.EXACT) for cell in beside]
+            speeds = [[ray_speeds(along, flow.about(point)) for point in ends] for flow in flows]
+            for kind, first, last in _stretches(*speeds):
                 names = beside[0].index, beside[1].index
                 found.append(SwitchingStretch(kind, names, between(start, end, first), between(start, end, last)))
     return tuple(found)
 
 
-def _sides(ends: tuple[Point, Point], left: Twist, right: Twist) -> _Sides:
-    (x1, y1), (x2, y2) = ends
-    r = x2 - x1, y2 - y1
-    velocities = [[twist.pose_rate(end) for end in ends] for twist in (left, right)]
-    normals, tangents = ([tuple(product(r, v) for v in side) for side in velocities] for product in (cross, dot))
-    return _Sides((normals[0], normals[1]), (tangents[0], tangents[1]))  # type: ignore[arg-type]
-
-
-def _stretches(sides: _Sides) -> Iterator[tuple[EdgeKind, float, float]]:
+def _stretches(left: Speeds, right: Speeds) -> Iterator[tuple[EdgeKind, float, float]]:
     """Kinds with the shares of the edge at which they begin and end."""
-    left, right = sides.normals
-    apart = [sign(r - l) for l, r in zip(left, right, strict=True)]  # noqa: E741
+    apart = [sign(r.normal - l.normal) for l, r in zip(left, right, strict=True)]  # noqa: E741
     for sense in (1, -1):
         if max(sense * s for s in apart) <= 0:
             continue
-        away = _where_positive([-sense * n for n in left]), _where_positive([sense * n for n in right])
+        away = _where_positive([-sense * l.normal for l in left]), _where_positive([sense * r.normal for r in right])  # noqa: E741
         first, last = max(a for a, _ in away), min(b for _, b in away)
         if first < last:
-            yield _kind(sense, sides), first, last
+            yield _kind(sense, left, right), first, last
 
 
-def _kind(sense: int, sides: _Sides) -> EdgeKind:
+def _kind(sense: int, left: Speeds, right: Speeds) -> EdgeKind:
+    """A slide rests all along where its radial speed vanishes at both ends."""
     if sense < 0:
         return EdgeKind.REPELLING
-    return EdgeKind.RESTING if sides.rests else EdgeKind.SLIDING
+    slides = any(sign(sliding(r, l)[0]) for l, r in zip(left, right, strict=True))  # noqa: E741
+    return EdgeKind.SLIDING if slides else EdgeKind.RESTING
 
 
 def _where_positive(ends: Sequence[Any]) -> tuple[float, float]:

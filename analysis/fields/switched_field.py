@@ -114,6 +114,10 @@ class SwitchedField(Protocol):
         """Typical size of the states, which sets the slack of surfaces."""
 
     @property
+    def unit(self) -> float:
+        """The unit of length of x and y, in that of the scene."""
+
+    @property
     def tied_members(self) -> frozenset[str]:
         """Members that are one of several possible fields of their cell."""
 

@@ -23,6 +23,7 @@ from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
@@ -93,8 +94,8 @@ class TwistDifference:
     not_certified: str = ""
 
 
-@dataclass(frozen=True)
-class Agreement:
+@dataclass(frozen=True, repr=False)
+class Agreement(ShortRepr):
     """The contact rules side by side, by their names.
 
     Attributes:

@@ -139,7 +139,8 @@ def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
     limits, slips = model.limits(loads).reshape(-1), model.slips(twist).reshape(-1)
     free = (np.abs(slips) <= ZERO_SLIP * _units(model)[1]) & (limits > 0)
     forces = np.where(free, 0.0, -limits * np.sign(slips))
-    rows = model.rows / _units(model)[0]
-    bounds = (-limits[free], limits[free])
-    forces[free] = lsq_linear(rows[free].T, -rows.T @ forces, bounds, method="bvls").x
+    if free.any():  # without unknowns, SciPy 1.13 raises an error
+        rows = model.rows / _units(model)[0]
+        bounds = (-limits[free], limits[free])
+        forces[free] = lsq_linear(rows[free].T, -rows.T @ forces, bounds, method="bvls").x
     return np.asarray(forces.reshape(-1, 2))

@@ -1,5 +1,7 @@
 """Feedback under the rules ``box`` and ``ellipse``, sampled: two laws, their worst rate of ``V = |c|^2 + theta^2``.
 
+The array is given with the length l of ``V = |c|^2 + l^2 theta^2`` for its unit.
+
 Under these rules the motion depends on all inputs at once, so no law can be read off a contact state.
 
 - *paper*: the nearest two wheels drive, ``u_i = |u_j| + k |c|``, ``u_j = -+k theta`` with the sign the cell needs; all
@@ -68,6 +70,13 @@ class LoopSample:
         """The rate in three digits; rounding noise is zero, and so is nothing."""
         rate = self.worst_rate or 0.0
         return float_text(rate, 3) if abs(rate) > RATE_NOISE else "0"
+
+    def in_unit(self, length: float) -> LoopSample:
+        """The same with its state in a unit of length of which the present one is so many."""
+        if self.worst_state is None:
+            return self
+        x, y, theta = self.worst_state
+        return replace(self, worst_state=(x * length, y * length, theta))
 
     @property
     def fails(self) -> bool | None:

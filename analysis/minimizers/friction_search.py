@@ -46,8 +46,7 @@ def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> Fri
         across: columns of forces across, (n, 3).
         signs: sign of each wheel's slip across.
     """
-    size = np.maximum(np.abs(along).max(axis=0), np.abs(across).max(axis=0))  # moments have another unit than forces
-    along, across = (columns / np.where(size, size, 1) for columns in (along, across))
+    along, across = in_common_units(along, across)
     balance = _Balance(along, across, signs)
     angles, held = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
@@ -62,6 +61,13 @@ def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> Fri
     if not inside[best] or room[best] < LEAST_ROOM:
         return None
     return FrictionForces(angles[best], pairs[best])
+
+
+def in_common_units(along: Floats, across: Floats) -> tuple[Floats, Floats]:
+    """The columns of forces, divided by the largest entry of each kind: moments have another unit than forces."""
+    size = np.maximum(np.abs(along).max(axis=0), np.abs(across).max(axis=0))
+    unit = np.where(size, size, 1)
+    return along / unit, across / unit
 
 
 class _Balance:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from nonsmooth.analysis.cells.moves import RaySpeeds, sliding
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
 from nonsmooth.analysis.fields.contact_model import Floats
@@ -17,6 +18,7 @@ from nonsmooth.analysis.trajectories.slides import (
     SERIES_BELOW,
     SERIES_TERMS,
 )
+from nonsmooth.symbolic.plane import cross, dot
 
 
 def velocities(flow: Flow, points: Floats) -> Floats:
@@ -38,17 +40,18 @@ def crossing_times(
     flow: Flow, sides: Sequence[HalfPlane], points: Floats, active: frozenset[int], slack: float
 ) -> Floats:
     """Time until each side is crossed, (m, sides); infinite where it never is."""
-    v, w = velocities(flow, points), flow.turn
+    w: float = flow.turn
+    velocity: Any = velocities(flow, points).T
     times = np.full((len(points), len(sides)), np.inf)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for k, side in enumerate(sides):
-            a, b = side.normal
-            rate, bend = v[:, 0] * a + v[:, 1] * b, v[:, 0] * b - v[:, 1] * a
+            rate, bend = dot(velocity, side.normal), cross(velocity, side.normal)
             if k in active:
                 if w:
                     back = _time(w, -2 * rate / (w * bend))
                     times[:, k] = np.where(np.abs(rate) > slack, back, np.inf)
                 continue
+            a, b = side.normal
             gap = np.maximum(side.offset - points[:, 0] * a - points[:, 1] * b, 0.0)
             if not w:
                 times[:, k] = np.where(rate > 0, gap / rate, np.inf)
@@ -67,25 +70,10 @@ def _time(w: float, z: Floats) -> Floats:
     return 2 / abs(w) * np.where(z > 0, angle, np.pi - angle)
 
 
-class EdgeSpeeds(NamedTuple):
-    """Speeds of the two neighbours of an edge: towards its left, and along its direction."""
-
-    left: Floats
-    right: Floats
-    left_along: Floats
-    right_along: Floats
-
-
-def edge_speeds(left: Flow, right: Flow, direction: Point, points: Floats) -> EdgeSpeeds:
-    """Normal speeds (towards the left) and tangential speeds of the neighbours of an edge."""
-    rx, ry = direction
-    u, v = velocities(left, points), velocities(right, points)
-    return EdgeSpeeds(
-        rx * u[:, 1] - ry * u[:, 0],
-        rx * v[:, 1] - ry * v[:, 0],
-        rx * u[:, 0] + ry * u[:, 1],
-        rx * v[:, 0] + ry * v[:, 1],
-    )
+def edge_speeds(flow: Flow, direction: Point, points: Floats) -> RaySpeeds:
+    """Speeds of a neighbour of an edge of unit direction: towards the left of the edge, and along it."""
+    velocity: Any = velocities(flow, points).T
+    return RaySpeeds(cross(direction, velocity), flow.turn, dot(direction, velocity))
 
 
 class SlideEnds(NamedTuple):
@@ -96,24 +84,24 @@ class SlideEnds(NamedTuple):
     rotation: Floats
 
 
-def slide_ends(speeds: EdgeSpeeds, left: Flow, right: Flow, ends: Floats) -> SlideEnds:
+def slide_ends(speeds: tuple[RaySpeeds, RaySpeeds], omegas: tuple[float, float], ends: Floats) -> SlideEnds:
     """Slides along a unit direction from points with the given speeds to the corner at distance ``ends``.
 
-    The neighbours' normal speeds are of opposite strict signs at the start.
+    Speeds and rotation rates of the left and the right cell; the normal speeds are of opposite strict signs at the
+    start.
     """
-    n1, n2, p1, p2 = speeds
-    a, b = n2 * p1 - n1 * p2, right.turn * p1 - left.turn * p2
-    c, d = n2 - n1, np.full_like(n1, right.turn - left.turn)
-    k = n2 * left.omega - n1 * right.omega
-    first, second = n1 * right.turn, n2 * left.turn
+    (n1, b1, p1), (n2, b2, p2) = speeds
+    a, b, c, d = sliding(speeds[1], speeds[0])
+    k = n2 * omegas[0] - n1 * omegas[1]
+    first, second = n1 * b2, n2 * b1
     fixed = np.abs(first - second) <= PROPORTIONAL_DOUBT * (np.abs(first) + np.abs(second))
     share = n2 / c
     a, c = np.where(fixed, share * p1 + (1 - share) * p2, a), np.where(fixed, 1.0, c)
     b, d = np.where(fixed, 0.0, b), np.where(fixed, 0.0, d)
-    k = np.where(fixed, share * left.omega + (1 - share) * right.omega, k)
+    k = np.where(fixed, share * omegas[0] + (1 - share) * omegas[1], k)
     reach = np.array(ends)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for normal, turn in ((n1, left.turn), (n2, right.turn)):
+        for normal, turn in ((n1, b1), (n2, b2)):
             if turn:
                 reach = np.where(-normal / turn > 0, np.minimum(reach, -normal / turn), reach)
         stop = -a / b

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
+from nonsmooth.analysis.cells.moves import sliding
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.batch_motion import (
@@ -26,7 +27,7 @@ from nonsmooth.analysis.trajectories.batch_motion import (
 )
 from nonsmooth.analysis.trajectories.choices import Choice, choices_at
 from nonsmooth.analysis.trajectories.constant import follow_constant
-from nonsmooth.analysis.trajectories.junction import Junction, Signs, junction_at
+from nonsmooth.analysis.trajectories.junction import Junction, junction_at, signs_of
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.analysis.trajectories.turns import Turns
 
@@ -45,7 +46,7 @@ class BatchPaths:
 
     def __init__(self, field: ConstantField, points: Floats, theta: float) -> None:
         count = len(points)
-        self.field, self.cells, self.signs = field, field.cells, Signs(field)
+        self.field, self.cells, self.signs = field, field.cells, signs_of(field)
         self.turns = Turns(field, self.signs)
         self.points, self.theta, self.time = points.copy(), np.full(count, theta), np.zeros(count)
         self.unique = np.ones(count, dtype=bool)
@@ -153,9 +154,9 @@ class BatchPaths:
             self._finish(own, EndReason.OUTSIDE, name)
             return
         left, right = self.field.flows[edge.left][0], self.field.flows[edge.right][0]
-        speeds = edge_speeds(left, right, self.cells.direction(number), self.points[own])
-        n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0).astype(int) for n in speeds[:2])
-        push = speeds.right * speeds.left_along - speeds.left * speeds.right_along
+        u, v = (edge_speeds(flow, self.cells.direction(number), self.points[own]) for flow in (left, right))
+        n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0).astype(int) for n in (u.normal, v.normal))
+        push, *_ = sliding(v, u)
         opposed, moves = n1 * n2 < 0, np.abs(push) > self.signs.product_slack
         for sense, cell in ((1, edge.left), (-1, edge.right)):
             self._cross(number, cell, own[(n1 == sense) & (n2 == sense)])
@@ -164,8 +165,8 @@ class BatchPaths:
         for direction in (1, -1):
             self._slide(number, direction, own[opposed & moves & (np.sign(push) * n2 == direction)])
         rests = opposed & ~moves
-        turn = speeds.right[rests] * left.omega - speeds.left[rests] * right.omega
-        self._rest(own[rests], turn / (speeds.right - speeds.left)[rests], name)
+        turn = v.normal[rests] * left.omega - u.normal[rests] * right.omega
+        self._rest(own[rests], turn / (v.normal - u.normal)[rests], name)
         self._one_by_one(own[n1 * n2 == 0])
 
     def _cross(self, number: int, cell: int, own: Numbers) -> None:
@@ -193,8 +194,8 @@ class BatchPaths:
         r = (rx * direction, ry * direction)
         corner = edge.end if direction > 0 else edge.start
         ends = (np.array(self.cells.points[corner]) - self.points[own]) @ np.array(r)
-        speeds = edge_speeds(left, right, r, self.points[own])
-        reach, time, rotation = slide_ends(speeds, left, right, ends)
+        speeds = edge_speeds(left, r, self.points[own]), edge_speeds(right, r, self.points[own])
+        reach, time, rotation = slide_ends(speeds, (left.omega, right.omega), ends)
         self.points[own] += reach[:, None] * np.array(r)
         self.time[own] += time
         self.theta[own] += rotation

@@ -21,13 +21,14 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from nonsmooth.analysis.cells.moves import Signs, departure_sign
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.trajectories.junction import Junction, Ray, Signs
+from nonsmooth.analysis.trajectories.junction import Junction, Ray
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.slides import Slide, slide_along
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot, turned
+from nonsmooth.symbolic.plane import cross, dot
 
 
 @dataclass(frozen=True)
@@ -60,17 +61,11 @@ def choices_at(field: ConstantField, junction: Junction, theta: Any, signs: Sign
 
 def enters(field: ConstantField, cell: int, sides: Sequence[tuple[int, bool]], point: Point, signs: Signs) -> bool:
     """Whether a cell's velocity points into the cell; along the border of the domain it may also be tangent."""
-    flow = field.flows[cell][0]
-    velocity = flow.velocity(point)
-    bend = turned(velocity)
-    if not signs(velocity[0], signs.speed_slack) and not signs(velocity[1], signs.speed_slack):
+    twist, polygon = field.flows[cell][0].about(point), field.cells.polygons[cell]
+    if not any(signs(speed, signs.speed_slack) for speed in twist.velocity):
         return False
-    for side, border in sides:
-        m = field.cells.polygons[cell].sides[side].normal
-        inward = -signs.first(dot(m, velocity), flow.turn * dot(m, bend), signs.bend_slack)
-        if inward < 0 or (inward == 0 and not border):
-            return False
-    return True
+    outward = ((departure_sign(polygon.sides[side].normal, twist, signs), border) for side, border in sides)
+    return all(sense < 0 or (sense == 0 and border) for sense, border in outward)
 
 
 def _rests(field: ConstantField, junction: Junction, signs: Signs) -> Iterator[Choice]:
@@ -97,7 +92,10 @@ def _rests(field: ConstantField, junction: Junction, signs: Signs) -> Iterator[C
 
 
 def zero_combinations(vectors: Sequence[Point], signs: Signs) -> Iterator[dict[int, Any]]:
-    """Basic solutions of ``sum l_k v_k = 0, sum l_k = 1, l >= 0``: one, two or three vectors each."""
+    """Basic solutions of ``sum l_k v_k = 0, sum l_k = 1, l >= 0``: one, two or three vectors each.
+
+    By products only, so that exact numbers stay exact; ``basic_weights`` in floats serves any number of dimensions.
+    """
     moving = []
     for k, (x, y) in enumerate(vectors):
         if signs(x, signs.speed_slack) or signs(y, signs.speed_slack):

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge, Plac
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.choices import Choice, choices_at
-from nonsmooth.analysis.trajectories.junction import Signs, junction_at
+from nonsmooth.analysis.trajectories.junction import junction_at, signs_of
 from nonsmooth.analysis.trajectories.log import EventLog
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.motion import Free, Rest, State
@@ -37,7 +37,7 @@ from nonsmooth.analysis.trajectories.result import (
 from nonsmooth.analysis.trajectories.sampling import sample_times
 from nonsmooth.analysis.trajectories.slides import Slide
 from nonsmooth.analysis.trajectories.turns import Spiral, Turns
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import cross, dot, minus
 
 MAX_LEGS = (
     10_000  # between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand
@@ -91,7 +91,7 @@ class _Path:
         self, field: ConstantField, point: Point, theta: Any, until: Any | None, watch: LyapunovWatch | None
     ) -> None:
         self.field, self.watch = field, watch
-        self.signs = Signs(field)
+        self.signs = signs_of(field)
         self.turns = Turns(field, self.signs)
         self.log = EventLog(field, self.turns.lead_outward)
         self.point, self.theta, self.time = point, theta, theta * 0
@@ -168,8 +168,7 @@ class _Path:
         for number in cells.borders[cell][side]:
             r, edge = cells.direction(number), cells.edges[number]
             for corner in (edge.start, edge.end):
-                px, py = cells.points[corner]
-                if not cells.beyond(dot(r, (point[0] - px, point[1] - py))):
+                if not cells.beyond(dot(r, minus(point, cells.points[corner]))):
                     return AtCorner(corner)
             if cells.on_edge(number, point):
                 return OnEdge(number)
@@ -245,8 +244,7 @@ class _Path:
             return self.field.cells.points[place.corner], theta
         if isinstance(place, OnEdge) and not self.field.exact:
             r = self.field.cells.direction(place.edge)
-            px, py = self.field.cells.points[self.field.cells.edges[place.edge].start]
-            off = cross(r, (x - px, y - py))
+            off = cross(r, minus((x, y), self.field.cells.points[self.field.cells.edges[place.edge].start]))
             return (x + off * r[1], y - off * r[0]), theta
         return (x, y), theta
 

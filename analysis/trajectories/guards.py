@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from nonsmooth.analysis.trajectories.two_fold import BECOMES_TANGENT, CLEAR_OF_T
 from nonsmooth.analysis.trajectories.whirls import WhirlMotion
 
 Interpolant: TypeAlias = Callable[[float], Vector]
+DenseOutput: TypeAlias = Callable[[Any], Vector]  # also of times (n,), as states (states, n)
 
 HALVINGS = 40  # of a step, in search of a moment at which a guard that starts at zero is positive
 ROOT_STEPS = 100  # bisection alone needs 60
@@ -54,11 +55,11 @@ class Step:
 
     before: tuple[float, Vector, Vector]
     after: tuple[float, Vector, Vector]
-    dense_output: Callable[[], Interpolant]
+    dense_output: Callable[[], DenseOutput]
     easy: bool = False
 
     @cached_property
-    def interpolant(self) -> Interpolant:
+    def interpolant(self) -> DenseOutput:
         """Dense output, made at most once."""
         return self.dense_output()
 
@@ -69,7 +70,7 @@ class Step:
             return []
         start, span = float(self.before[0]), float(self.after[0] - self.before[0])
         times = [start + span * k / SAMPLED_PARTS for k in range(1, SAMPLED_PARTS)]
-        return [(t, self.interpolant(t)) for t in times]
+        return list(zip(times, self.interpolant(np.array(times)).T, strict=True))
 
 
 def guards_of(field: SwitchedField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:

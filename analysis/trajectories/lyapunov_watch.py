@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.result import Piece
-from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.plane import dot, minus
 
 # Relative to the largest V: states and times err by a few 2^-53 per event, and V doubles that.
 RISE_SLACK = 1e-12
@@ -66,7 +67,6 @@ class LyapunovWatch:
 
 def distance_watch(field: ConstantField) -> LyapunovWatch:
     """The watch on ``V = |c - c*|^2`` of a field that is constant on cells."""
-    x, y = field.centre
     bounds = {
         name: max(_rates(field, cell, flow.velocity(field.centre)))
         for cell, name in enumerate(field.names)
@@ -74,14 +74,13 @@ def distance_watch(field: ConstantField) -> LyapunovWatch:
     }
 
     def value(state: Sequence[Any]) -> Any:
-        away = (state[0] - x, state[1] - y)
+        away = minus((state[0], state[1]), field.centre)
         return dot(away, away)
 
     slack = 0 if field.exact else RISE_SLACK * (2 * field.cells.size) ** 2
     return LyapunovWatch(value, bounds, slack)
 
 
-def _rates(field: ConstantField, cell: int, velocity: Sequence[Any]) -> Iterable[Any]:
-    x, y = field.centre
-    for px, py in field.cells.polygons[cell].vertices:
-        yield 2 * dot((px - x, py - y), (velocity[0], velocity[1]))
+def _rates(field: ConstantField, cell: int, velocity: Point) -> Iterable[Any]:
+    for vertex in field.cells.polygons[cell].vertices:
+        yield 2 * dot(minus(vertex, field.centre), velocity)

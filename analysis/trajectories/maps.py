@@ -16,10 +16,11 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.symbolic.notebook import ShortRepr
 
 
-@dataclass(frozen=True)
-class SettleMap:
+@dataclass(frozen=True, repr=False)
+class SettleMap(ShortRepr):
     """Ends of paths from m starts.
 
     Attributes:

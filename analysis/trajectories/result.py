@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import float_text
 
 State: TypeAlias = tuple[Any, ...]
@@ -124,8 +124,8 @@ class End:
         return entry
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, repr=False)
+class Trajectory(ShortRepr):
     """A Filippov solution.
 
     Attributes:
@@ -175,6 +175,25 @@ class Trajectory:
     def sample(self, times: Iterable[float]) -> NDArray[np.float64]:
         """States (m, n) at many times, as floats."""
         return np.array([_floats(self.at(time)) for time in times])
+
+    def in_lengths(self, length: float) -> Trajectory:
+        """The same path of ``(x, y, theta)``, where x and y count a length, in the unit of that length."""
+        if length == 1:
+            return self
+
+        def back(state: State) -> State:
+            return (state[0] * length, state[1] * length, *state[2:])
+
+        def later(piece: Piece) -> Piece:
+            return replace(piece, state=lambda time: back(piece.state(time)))
+
+        return replace(
+            self,
+            states=tuple(map(back, self.states)),
+            events=tuple(replace(event, state=back(event.state)) for event in self.events),
+            end=replace(self.end, state=back(self.end.state)),
+            pieces=tuple(map(later, self.pieces)),
+        )
 
     @property
     def array(self) -> NDArray[np.float64]:

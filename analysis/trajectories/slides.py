@@ -1,30 +1,24 @@
 """Sliding along an edge with constant twists on both sides: closed forms by equivalent control.
 
-Along a ray from p with direction r the neighbours' normal speeds ``N = n + w s |r|^2`` (positive towards the left) are
-affine in the position s and their tangential speeds rho are constant, so equivalent control (Filippov 1988, sec. 4)
-gives ::
-
-    s' |r|^2 = (A + B s)/(C + D s),     theta' = K/(C + D s)
-    A = N_R rho_L - N_L rho_R,  C = N_R - N_L,  K = N_R omega_L - N_L omega_R,  B and D likewise from w |r|^2
-
-whose time and rotation as functions of s are integrals of rational functions: logarithms.  With w = 0 every formula is
-rational, so exact numbers stay exact.
+Along a ray ``s' |r|^2 = (A + B s)/(C + D s)`` (:mod:`nonsmooth.analysis.cells.moves`) and ``theta' = K/(C + D s)`` with
+``K = n_1 omega_2 - n_2 omega_1``: time and rotation as functions of s are integrals of rational functions, logarithms.
+With w = 0 every formula is rational, so exact numbers stay exact.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nonsmooth.analysis.cells.moves import RaySpeeds, Signs, ray_speeds, sliding
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.convex_weights import least_mix
-from nonsmooth.analysis.trajectories.junction import Ray, Signs
+from nonsmooth.analysis.trajectories.junction import Ray
 from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import dot
 
 # Relative to the products compared: normal speeds whose quotient is constant to this vanish at one point together.
 PROPORTIONAL_DOUBT = 1e-12
@@ -40,8 +34,7 @@ class Slide:
     """Sliding from ``point`` along ``direction``; ``reach`` is the position s at which it ends.
 
     Attributes:
-        normals: ``(N_L, N_R)`` at the start.
-        bends: their derivatives in s, ``turn |r|^2``.
+        beside: the speeds of the left and the right cell on the ray.
         coefficients: ``A, B, C, D, K``, with ``C + D s > 0`` inside the slide.
         share: weight of the left cell where it does not follow from the normals, because both vanish together.
         free: whether the weights are not determined: both cells move along the line, differently.
@@ -51,8 +44,7 @@ class Slide:
     point: Point
     theta: Any
     direction: Point
-    normals: Sequence[Any]
-    bends: Sequence[Any]
+    beside: tuple[RaySpeeds, RaySpeeds]
     coefficients: tuple[Any, Any, Any, Any, Any]
     share: Any | None
     free: bool
@@ -67,7 +59,7 @@ class Slide:
         """Convex weights of the left and the right cell at a position."""
         if self.share is not None:
             return self.share, 1 - self.share
-        left, right = (n + b * position for n, b in zip(self.normals, self.bends, strict=True))
+        left, right = (speeds.normal + speeds.bend * position for speeds in self.beside)
         share = right / (right - left)
         return share, 1 - share
 
@@ -123,63 +115,51 @@ class Slide:
 
 def slide_along(field: ConstantField, point: Point, theta: Any, ray: Ray, signs: Signs) -> Slide | None:
     """The sliding motion away from a point along a ray, where there is one."""
-    r, length = ray.direction, dot(ray.direction, ray.direction)
-    left, right = field.flows[ray.left][0], field.flows[ray.right][0]
-    velocities = (left.velocity(point), right.velocity(point))
-    normals = tuple(_cleaned(cross(r, v), signs) for v in velocities)
-    along = (dot(r, velocities[0]), dot(r, velocities[1]))
-    bends = (left.turn * length, right.turn * length)
-    first, second = (signs.first(n, b, signs.turn_slack) for n, b in zip(normals, bends, strict=True))
-    if first * second > 0:
+    flows = field.flows[ray.left][0], field.flows[ray.right][0]
+    left, right = (_cleaned(ray_speeds(ray.direction, flow.about(point)), signs) for flow in flows)
+    pushes = left.push(signs), right.push(signs)
+    if pushes[0] * pushes[1] > 0:
         return None
-    share, free = _constant_share(normals, bends, (first, second)), False
-    if not first and not second:
-        free = left != right
-        share = least_mix((*velocities[0], left.omega), (*velocities[1], right.omega))
+    omegas, free = (flows[0].omega, flows[1].omega), False
+    share = _constant_share(left, right) if any(pushes) else None
+    if not any(pushes):
+        free = flows[0] != flows[1]
+        share = least_mix(*((*flow.velocity(point), flow.omega) for flow in flows))
     if share is not None:
         zero = share * 0
-        speed, rate = (share * x + (1 - share) * y for x, y in (along, (left.omega, right.omega)))
+        speed, rate = (share * x + (1 - share) * y for x, y in ((left.radial, right.radial), omegas))
         parts = (speed, zero, zero + 1, zero, rate)
+    elif pushes[0] < pushes[1]:
+        parts = (*sliding(right, left), right.normal * omegas[0] - left.normal * omegas[1])
     else:
-        parts = _slide_coefficients(normals, bends, along, (left, right), second - first)
+        parts = (*sliding(left, right), left.normal * omegas[1] - right.normal * omegas[0])
     if signs(parts[0], signs.product_slack if share is None else signs.speed_slack) <= 0:
         return None
     reach = ray.reach
-    for normal, bend in zip(normals, bends, strict=True):
+    for normal, bend, _ in (left, right):
         if sign(normal) * sign(bend) < 0:
             reach = min(reach, -normal / bend)
-    return Slide(point, theta, r, normals, bends, parts, share, free, reach, _stopping_place(parts, reach))
+    stop = _stopping_place(parts, reach)
+    return Slide(point, theta, ray.direction, (left, right), parts, share, free, reach, stop)
 
 
-def _cleaned(speed: Any, signs: Signs) -> Any:
-    """A speed without its rounding, where it vanishes within rounding."""
-    return speed if signs(speed, signs.speed_slack) else speed * 0
+def _cleaned(speeds: RaySpeeds, signs: Signs) -> RaySpeeds:
+    """Speeds without the rounding of the normal one, where that vanishes within rounding."""
+    return speeds if signs(speeds.normal, signs.speed_slack) else speeds._replace(normal=speeds.normal * 0)
 
 
-def _constant_share(normals: Sequence[Any], bends: Sequence[Any], order: tuple[int, int]) -> Any | None:
+def _constant_share(left: RaySpeeds, right: RaySpeeds) -> Any | None:
     """The left cell's weight where both normal speeds vanish at one point of the line, so that it is constant.
 
     Mirror images do: there the slide passes from attracting to repelling without losing its speed.
     """
-    (n1, n2), (b1, b2) = normals, bends
-    if not any(order) or (not b1 and not b2):
+    (n1, b1, _), (n2, b2, _) = left, right
+    if not b1 and not b2:
         return None
-    left, right = n1 * b2, n2 * b1
-    if abs(left - right) > PROPORTIONAL_DOUBT * (abs(left) + abs(right)):
+    first, second = n1 * b2, n2 * b1
+    if abs(first - second) > PROPORTIONAL_DOUBT * (abs(first) + abs(second)):
         return None
     return n2 / (n2 - n1) if n2 - n1 else b2 / (b2 - b1)
-
-
-def _slide_coefficients(
-    normals: Sequence[Any], bends: Sequence[Any], along: tuple[Any, Any], flows: tuple[Flow, Flow], orientation: int
-) -> tuple[Any, Any, Any, Any, Any]:
-    """``A, B, C, D, K`` with ``C + D s > 0`` ahead."""
-    (n1, n2), (b1, b2), (p1, p2) = normals, bends, along
-    parts = (n2 * p1 - n1 * p2, b2 * p1 - b1 * p2, n2 - n1, b2 - b1, n2 * flows[0].omega - n1 * flows[1].omega)
-    if orientation > 0:
-        return parts
-    a, b, c, d, k = parts
-    return -a, -b, -c, -d, -k
 
 
 def _stopping_place(coefficients: tuple[Any, Any, Any, Any, Any], reach: Any) -> Any | None:

@@ -153,7 +153,7 @@ class _SmoothPath:
         if motion is None:
             return
         self._forget()
-        away = largest(self.x - corner)
+        away = largest(self.x - corner) * self.field.unit
         self.x = corner
         note = f"turns around here without end, ever faster and nearer; drawn is their mean, within {away:.1g}"
         self._event(EventKind.SLIDE, motion.face.name, motion.weights(self.time, self.x), note=note)

@@ -10,24 +10,24 @@ series is taken at distances whose square is below rounding, where that term no 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner
+from nonsmooth.analysis.cells.fan import by_angle
+from nonsmooth.analysis.cells.full_turns import Growth, crossing, growth_of
+from nonsmooth.analysis.cells.moves import Signs
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.trajectories.junction import Ray, Signs, junction_at
+from nonsmooth.analysis.trajectories.junction import Ray, junction_at
 from nonsmooth.analysis.trajectories.motion import State
-from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.plane import around, cross, dot, minus
 
 # Relative to the size of the domain: turns smaller than this cannot be told apart in a drawing.
 DRAWN_DISTANCE = 1 / 128
 # Relative to the size of the domain: the turning terms change a turn from here by 1e-18 of the domain.
 SERIES_DISTANCE = 1e-9
-# Relative: a gain nearer to one than this is not told from one; the series would need more than 1e12 turns.
-GAIN_DOUBT = 1e-12
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,7 @@ class Turn:
     @property
     def gain(self) -> Any:
         """Factor of the distance per turn."""
-        product: Any = 1
-        for step in self.steps:
-            product = step.gain * product
-        return product
+        return math.prod(step.gain for step in self.steps)
 
     def from_edge(self, edge: int) -> Turn:
         """The same turn, begun at an edge."""
@@ -129,28 +126,25 @@ def full_turn(field: ConstantField, corner: int, sense: int, signs: Signs) -> Tu
     junction = junction_at(field, AtCorner(corner), point)
     if junction.border:
         return None
-    rays = list(junction.rays)
-    order = _in_order(rays, sense)
-    steps: list[TurnStep] = []
-    for ray, following in zip(order, [*order[1:], order[0]], strict=True):
-        cell = ray.left if sense > 0 else ray.right
-        flow = field.flows[cell][0]
-        v = flow.velocity(point)
-        here, there = cross(ray.direction, v), cross(following.direction, v)
-        if sense * signs(here, signs.speed_slack) <= 0 or sense * signs(there, signs.speed_slack) <= 0:
-            return None
-        lasts = cross(ray.direction, following.direction) / there
-        steps.append(TurnStep(ray, cell, v, flow.omega, here / there, lasts))
-    return Turn(corner, tuple(steps))
+    rays = sorted(junction.rays, key=lambda ray: by_angle(ray.direction))[::sense]
+    steps = [_turn_step(field, point, pair, sense, signs) for pair in around(rays)]
+    crossed = tuple(step for step in steps if step is not None)
+    return Turn(corner, crossed) if len(crossed) == len(steps) else None
 
 
-def _in_order(rays: Sequence[Ray], sense: int) -> list[Ray]:
-    """Rays in the order of a turn: the next one has on its near side the cell on the far side of the last."""
-    order = [rays[0]]
-    while len(order) < len(rays):
-        cell = order[-1].left if sense > 0 else order[-1].right
-        order.append(next(ray for ray in rays if (ray.right if sense > 0 else ray.left) == cell))
-    return order
+def _turn_step(field: ConstantField, point: Point, rays: tuple[Ray, Ray], sense: int, signs: Signs) -> TurnStep | None:
+    """Through the cell between two rays with the velocity at the corner.
+
+    Crossings that hang on the turn of the velocity are of another order than one, and sum to no geometric series.
+    """
+    first, second = (ray.direction for ray in rays)
+    cell = rays[0].left if sense > 0 else rays[0].right
+    flow = field.flows[cell][0]
+    v = flow.velocity(point)
+    passed = crossing((first, second), Twist(*v, flow.turn * 0), sense, signs)
+    if passed is None:
+        return None
+    return TurnStep(rays[0], cell, v, flow.omega, passed.gain, cross(first, second) / cross(second, v))
 
 
 class Turns:
@@ -169,16 +163,15 @@ class Turns:
     def lead_outward(self, corner: int) -> bool:
         """Whether a turn lengthens the distance: then infinitely many spirals leave the corner."""
         turns = (self.around(corner, sense) for sense in (1, -1))
-        return any(turn is not None and self._sign(turn.gain - 1) > 0 for turn in turns)
+        return any(turn is not None and growth_of(turn.gain, self.signs) is Growth.DIVERGES for turn in turns)
 
     def inward_from(self, edge: int, cell: int, corner: int) -> Turn | None:
         """The turn around a corner of an edge just crossed into a cell, begun at that edge, if it contracts."""
         ends = self.field.cells.edges[edge]
         turn = self.around(corner, 1 if (ends.left == cell) == (ends.start == corner) else -1)
-        return turn.from_edge(edge) if turn is not None and self._sign(1 - turn.gain) > 0 else None
-
-    def _sign(self, value: Any) -> int:
-        return sign(value) if self.field.exact else self.signs(value, GAIN_DOUBT)
+        if turn is None or growth_of(turn.gain, self.signs) is not Growth.CONTRACTS:
+            return None
+        return turn.from_edge(edge)
 
     @property
     def small(self) -> float:
@@ -189,8 +182,7 @@ class Turns:
         """The limit of infinitely many turns around a corner of the edge just crossed, once they are small."""
         cells = self.field.cells
         for corner in (cells.edges[edge].start, cells.edges[edge].end):
-            x, y = cells.points[corner]
-            away = (point[0] - x, point[1] - y)
+            away = minus(point, cells.points[corner])
             if float(dot(away, away)) > self.small**2:
                 continue
             turn = self.inward_from(edge, cell, corner)
@@ -199,5 +191,5 @@ class Turns:
             r = turn.steps[0].ray.direction
             s = dot(away, r) / dot(r, r)
             if turn.fits(s):
-                return Spiral(turn, (x, y), theta, s)
+                return Spiral(turn, cells.points[corner], theta, s)
         return None

@@ -38,7 +38,7 @@ def tangency(motion: FaceMotion, t: float, x: Vector, size: float) -> float:
     """How far the normal speeds of a slide are from vanishing both, in units of what counts as zero."""
     fields = motion.fields(t, x)
     speeds = motion.normal_speeds(x, fields)
-    nothing = max(TANGENT_SLACK * largest(fields), _doubt(motion, t, x, size))
+    nothing = max(TANGENT_SLACK * largest(fields), _doubt(motion, t, x, size, fields))
     return float(np.abs(speeds).sum()) / nothing if nothing else 0.0
 
 
@@ -83,9 +83,9 @@ def _reach(field: SwitchedField, motion: FaceMotion, x: Vector) -> float:
     return reach
 
 
-def _doubt(motion: FaceMotion, t: float, x: Vector, size: float) -> float:
-    """What rounding of the state may change the normal speeds of a slide by."""
+def _doubt(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector) -> float:
+    """What rounding of the state may change the normal speeds of a slide by; ``fields`` are those at the state."""
     normal = unit_normal(motion.face.keep[0], x)
     move = LOOK_AHEAD * size
-    change = motion.fields(t, x + move * normal) - motion.fields(t, x)
+    change = motion.fields(t, x + move * normal) - fields
     return OFF_SURFACE * max(size, largest(x)) * largest(change) / move

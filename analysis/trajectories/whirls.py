@@ -17,6 +17,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import FaceMotion, largest
+from nonsmooth.symbolic.plane import around
 
 # Relative to the size of the states: turns within this are drawn as their corner; a pixel of a figure.
 WHIRL_EXTENT = 5e-4
@@ -64,7 +65,7 @@ class WhirlMotion(FaceMotion):
         for crossing, lasted in zip(turn, np.diff(times), strict=True):
             self.shares[names.index(crossing.place)] += lasted / (times[-1] - times[0])
         self.gates = []
-        for crossing, following in zip(turn, [*turn[1:], turn[0]], strict=True):
+        for crossing, following in around(turn):
             member = face.members[names.index(crossing.place)]
             speed = unit_normal(crossing.surface, crossing.x) @ member.velocity(crossing.time, crossing.x)
             into = names.index(following.place)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
@@ -16,7 +17,12 @@ from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.symbolic.scene import Scene
 
+Announce: TypeAlias = Callable[[str], None]  # called with the name of each step before it begins
 LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
+
+
+def unheard(step: str) -> None:
+    """Where nobody listens."""
 
 
 @dataclass(frozen=True)
@@ -35,18 +41,21 @@ class Workspace:
         given: the array as it was given.
         scene: the same, centred at the checked point.
         prune: whether to leave out what no verdict needs.
+        sample: whether to evaluate at sampled points what is not known exactly; no verdict rests on it.
         earlier: the results of the clauses that are decided, by name.
         skipped: what was left out, and why.
         seconds: where the time went, by step.
     """
 
-    def __init__(self, given: Scene, *, prune: bool = True) -> None:
+    def __init__(self, given: Scene, *, prune: bool = True, sample: bool = True, announce: Announce = unheard) -> None:
         self.given = given
         self.scene = given.recentred()
         self.prune = prune
+        self.sample = sample
         self.earlier: dict[str, ClauseResult] = {}
         self.skipped: list[Skipped] = []
         self.seconds: dict[str, float] = {}
+        self._announce = announce
 
     @property
     def rule(self) -> ContactRule:
@@ -95,7 +104,8 @@ class Workspace:
 
     @contextmanager
     def timed(self, step: str) -> Iterator[None]:
-        """Note the time that a step takes."""
+        """Say which step begins, and note the time that it takes."""
+        self._announce(step)
         start = time.perf_counter()
         yield
         self.seconds[step] = time.perf_counter() - start

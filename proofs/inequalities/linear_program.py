@@ -55,6 +55,12 @@ class Mixture:
         return feasible and bound and attained and priced
 
 
+def mixtures_to_zero(vectors: Sequence[Column]) -> tuple[list[Column], Column]:
+    """Columns and target of the convex weights that mix vectors into zero."""
+    zero = vectors[0][0] * 0
+    return [(*vector, zero + 1) for vector in vectors], (*(zero for _ in vectors[0]), zero + 1)
+
+
 def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
     """Solve the program; None where no weights reach the target.
 

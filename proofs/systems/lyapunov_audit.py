@@ -26,7 +26,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, exami
 from nonsmooth.proofs.systems.system_stability import domains
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene import Scene
@@ -49,8 +49,8 @@ class AuditVerdict(StrEnum):
         return {"valid": 0, "invalid": 1}.get(self.value, 3)
 
 
-@dataclass(frozen=True)
-class AuditResult:
+@dataclass(frozen=True, repr=False)
+class AuditResult(ShortRepr):
     """Verdict on one V.
 
     Attributes:

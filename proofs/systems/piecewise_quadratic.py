@@ -141,19 +141,23 @@ def solve_piecewise_quadratic(
     """
     load_cvxpy()
     import cvxpy as cp
+    from cvxpy.atoms.affine.binary_operators import multiply
+    from cvxpy.atoms.affine.vstack import vstack
 
     on_rays, mixed, margin = cp.Variable(len(rays)), cp.Variable(len(cones)), cp.Variable()
-    weights = cp.Variable((len(cones), 2), nonneg=True)
-    exchange, eye = np.array([[0.0, 1.0], [1.0, 0.0]]), np.eye(2)
+    weights = cp.Variable((2, len(cones)), nonneg=True)
+    first, second = on_rays[[cone.start for cone in cones]], on_rays[[cone.end for cone in cones]]
+    (b11, b12), (b21, b22) = np.array([_scaled_flow(rays, cone) for cone in cones]).transpose(1, 2, 0)
+    fall = (
+        -2 * (multiply(b11, first) + multiply(b21, mixed)),
+        -multiply(b12, first) - multiply(b11 + b22, mixed) - multiply(b21, second),
+        -2 * (multiply(b12, mixed) + multiply(b22, second)),
+    )
     constraints = [on_rays <= 1]
-    for k, cone in enumerate(cones):
-        flow = _flow_in_rays(rays, cone)
-        flow = flow / (np.abs(flow).max() or 1.0)
-        first, second = on_rays[cone.start], on_rays[cone.end]
-        gram = first * np.diag([1.0, 0.0]) + second * np.diag([0.0, 1.0]) + mixed[k] * exchange
-        rate = flow.T @ gram + gram @ flow
-        constraints += [gram - margin * eye - weights[k, 0] * exchange >> 0]
-        constraints += [-rate - margin * eye - weights[k, 1] * exchange >> 0]
+    for weight, (corner, side, other) in zip(weights, ((first, mixed, second), fall), strict=True):
+        # [[a, b], [b, c]] >= e I says |(2 b, a - c)| <= a + c - 2 e: all cones at once
+        apart = vstack([2 * (side - weight), corner - other])
+        constraints.append(cp.SOC(corner + other - 2 * margin, apart))
     problem = cp.Problem(cp.Maximize(margin), constraints)
     try:
         with warnings.catch_warnings():
@@ -164,6 +168,12 @@ def solve_piecewise_quadratic(
     if margin.value is None or not margin.value > 0:
         return None
     return np.asarray(on_rays.value), np.asarray(mixed.value)
+
+
+def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
+    """The flow of a cone in its rays, of size one."""
+    flow = _flow_in_rays(rays, cone)
+    return np.asarray(flow / (np.abs(flow).max() or 1.0))
 
 
 def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:

@@ -15,9 +15,9 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any
 
+from nonsmooth.analysis.cells.fan import Cone, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
-from nonsmooth.proofs.clauses.translation.cones import Cone, by_angle
 from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.cells import directions
@@ -31,7 +31,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, turned
+from nonsmooth.symbolic.plane import around, cross, dot, hull_holds_zero, turned
 
 
 class RayKind(StrEnum):
@@ -210,8 +210,7 @@ def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
     ]
     pieces.sort(key=lambda piece: by_angle(piece[0]))
     cones: list[Cone] = []
-    for k, (start, velocities) in enumerate(pieces):
-        end = pieces[(k + 1) % len(pieces)][0]
+    for (start, velocities), (end, _) in around(pieces):
         motions = [Twist(f.terms.get((0, 0), zero), g.terms.get((0, 0), zero), zero) for f, g in velocities]
         cones.append(Cone(start, end, tuple(motions)))
     return tuple(cones)

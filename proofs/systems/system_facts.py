@@ -33,7 +33,7 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
     yield Fact("lyapunov", tuple(_potential(result)))
     yield Fact("translation", tuple(_stability(result)))
     if proving is not None:
-        yield row_fact("with", f"V = {_proving_text(result)}")
+        yield row_fact("with", f"V = {proving_text(result)}")
         yield row_fact("on", str(result.domain))
 
 
@@ -54,7 +54,7 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
         yield _domain(result.reported_domain)
         yield from _conditions(result.lyapunov)
     else:
-        yield Fact("V", _proving_text(result))
+        yield Fact("V", proving_text(result))
         yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] if result.searched else None)
         yield _domain(result.domain or result.reported_domain)
         yield from _conditions(proving)
@@ -71,7 +71,7 @@ def _pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
     return () if proving is None else potential_pieces(proving.cells, result.scene.states)
 
 
-def _proving_text(result: SystemResult) -> str:
+def proving_text(result: SystemResult) -> str:
     """V in the displacement from the equilibrium: the scene's formula, or the pieces of one that was searched."""
     return "; ".join(map(str, _pieces(result))) if result.searched else one_line(result.scene.check.lyapunov.text)
 

@@ -51,7 +51,7 @@ from nonsmooth.proofs.systems.ray_moves import (
     resting_edges,
 )
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -87,8 +87,8 @@ class Method(StrEnum):
     NONE = "nothing"
 
 
-@dataclass(frozen=True)
-class SystemResult:
+@dataclass(frozen=True, repr=False)
+class SystemResult(ShortRepr):
     """Stability of the equilibrium with everything that was proved about it.
 
     Attributes:

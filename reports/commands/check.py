@@ -7,24 +7,31 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
 from nonsmooth.reports.options import (
+    AUTO,
     AllowOutside,
-    At,
+    AtOrAuto,
     CertificateFile,
     Continuum,
     Json,
     NoPrune,
     Radius,
+    Require,
     RulesOption,
     SceneTexts,
     chosen_rules,
+    required_answers,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from rich.console import RenderableType
+
     from nonsmooth.analysis.continuum.prediction import Prediction
+    from nonsmooth.proofs.clauses.workspace import Announce
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
+    from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -33,10 +40,11 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     scenes: SceneTexts,
     rule: RulesOption = None,
     radius: Radius = None,
-    at: At = None,
+    at: AtOrAuto = None,
     allow_outside: AllowOutside = False,
     no_prune: NoPrune = False,
     certificate: CertificateFile = None,
+    require: Require = None,
     continuum: Continuum = False,
     json: Json = False,
 ) -> int:
@@ -47,28 +55,53 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-    rules = chosen_rules(rule)
+    rules, required = chosen_rules(rule), required_answers(require)
     path = None if certificate is None else _certificate_path(certificate, len(rules))
+    fixed_at = None if at == AUTO else at
     loaded = [
-        load_any(scene, rule=name, radius=radius, at=at, allow_outside=allow_outside)
+        load_any(scene, rule=name, radius=radius, at=fixed_at, allow_outside=allow_outside)
         for scene in scenes
         for name in rules
     ]
+    best = at == AUTO
+    if best:
+        _require_arrays(loaded, "--at auto")
     if len(scenes) > 1:
+        loaded = [_at_best_point(scene) if best else scene for scene in loaded]
         _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
-        return _check_many(loaded, prune=not no_prune, json=json)
+        return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
         _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
-    return _check_array(arrays, path, prune=not no_prune, continuum=continuum, json=json)
+    return _check_array(arrays, path, required=required, best=best, prune=not no_prune, continuum=continuum, json=json)
 
 
-def _check_many(scenes: Sequence[Scene | SwitchedSystem], *, prune: bool, json: bool) -> int:
+def _at_best_point(scene: Scene | SwitchedSystem) -> Scene | SwitchedSystem:
+    """The array at the best rest point of its square."""
+    from nonsmooth.proofs.answers.best_point import at_best_point
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+    if isinstance(scene, SwitchedSystem):
+        return scene
+    with refusals_named(scene):
+        return at_best_point(scene)
+
+
+def _require_arrays(scenes: Sequence[Scene | SwitchedSystem], option: str) -> None:
+    """Refuse plain systems for an option of arrays."""
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+    for scene in scenes:
+        if isinstance(scene, SwitchedSystem):
+            raise RefusedError(f"{scene.origin}: required an array of wheels for {option}, received a plain system")
+
+
+def _check_many(scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str], *, prune: bool, json: bool) -> int:
     """Many scenes: one line each, the worst exit status."""
     from nonsmooth.reports.summary import check_all, summary_view, worst_status
 
-    lines = check_all(scenes, prune=prune)
+    lines = check_all(scenes, required, prune=prune, records=json)
     if json:
         from nonsmooth.reports.records import checks_record
 
@@ -78,47 +111,79 @@ def _check_many(scenes: Sequence[Scene | SwitchedSystem], *, prune: bool, json: 
     return worst_status(lines)
 
 
-def _check_array(scenes: list[Scene], path: Path | None, *, prune: bool, continuum: bool, json: bool) -> int:
+def _check_array(  # one keyword for each option
+    scenes: list[Scene],
+    path: Path | None,
+    *,
+    required: Sequence[str],
+    best: bool,
+    prune: bool,
+    continuum: bool,
+    json: bool,
+) -> int:
     """One array, under one contact rule or all."""
-    from nonsmooth.proofs.theorem4 import check_theorem4
-    from nonsmooth.proofs.verified import verified
+    from nonsmooth.reports.interface.check_result import check_scene
+    from nonsmooth.reports.progress import steps
 
     found = _predictions(scenes[0]) if continuum else None
-    results = []
-    for scene in scenes:
-        with refusals_named(scene):
-            results.append(verified(check_theorem4(scene, prune=prune)))
+    results, alone = [], len(scenes) == 1
+    with steps("check") as announce:
+        for scene in scenes:
+            with refusals_named(scene):
+                heard = announce if alone else _with_rule(scene, announce)
+                results.append(check_scene(scene, prune=prune, best=best, ask_others=alone, announce=heard))
+        announce("where bodies go, and the other rules")
+        for result in results:
+            _ = result.answers
     if path is not None:
-        _write_certificate(results[0], path)
+        _write_certificate(results[0].evidence, path)
     if json:
         _write_records(results, found)
     else:
         _write_views(results, found)
-    statuses = [result.verdict.exit_status for result in results]
+    statuses = [result.exit_status(required) for result in results]
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
 
-def _write_records(results: list[CellCheck | SmoothCheck], found: tuple[Prediction, ...] | None) -> None:
+def _with_rule(scene: Scene, announce: Announce) -> Announce:
+    """Steps of one rule among several."""
+    return lambda step: announce(f"rule {scene.contact.rule}: {step}")
+
+
+def _write_records(results: list[CheckResult], found: tuple[Prediction, ...] | None) -> None:
     from nonsmooth.reports.records import check_record, checks_record
 
     if found is None:
-        records = [check_record(result) for result in results]
+        records = [result.to_dict() for result in results]
     else:
         from nonsmooth.reports.continuum import continuum_record
 
-        records = [check_record(result, continuum_record(found, result)) for result in results]
+        records = [
+            check_record(result.evidence, result.answers, continuum_record(found, result.evidence))
+            for result in results
+        ]
     write_json(checks_record(records) if len(records) > 1 else records[0])
 
 
-def _write_views(results: list[CellCheck | SmoothCheck], found: tuple[Prediction, ...] | None) -> None:
-    from nonsmooth.reports.terminal import check_view, legend, notes_lines
+def _write_views(results: list[CheckResult], found: tuple[Prediction, ...] | None) -> None:
+    from nonsmooth.reports.answers import answers_view
+    from nonsmooth.reports.terminal import check_view, headline, legend, notes_lines
 
-    views = [check_view(result) for result in results]
+    views: list[RenderableType] = []
+    for result in results:
+        check = result.evidence
+        views += [_stacked(headline(check), answers_view(check, result.answers)), check_view(check)]
     if found is not None:
         from nonsmooth.reports.continuum import continuum_view
 
-        views.append(continuum_view(found, results))
-    write_views([*views, *notes_lines(results[0].scene.field), legend()])
+        views.append(continuum_view(found, [result.evidence for result in results]))
+    write_views([*views, *notes_lines(results[0].evidence.scene.field), legend()])
+
+
+def _stacked(*views: RenderableType) -> RenderableType:
+    from rich.console import Group
+
+    return Group(*views)
 
 
 def _predictions(scene: Scene) -> tuple[Prediction, ...]:
@@ -150,8 +215,12 @@ def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.systems.system_stability import system_check
     from nonsmooth.proofs.verified import verified
+    from nonsmooth.reports.progress import steps
 
-    result = verified(system_check(scene))
+    with steps("stability") as announce:
+        result = system_check(scene)
+        announce("verification of the evidence")
+        verified(result)
     if json:
         from nonsmooth.reports.system_views import system_record
 

@@ -7,14 +7,25 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import RefusedError, refusals_named, write
-from nonsmooth.reports.options import AllowOutside, At, Json, Radius, ReportFile, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, ReportFile, RuleOption, SceneText, complete_part
 
 Only = Annotated[
     str | None,
-    typer.Option("--only", metavar="NAMES", help="Only these sections, such as verdict,cells; a wrong name lists all."),
+    typer.Option(
+        "--only",
+        metavar="NAMES",
+        help="Only these sections, such as verdict,cells; a wrong name lists all.",
+        autocompletion=complete_part,
+    ),
 ]
 Without = Annotated[
-    str | None, typer.Option("--without", metavar="NAMES", help="All sections but these, such as precision,stress.")
+    str | None,
+    typer.Option(
+        "--without",
+        metavar="NAMES",
+        help="All sections but these, such as precision,stress.",
+        autocompletion=complete_part,
+    ),
 ]
 
 
@@ -33,8 +44,9 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
 
     Exit status: 0 written, whatever the verdict; 2 bad input.
     """
-    from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
-    from nonsmooth.reports.files import output_path, write_whole
+    from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report, write_report
+    from nonsmooth.reports.files import output_path
+    from nonsmooth.reports.progress import steps
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.text_files import OUTSIDE_OPTION
@@ -45,10 +57,10 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     options = _given({"--rule": rule, "--radius": radius, "--at": at})
     options += (OUTSIDE_OPTION,) if allow_outside else ()
     invocation = Invocation(scene, options, _given({"--only": only, "--without": without, "-o": output}))
-    with refusals_named(loaded):
-        report = derive_report(loaded, invocation, parts)
+    with refusals_named(loaded), steps("derivation") as announce:
+        report = derive_report(loaded, invocation, parts, announce)
     if path is not None:
-        write_whole(path, render_report(report, path.suffix.lower()).encode())
+        write_report(report, path)
     if json:
         write(render_report(report, ".json"))
     elif path is not None:

@@ -39,6 +39,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     Exit status: 0 done, 2 bad input.
     """
     from nonsmooth.analysis.cells.contact_partition import build_partition
+    from nonsmooth.reports.progress import steps
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if output is None:
@@ -55,7 +56,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         return _compare(loaded, path, json=json)
     if path is not None and show is Drawing.ARRAY and not json:
         return _draw_array(loaded, path)
-    with refusals_named(loaded):
+    with refusals_named(loaded), steps(f"cells of rule {loaded.contact.rule}"):
         cells = build_partition(loaded)
     if path is not None:
         write_whole(path, _drawn(cells, show, path.suffix.lower()))
@@ -104,8 +105,9 @@ def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
     from nonsmooth.analysis.minimizers.agreement import compare_rules
     from nonsmooth.reports.agreement_views import agreement_map, agreement_record, agreement_view
     from nonsmooth.reports.files import write_whole
+    from nonsmooth.reports.progress import steps
 
-    with refusals_named(scene):
+    with refusals_named(scene), steps("comparison of the contact rules"):
         agreement = compare_rules(scene)
     if path is not None:
         write_whole(path, agreement_map(agreement, path.suffix.lower()))

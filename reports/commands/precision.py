@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.console import INTERRUPTED, RefusedError
-from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText, complete_study
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.measurements.harness import Study
@@ -23,7 +23,10 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     study: Annotated[
         list[str] | None,
         typer.Option(
-            "--study", metavar="NAME", help="This study only, such as derivation; may be given several times."
+            "--study",
+            metavar="NAME",
+            help="This study only, such as derivation; may be given several times.",
+            autocompletion=complete_study,
         ),
     ] = None,
     runs: Annotated[int, typer.Option("--runs", metavar="N", help="Runs of which the shortest counts.")] = 3,

@@ -24,7 +24,7 @@ From = Annotated[
         "--from",
         rich_help_panel=PATH,
         metavar="X,Y,THETA",
-        help="Start in world coordinates, such as 0.2,0.4,0: one number per state.",
+        help="Start in world coordinates, such as 0.2,sqrt(2)/4,pi/6: one number per state.",
     ),
 ]
 GridOption = Annotated[

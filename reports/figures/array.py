@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.reports.figures.cell_map import LABEL, LEGEND_ROW, PALETTE, PICTURE, TINT, figure_bytes
+from nonsmooth.reports.figures.labels import length_label, wrapped
 from nonsmooth.reports.figures.wheels import INK, RIM_SHARE, draw_wheel, floats
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
@@ -31,7 +32,13 @@ def build_figure(scene: Scene) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(PICTURE, PICTURE + 2 * LEGEND_ROW), layout="constrained")
-    axes = figure.subplots()
+    draw_array(figure.subplots(), scene)
+    _explain(figure)
+    return figure
+
+
+def draw_array(axes: Axes, scene: Scene) -> None:
+    """Every wheel, and the checked square, on axes of equal scale."""
     places = np.array([floats(wheel.position) for wheel in scene.wheels])
     centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
     rim = _rim(places, np.concatenate([places, [centre - radius, centre + radius]]))
@@ -41,9 +48,8 @@ def build_figure(scene: Scene) -> Figure:
     for wheel in scene.wheels:
         tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
         draw_wheel(axes, wheel, rim, tip=tip, named=len(scene.wheels) <= MOST_NAMES)
-    axes.set_title(f"{one_line(scene.name)}: {len(scene.wheels)} wheels", parse_math=False)
-    _explain(figure)
-    return figure
+    axes.set(xlabel=length_label("x", scene.units), ylabel=length_label("y", scene.units))
+    axes.set_title(wrapped(f"{one_line(scene.name)}: {len(scene.wheels)} wheels"), parse_math=False)
 
 
 def _rim(places: NDArray[np.float64], shown: NDArray[np.float64]) -> float:
@@ -58,7 +64,6 @@ def _set_view(axes: Axes, shown: NDArray[np.float64]) -> None:
     low, high = shown.min(axis=0), shown.max(axis=0)
     middle, half = (low + high) / 2, 0.53 * float((high - low).max())
     axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
-    axes.set(xlabel="x [length unit of the scene]", ylabel="y [length unit of the scene]")
 
 
 def _draw_square(axes: Axes, centre: NDArray[np.float64], radius: float) -> None:

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.reports.document import cell_mark
+from nonsmooth.reports.figures.labels import centre_labels, wrapped
 from nonsmooth.reports.figures.wheels import ARROW, INK, XY, Segment, draw_wheel, floats, wheels_in_view
 from nonsmooth.symbolic.number_text import decimal_text
-from nonsmooth.symbolic.plane import between
+from nonsmooth.symbolic.plane import around, between, dot, minus
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ EDGES: dict[EdgeKind, dict[str, Any]] = {  # told apart by form, not by color
 EDGE_WORDS = {
     EdgeKind.SLIDING: "edge with sliding",
     EdgeKind.RESTING: "edge on which the body rests",
-    EdgeKind.REPELLING: "edge that solutions leave to both sides",
+    EdgeKind.REPELLING: "edge that solutions leave",
 }
 
 
@@ -92,6 +93,14 @@ def build_figure(partition: Partition) -> Figure:
 
     figure = Figure(figsize=(PICTURE, PICTURE), layout="constrained")
     axes = figure.subplots()
+    kinds = draw_cell_map(axes, partition)
+    wheels = wheels_in_view(axes, partition.scene.wheels)
+    _explain(figure, kinds, wheels=bool(wheels), rests=any(not any(cell.twists[0]) for cell in partition.cells))
+    return figure
+
+
+def draw_cell_map(axes: Axes, partition: Partition) -> list[EdgeKind]:
+    """The cells with their motions, the wheels in view and the checked point; returns the kinds of edges drawn."""
     width = view_square(axes, partition)
     wheels = wheels_in_view(axes, partition.scene.wheels)
     x, y = floats(partition.scene.check.equilibrium)
@@ -103,9 +112,9 @@ def build_figure(partition: Partition) -> Figure:
         _draw_cell(axes, cell, color, marks, points_per_length=POINTS / width)
     axes.plot([x], [y], marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
     scene = partition.scene
-    axes.set_title(f"{one_line(scene.name)}: rule {partition.rule}, {len(partition.cells)} cells", parse_math=False)
-    _explain(figure, kinds, wheels=bool(wheels), rests=any(not any(cell.twists[0]) for cell in partition.cells))
-    return figure
+    title = f"{one_line(scene.name)}: rule {partition.rule}, {len(partition.cells)} cells"
+    axes.set_title(wrapped(title), parse_math=False)
+    return kinds
 
 
 def view_square(axes: Axes, partition: Partition) -> float:
@@ -114,8 +123,7 @@ def view_square(axes: Axes, partition: Partition) -> float:
     (left, right), (low, high) = ((min(values), max(values)) for values in zip(*points, strict=True))
     margin = MARGIN * (right - left)
     axes.set(xlim=(left - margin, right + margin), ylim=(low - margin, high + margin), aspect="equal")
-    axes.set(xlabel="x of the centre of mass [length unit of the scene]")
-    axes.set(ylabel="y of the centre of mass [length unit of the scene]")
+    axes.set(**centre_labels(partition.scene.units))
     return right - left + 2 * margin
 
 
@@ -125,16 +133,22 @@ def motion_colors(partition: Partition) -> list[str]:
     return [PALETTE[twists.index(cell.twists) % len(PALETTE)] for cell in partition.cells]
 
 
+def draw_hatch(axes: Axes, xs: Sequence[float], ys: Sequence[float], hatch: str) -> None:
+    """Hatch a polygon without a border: a hatch has the color of the border."""
+    axes.fill(xs, ys, facecolor="none", edgecolor=INK, linewidth=0, hatch=hatch, zorder=2)
+
+
 def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_per_length: float) -> None:
     """The cell with its arrow and, where there is room beside these and the other marks, its label."""
     vertices = [floats(vertex) for vertex in cell.polygon.vertices]
     xs, ys = zip(*vertices, strict=True)
     (shape,) = axes.fill(xs, ys, facecolor=color, alpha=TINT, edgecolor="none", zorder=1)
     shape.set_gid(cell_mark(cell.index))
-    hatch = None if any(cell.twists[0]) else REST_HATCH
-    axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.5, hatch=hatch, hatchcolor=INK, zorder=2)
+    axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.5, zorder=2)
+    if not any(cell.twists[0]):
+        draw_hatch(axes, xs, ys, REST_HATCH)
     centre = floats(cell.polygon.centre)
-    sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+    sides = around(vertices)
     room = clearance(centre, sides)
     if room * points_per_length < LABEL:  # too small for any mark
         return
@@ -162,7 +176,7 @@ def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[Segm
 
 def room_at(place: XY, vertices: Sequence[XY]) -> float:
     """Distance of a place within a polygon from its border."""
-    return clearance(place, zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+    return clearance(place, around(vertices))
 
 
 def clearance(place: XY, obstacles: Iterable[Segment]) -> float:
@@ -172,11 +186,9 @@ def clearance(place: XY, obstacles: Iterable[Segment]) -> float:
 
 def _distance(place: XY, start: XY, end: XY) -> float:
     """Distance from a segment, or from a point."""
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    squared = dx * dx + dy * dy
-    t = ((place[0] - start[0]) * dx + (place[1] - start[1]) * dy) / squared if squared else 0.0
-    x, y = between(start, end, min(max(t, 0.0), 1.0))
-    return math.hypot(place[0] - x, place[1] - y)
+    along = minus(end, start)
+    t = dot(minus(place, start), along) / dot(along, along) if any(along) else 0.0
+    return math.dist(place, between(start, end, min(max(t, 0.0), 1.0)))
 
 
 def draw_switching(axes: Axes, partition: Partition) -> list[EdgeKind]:

@@ -13,9 +13,11 @@ from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, length_label, pose_labels, time_label, wrapped
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +28,6 @@ SMALL = (6.4, 5.0)  # inches
 SAMPLES = 600  # times at which curves are drawn
 BODY: dict[str, Any] = {"color": "#0072B2", "linewidth": 1.8, "label": "full dynamics"}
 RULE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.4, "linestyle": "--", "label": "rule ellipse (mass 0)"}
-LABELS = ("x [length]", "y [length]", "theta [rad]")
 RIM = 0.07  # half the length of a drawn rim, as a share of the array
 MARKS = (("#D55E00", "o"), ("#0072B2", "s"), ("#009E73", "^"), ("#CC79A7", "D"), ("#56B4E9", "v"), ("#E69F00", "P"))
 
@@ -37,10 +38,10 @@ def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
     start, last = path.trajectory.states[0], float(path.trajectory.end.t)
     rule = ellipse_path(model, start, last)
     title = f"{one_line(scene.name)}: full dynamics, mass {path.body.mass:.6g}, inertia {path.body.inertia:.6g}"
-    return figure_bytes(lambda: build_path_figure(title, model, (path.trajectory, rule)), suffix)
+    return figure_bytes(lambda: build_path_figure(title, model, (path.trajectory, rule), scene.units), suffix)
 
 
-def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, Trajectory]) -> Figure:
+def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, Trajectory], units: Units) -> Figure:
     """The picture as a Matplotlib figure; the paths are those of full dynamics and of rule ellipse."""
     from matplotlib.figure import Figure
 
@@ -48,13 +49,13 @@ def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, 
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
     curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
     plane = figure.add_subplot(grid[:, 1])
-    for axes, label in zip(curves, LABELS, strict=True):
+    for axes, label in zip(curves, pose_labels(units), strict=True):
         axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
         axes.set_ylabel(label)
         axes.margins(x=0.02, y=0.15)
         axes.sharex(curves[0])
         axes.tick_params(labelbottom=axes is curves[-1])
-    curves[-1].set_xlabel("t [time]")
+    curves[-1].set_xlabel(time_label("t", units))
     for path, style in zip(paths, (BODY, RULE), strict=True):
         times = np.linspace(0.0, float(path.end.t), SAMPLES)
         states = path.sample(times)
@@ -63,8 +64,8 @@ def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, 
         plane.plot(states[:, 0], states[:, 1], **style, zorder=3)
     _draw_wheels(plane, model)
     plane.plot(*paths[0].states[0][:2], marker=">", color=INK, markersize=7, linestyle="none", label="start", zorder=4)
-    plane.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
-    figure.suptitle(title, fontsize="medium", parse_math=False)
+    plane.set(aspect="equal", **centre_labels(units))
+    figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
     figure.legend(*plane.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
     return figure
 
@@ -79,10 +80,10 @@ def _draw_wheels(axes: Axes, model: ContactModel) -> None:
 
 def masses_figure(scene: Scene, study: MassStudy, suffix: str) -> bytes:
     """Distances over mass; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_masses_figure(one_line(scene.name), study), suffix)
+    return figure_bytes(lambda: build_masses_figure(one_line(scene.name), study, scene.units), suffix)
 
 
-def build_masses_figure(name: str, study: MassStudy) -> Figure:
+def build_masses_figure(name: str, study: MassStudy, units: Units) -> Figure:
     """The picture as a Matplotlib figure: one curve per rule, a line at the limit of those that do not fall to zero."""
     from matplotlib.figure import Figure
 
@@ -99,8 +100,10 @@ def build_masses_figure(name: str, study: MassStudy) -> Figure:
     own = [row.distance(massless_limit()).position for row in study.rows]
     slope = [own[-1] * mass / masses[-1] for mass in masses]
     axes.plot(masses, slope, color="0.6", linewidth=1, linestyle="--", zorder=0, label="in proportion to mass")
-    axes.set(xscale="log", yscale="log", xlabel="mass per weight, 1/g [time²/length]")
-    axes.set_ylabel("largest distance of the paths [length]")
+    axes.set(
+        xscale="log", yscale="log", xlabel=f"mass per weight, 1/g [{units.time or 'time'}²/{units.length or 'length'}]"
+    )
+    axes.set_ylabel(length_label("largest distance of the paths", units))
     axes.set_title(f"{name}: full dynamics and the contact rules", fontsize="medium", parse_math=False)
     axes.grid(color="0.92")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)

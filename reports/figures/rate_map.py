@@ -25,12 +25,13 @@ from nonsmooth.reports.figures.cell_map import (
     room_at,
     view_square,
 )
+from nonsmooth.reports.figures.labels import wrapped
 from nonsmooth.reports.figures.wheels import floats
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 BANDS = 10  # from zero to the largest absolute value
 SPLIT = 20  # pieces of each side of a triangle where motions tie and V* is not linear
@@ -47,21 +48,33 @@ def rate_map(partition: Partition, suffix: str) -> bytes:
 
 def build_figure(partition: Partition) -> Figure:
     """The picture as a Matplotlib figure."""
-    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(PICTURE + 0.7, PICTURE - 0.2), layout="constrained")
     axes = figure.subplots()
+    draw_scale(figure, axes, partition, draw_rates(axes, partition))
+    return figure
+
+
+def draw_scale(figure: Figure | SubFigure, axes: Axes, partition: Partition, levels: NDArray[np.float64]) -> None:
+    """The scale of V* beside the axes; ``levels`` are the borders of its bands."""
+    from matplotlib.cm import ScalarMappable
+
+    ticks = levels[:: max(1, len(levels) // 8)]
+    colors = ScalarMappable(_norm(levels), COLORS)
+    bar = figure.colorbar(colors, ax=axes, shrink=0.85, boundaries=levels, ticks=ticks, format="%.3g")
+    unit = partition.scene.units
+    bar.set_label(f"upper derivative V* [{unit.length or 'length'}²/{unit.time or 'time'}]")
+
+
+def draw_rates(axes: Axes, partition: Partition) -> NDArray[np.float64]:
+    """V* on every cell; returns the borders of its bands."""
     view_square(axes, partition)
     levels = _levels(partition)
     for cell in partition.cells:
         _draw_cell(axes, partition, cell, levels)
-    ticks = levels[:: max(1, len(levels) // 8)]
-    colors = ScalarMappable(_norm(levels), COLORS)
-    bar = figure.colorbar(colors, ax=axes, shrink=0.85, boundaries=levels, ticks=ticks, format="%.3g")
-    bar.set_label("upper derivative V* [length squared per time]")
-    axes.set_title(f"{one_line(partition.scene.name)}: V* of V = |c - c*|^2", parse_math=False)
-    return figure
+    axes.set_title(wrapped(f"{one_line(partition.scene.name)}: V* of V = |c - c*|^2"), parse_math=False)
+    return levels
 
 
 def _levels(partition: Partition) -> NDArray[np.float64]:

@@ -11,8 +11,10 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap
 from nonsmooth.reports.basins import Basin, GridRun, basins
 from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes, require_drawable
+from nonsmooth.reports.figures.labels import WIDE_TITLE, length_label, time_label, wrapped
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,18 +48,19 @@ def build_figure(partition: Partition, run: GridRun, found: SettleMap) -> Figure
     rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
     heading, arrival, ends = (figure.add_subplot(rows[0, k]) for k in range(3))
     _draw_heading(heading, figure.add_subplot(rows[1, 0]), run, found)
-    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), run, found)
+    units = partition.scene.units
+    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), units, run, found)
     _draw_ends(ends, run, found)
     for axes in (heading, arrival, ends):
         _draw_cells(axes, partition)
-        axes.set(xlabel="x at the start [length]", aspect="equal")
+        axes.set(xlabel=length_label("x at the start", units), aspect="equal")
     for axes in (arrival, ends):
         axes.tick_params(labelleft=False)
-    heading.set_ylabel("y at the start [length]")
+    heading.set_ylabel(length_label("y at the start", units))
     name = one_line(partition.scene.name)
     until = "" if run.until is None else f", seen at t = {run.until:.6g}"
     title = f"{name}: rule {partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
-    figure.suptitle(title, fontsize="medium", parse_math=False)
+    figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
@@ -72,11 +75,11 @@ def _draw_heading(axes: Axes, scale: Axes, run: GridRun, found: SettleMap) -> No
     _draw_numbers(axes, scale, run, found, values, "theta_inf [rad]", cmap=HEADING, norm=norm)
 
 
-def _draw_arrival(axes: Axes, scale: Axes, run: GridRun, found: SettleMap) -> None:
+def _draw_arrival(axes: Axes, scale: Axes, units: Units, run: GridRun, found: SettleMap) -> None:
     values = np.where(found.arrived, found.arrival, np.nan)
     latest = float(values[found.arrived].max(initial=0.0)) or 1.0
     axes.set_title("time of arrival")
-    _draw_numbers(axes, scale, run, found, values, "t [time]", cmap=TIME, vmin=0.0, vmax=latest)
+    _draw_numbers(axes, scale, run, found, values, time_label("t", units), cmap=TIME, vmin=0.0, vmax=latest)
 
 
 def _draw_numbers(

@@ -10,7 +10,8 @@ import numpy as np
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes, require_drawable, view_square
-from nonsmooth.reports.figures.trajectory import LABELS, PATH, SIZE, draw_cells, marked_events
+from nonsmooth.reports.figures.labels import WIDE_TITLE, pose_labels, time_label, wrapped
+from nonsmooth.reports.figures.trajectory import PATH, SIZE, draw_cells, marked_events
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -43,9 +44,11 @@ def build_figure(partition: Partition, paths: Sequence[Trajectory]) -> Figure:
     for number, path in enumerate(paths, 1):
         _draw_curves(curves, path, start_mark(number), last)
         _draw_path(plane, path, start_mark(number))
-    _label(curves)
+    _label(curves, partition)
     name = one_line(partition.scene.name)
-    figure.suptitle(f"{name}: rule {partition.rule}, {len(paths)} starts", fontsize="medium", parse_math=False)
+    figure.suptitle(
+        wrapped(f"{name}: rule {partition.rule}, {len(paths)} starts", WIDE_TITLE), fontsize="medium", parse_math=False
+    )
     return figure
 
 
@@ -66,9 +69,10 @@ def _draw_path(axes: Axes, path: Trajectory, mark: str) -> None:
     marked_events(axes, path, mark)
 
 
-def _label(curves: list[Axes]) -> None:
+def _label(curves: list[Axes], partition: Partition) -> None:
+    units, home = partition.scene.units, (*(float(x) for x in partition.scene.check.equilibrium), 0.0)
     for k, axes in enumerate(curves):
-        axes.axhline(0, color="0.6", linewidth=0.6, zorder=0)
-        axes.set_ylabel(LABELS[k])
+        axes.axhline(home[k], color="0.6", linewidth=0.6, zorder=0)
+        axes.set_ylabel(pose_labels(units)[k])
         axes.tick_params(labelbottom=k == 2)
-    curves[2].set_xlabel("t [time]")
+    curves[2].set_xlabel(time_label("t", units))

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
+from nonsmooth.analysis.trajectories.result import Event, EventKind, Trajectory
 from nonsmooth.reports.figures.cell_map import TINT, figure_bytes, motion_colors, require_drawable
+from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, pose_labels, time_label, wrapped
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -28,11 +29,10 @@ MARKERS = {  # a form for every kind, so that color is not needed to tell them a
     EventKind.REST: "o",
     EventKind.NONUNIQUE: "D",
 }
-LABELS = ("x [length]", "y [length]", "theta [rad]")
 SAMPLES = 400  # times at which the curves are drawn
 SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged
 MARGIN = 1.3  # half-width of the enlarged view in units of the path's extent
-MOST_MARKS = 200  # events that are marked: accumulating switches would cover the curve
+MOST_MARKS = 60  # events that are marked, evenly among all: accumulating switches would cover the curve
 
 
 def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
@@ -48,23 +48,31 @@ def build_figure(partition: Partition, trajectory: Trajectory, law: str = "") ->
     figure = Figure(figsize=SIZE, layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
     curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
-    draw_curves(curves, trajectory, LABELS)
+    units = partition.scene.units
+    home = (*(float(x) for x in partition.scene.check.equilibrium), 0.0)
+    draw_curves(curves, trajectory, pose_labels(units), time_label("t", units), home)
     _draw_path(figure.add_subplot(grid[:, 1]), partition, trajectory)
     name = one_line(partition.scene.name)
     title = f"{name}: rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
     title = f"{title}\n{law}" if law else title
-    figure.suptitle(title, fontsize="medium", parse_math=False)
+    figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
     explain(figure, trajectory)
     return figure
 
 
-def draw_curves(curves: Sequence[Axes], trajectory: Trajectory, labels: Sequence[str]) -> None:
-    """The states over time, one under the other, with the events marked."""
+def draw_curves(
+    curves: Sequence[Axes],
+    trajectory: Trajectory,
+    labels: Sequence[str],
+    time: str = "t [time]",
+    home: Sequence[float] = (),
+) -> None:
+    """The states over time, one under the other, with the events marked, and lines at ``home`` (zero unless given)."""
     times, states = _dense(trajectory)
     for k, axes in enumerate(curves):
-        axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+        axes.axhline(home[k] if home else 0, color="0.8", linewidth=0.8, zorder=0)
         axes.plot(times, states[:, k], color=PATH, linewidth=1.6)
-        for event in trajectory.events[:MOST_MARKS]:
+        for event in marked(trajectory.events):
             place = [float(event.t)], [float(event.state[k])]
             axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=5, fillstyle="none", linestyle="none")
         axes.set_ylabel(labels[k])
@@ -72,7 +80,14 @@ def draw_curves(curves: Sequence[Axes], trajectory: Trajectory, labels: Sequence
         if axes is not curves[-1]:
             axes.tick_params(labelbottom=False)
             axes.sharex(curves[-1])
-    curves[-1].set_xlabel("t [time]")
+    curves[-1].set_xlabel(time)
+
+
+def marked(events: Sequence[Event]) -> Sequence[Event]:
+    """The events that are marked: all where they are few, else evenly many of them, the first and last among them."""
+    if len(events) <= MOST_MARKS:
+        return events
+    return [events[round(k * (len(events) - 1) / (MOST_MARKS - 1))] for k in range(MOST_MARKS)]
 
 
 def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -87,7 +102,7 @@ def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.floa
 def _draw_path(axes: Axes, partition: Partition, trajectory: Trajectory) -> None:
     draw_cells(axes, partition)
     draw_path(axes, trajectory)
-    axes.set(xlabel="x of the centre of mass [length]", ylabel="y of the centre of mass [length]", aspect="equal")
+    axes.set(aspect="equal", **centre_labels(partition.scene.units))
     _enlarge(axes, partition, trajectory)
 
 
@@ -118,7 +133,7 @@ def draw_path(axes: Axes, trajectory: Trajectory) -> None:
 
 def marked_events(axes: Axes, trajectory: Trajectory, mark: str | None = None) -> None:
     """The events at their places, each kind with its form; their pieces carry the mark, if there is one."""
-    for number, event in enumerate(trajectory.events[:MOST_MARKS], 1):
+    for number, event in enumerate(marked(trajectory.events), 1):
         place = [[float(event.state[0])], [float(event.state[1])]]
         gid = None if mark is None else f"{mark}--event-{number}"
         axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4, gid=gid)

@@ -16,7 +16,7 @@ from functools import cached_property
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.document import Block, Code, Document, Figure, Inline, Math, Section, Table, Text
+from nonsmooth.reports.document import Block, Code, Document, Figure, Inline, Math, Section, Table, Text, Verdict
 from nonsmooth.reports.formats.inline_svg import inline_svg, marks_of
 from nonsmooth.reports.formats.mathml import display_mathml, inline_mathml
 
@@ -61,7 +61,7 @@ class _Page:
     @cached_property
     def drawn(self) -> dict[str, bytes]:
         """The figures' SVG by key."""
-        return {figure.key: figure.draw() for figure in self._figures()}
+        return {figure.key: figure.draw(".svg") for figure in self.document.figures}
 
     @cached_property
     def in_sections(self) -> dict[str, str]:
@@ -76,7 +76,7 @@ class _Page:
     def in_figures(self) -> dict[str, str]:
         """The first piece of a figure about a mark, by id."""
         targets: dict[str, str] = {}
-        for figure in self._figures():
+        for figure in self.document.figures:
             framed = {frame.mark for frame in figure.frames}
             for mark in marks_of(self.drawn[figure.key]):
                 if mark not in framed:
@@ -97,16 +97,12 @@ class _Page:
 
     def frame(self, marks: tuple[str, ...]) -> str:
         """The first of some marks that is a frame of a figure; empty where none is."""
-        framed = {frame.mark for figure in self._figures() for frame in figure.frames}
+        framed = {frame.mark for figure in self.document.figures for frame in figure.frames}
         return next((mark for mark in marks if mark in framed), "")
 
     def marks_of_row(self, block: Table, row: int) -> tuple[str, ...]:
         """What a row is about."""
         return block.marks[row] if block.marks else ()
-
-    def _figures(self) -> Iterator[Figure]:
-        for section in _sections(self.document.sections):
-            yield from (block for block in section.blocks if isinstance(block, Figure))
 
 
 def _sections(sections: tuple[Section, ...]) -> Iterator[Section]:
@@ -139,6 +135,8 @@ def _inline(part: Inline) -> str:
             return " ".join(pieces) if len(pieces) > 1 else f'<span class="scroll">{pieces[0]}</span>'
         case Code(text):
             return f"<code>{escape(text)}</code>"
+        case Verdict(text, tone):
+            return f'<strong class="{tone}">{escape(text)}</strong>'
         case str():
             return str(escape(part))
 
@@ -154,7 +152,7 @@ def _plain(part: Inline) -> str:
     match part:
         case Math(_, plain):
             return plain
-        case Code(text):
+        case Code(text) | Verdict(text):
             return text
         case str():
             return part

@@ -12,11 +12,13 @@ from nonsmooth.reports.document import (
     Document,
     Figure,
     Inline,
+    Listing,
     Math,
     Paragraph,
     Section,
     Table,
     Text,
+    Verdict,
 )
 from nonsmooth.reports.exact_record import Record
 
@@ -48,6 +50,8 @@ def _block(block: Block) -> Record:
         case Table():
             rows = [[_text(entry) for entry in row] for row in block.rows]
             return {"kind": "table", "header": [_text(entry) for entry in block.header], "rows": rows}
+        case Listing(text):
+            return {"kind": "listing", "text": text}
         case Figure():
             return {"kind": "figure", "key": block.key, "caption": _text(block.caption), "command": block.command}
 
@@ -62,5 +66,7 @@ def _inline(part: Inline) -> Any:
             return {"latex": latex, "plain": plain}
         case Code(text):
             return {"code": text}
+        case Verdict(text):
+            return {"verdict": text}
         case str():
             return part

@@ -1,6 +1,7 @@
 """Reports as LaTeX that plain pdflatex compiles: article, amsmath and the standard tools, nothing else.
 
-One file, so a figure is its caption and the command that draws it (as .pdf, to be included where it is wanted).
+Figures are PDF files in a folder beside the source; without that folder the source compiles too, and each figure is its
+caption with the command that draws it.
 """
 
 from __future__ import annotations
@@ -13,17 +14,20 @@ from nonsmooth.reports.document import (
     Document,
     Figure,
     Inline,
+    Listing,
     Math,
     Paragraph,
     Section,
     Table,
     Text,
+    Verdict,
 )
 
 _PREAMBLE = r"""\documentclass[11pt]{article}
 \usepackage[a4paper,margin=25mm]{geometry}
 \usepackage{amsmath}
 \usepackage{array,longtable}
+\usepackage{graphicx}
 \allowdisplaybreaks
 \setlength{\parindent}{0pt}
 \setlength{\parskip}{0.6em}
@@ -45,29 +49,35 @@ _ESCAPES = {
     "<": r"\textless{}",
     ">": r"\textgreater{}",
     "|": r"\textbar{}",
+    "ä": r"\"a",
     '"': "''",  # the straight quotation mark is not in the default font encoding
 }
 _WESTERN = frozenset("ÀÁÂÃÄÅÆÇÈÉÊËÌÍÎÏÑÒÓÔÕÖØÙÚÛÜÝßàáâãäåæçèéêëìíîïñòóôõöøùúûüýÿ")
 
 
-def render_latex(document: Document) -> str:
-    """The document as a LaTeX source, ending in a newline."""
+def render_latex(document: Document, figures: str = "figures") -> str:
+    """The document as a LaTeX source, ending in a newline.
+
+    Args:
+        document: the report.
+        figures: the folder of the figures, relative to the source.
+    """
     parts = [_PREAMBLE + rf"\title{{{_escaped(document.title)}}}", r"\date{}", r"\begin{document}", r"\maketitle"]
     for section in document.sections:
-        parts += _section(section, 0)
+        parts += _section(section, 0, figures)
     return "\n".join([*parts, r"\end{document}"]) + "\n"
 
 
-def _section(section: Section, level: int) -> list[str]:
+def _section(section: Section, level: int, figures: str) -> list[str]:
     command = _COMMANDS[min(level, len(_COMMANDS) - 1)]
     parts = [f"\n\\{command}{{{_escaped(section.title)}}}"]
-    parts += [_block(block) for block in section.blocks]
+    parts += [_block(block, figures) for block in section.blocks]
     for subsection in section.subsections:
-        parts += _section(subsection, level + 1)
+        parts += _section(subsection, level + 1, figures)
     return parts
 
 
-def _block(block: Block) -> str:
+def _block(block: Block, figures: str) -> str:
     match block:
         case Paragraph(text):
             return "\n" + _text(text)
@@ -77,8 +87,24 @@ def _block(block: Block) -> str:
             return "\n".join([r"\begin{itemize}", *(rf"\item {_text(item)}" for item in items), r"\end{itemize}"])
         case Table():
             return _table(block)
+        case Listing(text):
+            return f"{{\\footnotesize\n\\begin{{verbatim}}\n{text}\n\\end{{verbatim}}\n}}"
         case Figure():
-            return f"\n\\textbf{{Figure.}} {_text(block.caption)} Drawn by {_inline(Code(block.command))}."
+            return _figure(block, f"{figures}/{block.key}.pdf")
+
+
+def _figure(block: Figure, file: str) -> str:
+    """The picture where its file is, and its caption."""
+    picture = rf"\includegraphics[width=\linewidth,height=0.42\textheight,keepaspectratio]{{\detokenize{{{file}}}}}"
+    return "\n".join(
+        [
+            r"\begin{figure}[!htbp]",
+            r"\centering",
+            rf"\IfFileExists{{\detokenize{{{file}}}}}{{{picture}}}{{}}",
+            rf"\caption{{{_text(block.caption)} Drawn by {_inline(Code(block.command))}.}}",
+            r"\end{figure}",
+        ]
+    )
 
 
 def _table(block: Table) -> str:
@@ -102,6 +128,8 @@ def _inline(part: Inline) -> str:
             return f"${' '.join(latex.split())}$"
         case Code(text):
             return rf"\texttt{{{_escaped(text)}}}"
+        case Verdict(text):
+            return rf"\textbf{{{_escaped(text)}}}"
         case str():
             return _escaped(part)
 

@@ -12,11 +12,13 @@ from nonsmooth.reports.document import (
     Document,
     Figure,
     Inline,
+    Listing,
     Math,
     Paragraph,
     Section,
     Table,
     Text,
+    Verdict,
 )
 
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~$^&])")
@@ -49,6 +51,8 @@ def _block(block: Block) -> str:
             return "\n".join(f"- {_text(item)}" for item in items)
         case Table():
             return _table(block)
+        case Listing(text):
+            return f"```\n{text}\n```"
         case Figure():
             return f"**Figure.** {_text(block.caption)} Drawn by {_inline(Code(block.command))}."
 
@@ -71,6 +75,8 @@ def _inline(part: Inline) -> str:
         case Code(text):
             fence = "``" if "`" in text else "`"
             return f"{fence}{text.replace('|', chr(92) + '|')}{fence}"
+        case Verdict(text):
+            return f"**{_escaped(text)}**"
         case str():
             return _escaped(part)
 

@@ -29,10 +29,10 @@ def cells_section(subject: Subject) -> Section:
 def _map(subject: Subject) -> Figure:
     partition = subject.cells.partition
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.cell_map import cell_map
 
-        return cell_map(partition, ".svg")
+        return cell_map(partition, suffix)
 
     return Figure(
         "cell-map",

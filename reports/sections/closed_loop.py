@@ -105,7 +105,9 @@ def _is_home(loop: FeedbackLoop, path: _Path) -> bool:
     x, y, theta = (float(value) for value in path.path.end.state)
     if loop.region is not None:
         return loop.region.value((x, y, theta)) < ARRIVED * loop.region.value(path.start)
-    return x * x + y * y + theta * theta < ARRIVED * sum(value**2 for value in path.start)
+    weight = float(loop.partition.scene.check.length) ** 2
+    sizes = [a * a + b * b + weight * turn * turn for a, b, turn in (path.start, (x, y, theta))]
+    return sizes[1] < ARRIVED * sizes[0]
 
 
 def _inside(loop: FeedbackLoop, start: Start) -> Start:
@@ -150,10 +152,10 @@ def _figure(subject: Subject, loop: FeedbackLoop, path: _Path) -> Figure:
     partition = subject.cells.partition
     papers = "; the paper's Figure 5 is of its own law" if is_paper_array(subject.scene) else ""
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.trajectory import trajectory_figure
 
-        return trajectory_figure(partition, path.path, ".svg", loop.title)
+        return trajectory_figure(partition, path.path, suffix, loop.title)
 
     start = typed_start(path.start, subject.scene)
     options = ("--from", start, "--until", f"{path.until:g}", "--feedback", "-o", "closed-loop.pdf")

@@ -6,11 +6,22 @@ import platform
 from collections.abc import Iterable
 from importlib.metadata import version
 
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.console import own_version
-from nonsmooth.reports.document import Bullets, Code, Section, Text
+from nonsmooth.reports.document import Bullets, Code, Listing, Section, Text
 from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.subject import Invocation
+from nonsmooth.reports.references import (
+    BROCKETT,
+    FILIPPOV,
+    HOMOGENEITY,
+    JURDJEVIC_QUINN,
+    PAPER,
+    RYAN,
+    SHEVITZ_PADEN,
+    how_to_cite,
+)
+from nonsmooth.reports.subject import Invocation, Subject
 
 LIBRARIES = ("python-flint", "sympy", "numpy", "scipy", "matplotlib")
 
@@ -31,6 +42,19 @@ def left_out_section(result: Check, omitted: Iterable[tuple[str, str]]) -> Secti
     if not items:
         return Section("What was left out, and why", (paragraph("Nothing."),))
     return Section("What was left out, and why", (Bullets(tuple(items)),))
+
+
+def references_section(subject: Subject) -> Section:
+    """The works that this report rests on, and how to cite the program."""
+    feedback = subject.result.results["feedback"]
+    works = [PAPER, FILIPPOV, SHEVITZ_PADEN]
+    if isinstance(feedback, FeedbackResult):
+        works += [HOMOGENEITY] if feedback.cascade is not None else []
+        works += [JURDJEVIC_QUINN] if feedback.has_lyapunov else []
+    if getattr(feedback, "obstruction", None) is not None:
+        works += [BROCKETT, RYAN]
+    listed = Bullets(tuple((work.text,) for work in sorted(works, key=lambda work: work.authors.split()[-1])))
+    return Section("References", (listed, paragraph("To cite this program:"), Listing(how_to_cite())))
 
 
 def reproduction_section(invocation: Invocation) -> Section:

@@ -12,8 +12,8 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov
-from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
@@ -34,6 +34,7 @@ from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.symbolic.number_text import brief_text, decimal_latex, float_text, lower_text
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import in_own_length
 
 _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 
@@ -89,31 +90,43 @@ def _driven_blocks(feedback: DrivenFeedback, scene: Scene) -> list[Block]:
     """The law of the rules ``box`` and ``ellipse``: its formula, rate, and twists with the speeds that impose them."""
     if feedback.kappa is None:
         return []
+    plain = feedback.length == 1
+    latex_weight, weight = ("", "") if plain else ("w\\, ", "w ")
     law = display(
-        r"\xi = -k\, (g \cdot \xi_l)\, \xi_l, \qquad g = (c, \theta), \qquad "
+        rf"\xi = -k\, (g \cdot \xi_l)\, \xi_l, \qquad g = (c, {latex_weight}\theta), \qquad "
         r"\lvert g \cdot \xi_l \rvert \ge \lvert g \cdot \xi_m \rvert",
-        "xi = -k (g . xi_l) xi_l, g = (c, theta), |g . xi_l| >= |g . xi_m|",
+        f"xi = -k (g . xi_l) xi_l, g = (c, {weight}theta), |g . xi_l| >= |g . xi_m|",
     )
     bound = f"-{lower_text(2 * feedback.kappa, 4)}"
     rate = display(
-        r"V = \lvert c \rvert^2 + \theta^2, \qquad \tfrac12 \dot V = g \cdot \xi, \qquad \dot V \le "
+        rf"V = \lvert c \rvert^2 + {latex_weight}\theta^2, \qquad \tfrac12 \dot V = g \cdot \xi, \qquad \dot V \le "
         + rf"{bound}\, k V",
-        f"V = |c|^2 + theta^2, V'/2 = g . xi, V' <= {bound} k V",
+        f"V = |c|^2 + {weight}theta^2, V'/2 = g . xi, V' <= {bound} k V",
     )
     reach = feedback.reach
     where = "near c*" if reach is None else f"where |x - x*|, |y - y*| < {lower_text(reach, 4)}, for every theta"
     words = paragraph("The rate is certified {}. The factor `-k (g . xi_l)` multiplies the speeds too:", where)
     header = ("directions of c", prose("`xi_l`"), prose("speeds `u_i` that impose `xi_l`"))
-    rows = [row for cone in feedback.cones for row in _twist_rows(cone, scene)]
-    return [law, rate, words, table(header, rows, (3, 4, 5))]
+    rows = [row for cone in feedback.cones for row in _twist_rows(cone, in_own_length(scene), feedback)]
+    shown: list[Block] = [law, rate, words, table(header, rows, (3, 4, 5))]
+    return shown if plain else [_weight_block(feedback, scene), *shown]
 
 
-def _twist_rows(cone: LawCone, scene: Scene) -> list[tuple[Entry, ...]]:
+def _weight_block(feedback: DrivenFeedback, scene: Scene) -> Block:
+    """The weight w of the heading, by the length l."""
+    length, weight = scene.field(feedback.length), scene.field(feedback.lyapunov.weight)
+    return paragraph("With `w` = {}, the square of the length {}:", number(weight), number(length))
+
+
+def _twist_rows(cone: LawCone, own: Scene, feedback: DrivenFeedback) -> list[tuple[Entry, ...]]:
     directions = "all"
     if cone.rays is not None:
         start, end = (_degrees(ray) for ray in cone.rays)
         directions = f"{float_text(start, 4)} to {float_text(end if end > start else end + 360, 4)} degrees"
-    return [(directions, _decimals(imposed.twist), _decimals(rim_speeds(scene, imposed))) for imposed in cone.twists]
+    return [
+        (directions, _decimals(in_scene(imposed.twist, feedback.length)), _decimals(rim_speeds(own, imposed)))
+        for imposed in cone.twists
+    ]
 
 
 def _degrees(ray: Point) -> float:
@@ -148,7 +161,8 @@ def law_formulas(feedback: FeedbackResult) -> list[Block]:
     """The certified law of rule ``nearest``, in formulas."""
     if feedback.cascade is not None:
         return _cascade_formulas(feedback.cascade)
-    return _gradient_formulas() if feedback.lyapunov == SQUARES else _shaped_formulas(feedback)
+    shaped = feedback.lyapunov.length is None
+    return _shaped_formulas(feedback) if shaped else _gradient_formulas(feedback)
 
 
 def region_blocks(feedback: FeedbackResult) -> list[Block]:
@@ -179,24 +193,31 @@ def _law_reasons(feedback: FeedbackResult) -> list[Block]:
     """Why the law serves."""
     if feedback.cascade is not None:
         return _cascade_reasons(feedback.cascade)
-    if feedback.lyapunov == SQUARES:
+    if feedback.lyapunov.length is not None:
         words = "The two coefficients vanish together only where `c . d_i = 0`; the table shows that this product has "
         return [paragraph(words + "one strict sign on each closed cell at the equilibrium.")]
     words = "The two coefficients vanish together only where `c^T P d_i = 0`, and no closed cell at the equilibrium "
     return [paragraph(words + "holds such a point; for `P = I` some cell does.")]
 
 
-def _gradient_formulas() -> list[Block]:
+def _gradient_formulas(feedback: FeedbackResult) -> list[Block]:
+    length = feedback.lyapunov.length
+    if length is None:
+        raise ValueError(f"required |c|^2 + l^2 theta^2, received {feedback.lyapunov}")
+    weight = "" if length == 1 else "l^2 "
     law = display(
-        r"u_i = -k a, \qquad u_j = -k b, \qquad b = \frac{\theta - c \cdot J p_i}{d_j \cdot J(p_j - p_i)},"
-        r" \qquad a = c \cdot d_i - (d_i \cdot d_j)\, b",
-        "u_i = -k a, u_j = -k b, b = (theta - c . J p_i)/(d_j . J(p_j - p_i)), a = c . d_i - (d_i . d_j) b",
+        rf"u_i = -k a, \qquad u_j = -k b, \qquad b = \frac{{{weight}\theta - c \cdot J p_i}}"
+        r"{d_j \cdot J(p_j - p_i)}, \qquad a = c \cdot d_i - (d_i \cdot d_j)\, b",
+        f"u_i = -k a, u_j = -k b, b = ({weight}theta - c . J p_i)/(d_j . J(p_j - p_i)), a = c . d_i - (d_i . d_j) b",
     )
     rate = display(
-        r"V = \lvert c \rvert^2 + \theta^2, \qquad \tfrac12 \dot V = a u_i + b u_j = -k (a^2 + b^2)",
-        "V = |c|^2 + theta^2, V'/2 = a u_i + b u_j = -k (a^2 + b^2)",
+        rf"V = \lvert c \rvert^2 + {weight}\theta^2, \qquad \tfrac12 \dot V = a u_i + b u_j = -k (a^2 + b^2)",
+        f"V = |c|^2 + {weight}theta^2, V'/2 = a u_i + b u_j = -k (a^2 + b^2)",
     )
-    return [law, rate]
+    if not weight:
+        return [law, rate]
+    exact = feedback.cells[0].cell.twists[0].omega.field
+    return [paragraph("With `l` = {}:", number(exact(length))), law, rate]
 
 
 def _cascade_formulas(cascade: CascadeLaw) -> list[Block]:
@@ -263,7 +284,7 @@ def _shaped_formulas(feedback: FeedbackResult) -> list[Block]:
 
 
 def _cell_table(feedback: FeedbackResult) -> Table:
-    squares = feedback.lyapunov == SQUARES
+    squares = feedback.lyapunov.length is not None
     header = (
         "cell",
         prose("`i`"),

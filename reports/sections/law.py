@@ -25,7 +25,7 @@ def law_section(subject: Subject) -> Section:
         str(certified_law(feedback)),
         Code("nonsmooth simulate --feedback"),
     )
-    papers = law_of_section_3_3() if is_paper_array(subject.scene) else []
+    papers = law_of_section_3_3() if is_paper_array(subject.scene) and subject.scene.check.length == 1 else []
     return Section("Feedback law", (words, *law_formulas(feedback), *region_blocks(feedback), *papers))
 
 

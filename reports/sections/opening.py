@@ -5,29 +5,27 @@ from __future__ import annotations
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
-from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.reports.prose import paragraph, prose, with_formulas
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
 
+ANSWERS = "answers"  # the section that shows the array first
+
 
 def verdict_section(result: Check) -> Section:
     """The clauses in one table."""
-    clauses = (
-        ("equilibrium", result.equilibrium),
-        ("translation", result.translation),
-        ("rotation", result.rotation),
-        ("feedback", result.feedback),
-        ("Theorem 4", result),
-    )
-    rows = [(name, str(clause.verdict), clause.reason) for name, clause in clauses]
+    rows = [(clause.name, str(found.verdict), with_formulas(found.reason)) for clause, found in result.clauses]
+    rows.append(("Theorem 4", str(result.verdict), with_formulas(result.reason)))
     return Section("Verdict", (table(("clause", "verdict", "because"), rows, (2, 3, 8)),))
 
 
 def array_section(subject: Subject) -> Section:
     """The wheels, drawn and listed."""
     scene = subject.scene
-    header: list[Entry] = ["wheel", *(prose(f"`{name}`") for name in ("p_i", "d_i", "u_i", "mu_R", "mu_S"))]
+    length, speed = (f" [{unit}]" if unit else "" for unit in (scene.units.length, scene.units.speed))
+    header: list[Entry] = ["wheel", prose("`p_i`{}", length), prose("`d_i`"), prose("`u_i`{}", speed)]
+    header += [prose(f"`{name}`") for name in ("mu_R", "mu_S")]
     rows = [
         (
             str(wheel.index),
@@ -46,16 +44,18 @@ def array_section(subject: Subject) -> Section:
     )
     notes = [Paragraph((f"Note: {note}.",)) for note in angle_notes(scene.field)]
     listing = table(header, rows, (1.7, 4, 5, 2, 1.6, 1.6))
-    return Section("The array", (intro, *notes, _array_figure(subject), listing))
+    drawn = () if ANSWERS in subject.parts else (array_figure(subject),)  # the first section shows it
+    return Section("The array", (intro, *notes, *drawn, listing))
 
 
-def _array_figure(subject: Subject) -> Figure:
+def array_figure(subject: Subject) -> Figure:
+    """The wheels from above."""
     scene = subject.scene
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.array import array_figure
 
-        return array_figure(scene, ".svg")
+        return array_figure(scene, suffix)
 
     return Figure(
         "array",
@@ -66,6 +66,13 @@ def _array_figure(subject: Subject) -> Figure:
     )
 
 
+def _units(scene: Scene) -> str:
+    units = scene.units
+    if not units.length:
+        return "lengths and times in the units of the scene"
+    return f"lengths in {units.length}, times in {units.time}, angles in rad"
+
+
 def conventions_section(scene: Scene) -> Section:
     """Frames, coordinates, and what is checked."""
     centre, radius = point(scene.check.equilibrium), number(scene.check.radius)
@@ -73,10 +80,7 @@ def conventions_section(scene: Scene) -> Section:
         rf"\lvert x - x^* \rvert, \lvert y - y^* \rvert \le {radius.latex}", f"|x - x*|, |y - y*| <= {radius.plain}"
     )
     items = [
-        prose(
-            "World frame; lengths and times in the units of the scene; `J = [[0, -1], [1, 0]]` turns by a quarter "
-            "counterclockwise."
-        ),
+        prose(f"World frame; {_units(scene)}; `J = [[0, -1], [1, 0]]` turns by a quarter counterclockwise."),
         prose("Reference point of the body: its centre of mass `c = (x, y)`; orientation `theta`."),
         prose(
             "Spatial twist `xi = (v, omega)`: the body point now at p moves with `v + omega J p`. Pose rate: "

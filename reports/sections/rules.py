@@ -63,7 +63,7 @@ def _rules_list(agreement: Agreement) -> Bullets:
         partition = agreement.partitions.get(rule.name)
         count = 0 if partition is None else len(partition.cells)
         cells = "1 cell" if count == 1 else f"{count} cells" if count else "no cells, a continuous field"
-        items.append(prose(f"Rule {rule.name} {rule.summary} ({cells})."))
+        items.append(prose(f"Rule {rule.name}: {rule.summary} ({cells})."))
     return Bullets(tuple(items))
 
 
@@ -79,10 +79,10 @@ def _agreement_map(subject: Subject) -> Figure:
     agreement: Agreement = subject.agreement
     rules = "the rules " + ", or ".join(f"{first} and {second}" for first, second in agreement.shared)
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.agreement_views import agreement_map
 
-        return agreement_map(agreement, ".svg")
+        return agreement_map(agreement, suffix)
 
     return Figure(
         "agreement-map",

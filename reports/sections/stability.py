@@ -30,7 +30,7 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.facts import fact_list
-from nonsmooth.reports.prose import listed, paragraph, prose
+from nonsmooth.reports.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.constraints import Twist
@@ -87,10 +87,10 @@ def lyapunov_section(subject: Subject) -> Section:
 def _rate_map(subject: Subject) -> Figure:
     partition = subject.cells.partition
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.rate_map import rate_map
 
-        return rate_map(partition, ".svg")
+        return rate_map(partition, suffix)
 
     return Figure(
         "rate-map",
@@ -136,13 +136,15 @@ def theorem_section(result: Check) -> Section:
         Section(f"Clause {count}, {clause.name}: {found.verdict}", _clause_blocks(result, clause, found))
         for count, (clause, found) in enumerate(result.clauses, 1)
     )
-    conclusion = Section(f"Conclusion: {result.verdict}", (paragraph("Because {}.", result.reason),))
+    conclusion = Section(
+        f"Conclusion: {result.verdict}", (Paragraph(("Because ", *with_formulas(result.reason), ".")),)
+    )
     return Section("Theorem 4, clause by clause", (), (*clauses, conclusion))
 
 
 def _clause_blocks(result: Check, clause: Clause[Any], found: ClauseResult) -> tuple[Block, ...]:
     """Reason and facts of a clause, then its evidence as formulas and tables where this report explains it."""
-    said: list[Block] = [paragraph("Reason: {}.", found.reason), *fact_list(result.facts(clause))]
+    said: list[Block] = [Paragraph(("Reason: ", *with_formulas(found.reason), ".")), *fact_list(result.facts(clause))]
     return (*said, *_explanation(found, result))
 
 

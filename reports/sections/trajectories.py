@@ -119,10 +119,10 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
     partition = subject.cells.partition
     papers = " (the paper's Figure 4)" if is_paper_array(subject.scene) else ""
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.trajectory import trajectory_figure
 
-        return trajectory_figure(partition, path, ".svg")
+        return trajectory_figure(partition, path, suffix)
 
     return Figure(
         "open-loop",
@@ -146,15 +146,15 @@ def _starts_figure(subject: Subject, places: list[Start], paths: list[Trajectory
 
     partition = subject.cells.partition
 
-    def draw() -> bytes:
+    def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.starts import starts_figure
 
-        return starts_figure(partition, paths, ".svg")
+        return starts_figure(partition, paths, suffix)
 
     labels = [_label(k, start, path) for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)]
     return Figure(
         "starts",
-        prose("The path from one start at a time, the first where none can be chosen; all are listed below."),
+        prose("Paths from many starts, one at a time where they can be chosen; all are listed below."),
         "Path over the cells and curves over time from one of the starts.",
         subject.invocation.line("simulate", "--from", typed_start(places[0], subject.scene), "-o", "path.pdf"),
         draw,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Annotated, NamedTuple, Protocol
 
-from pydantic import Field, PlainValidator, StrictInt
+from pydantic import Field, StrictInt
 
 from nonsmooth.symbolic.files.scene_values import (
     Angle,
@@ -19,7 +19,7 @@ from nonsmooth.symbolic.files.scene_values import (
     Table,
     angles,
 )
-from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
+from nonsmooth.symbolic.files.velocity_fields import Heading, HeadingField
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
@@ -59,7 +59,7 @@ class WheelTable(Table):
     """One ``[[wheel]]``."""
 
     position: PairField
-    heading: Annotated[Heading | None, PlainValidator(read_heading)] = None
+    heading: HeadingField | None = None
     speed: OptionalExact = None
     mu_roll: OptionalExact = None
     mu_side: OptionalExact = None

@@ -10,7 +10,7 @@ from pydantic import PlainValidator
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, OptionalExact, Table, read_pair
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, cross, minus, same_direction
+from nonsmooth.symbolic.plane import Vector, around, cross, minus, same_direction
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
@@ -71,7 +71,7 @@ def _polygon(vertices: list[Vector], file: str) -> PolygonShape:
     if not _is_simple(vertices):
         expected = "a polygon whose sides meet at its vertices only"
         raise SceneError(file, "object.vertices", expected, StatedFact("sides that cross or touch"))
-    sides = list(zip(vertices, [*vertices[1:], vertices[0]], strict=True))
+    sides = around(vertices)
     crosses = [cross(a, b) for a, b in sides]
     twice = sum(crosses[1:], crosses[0])
     x, y = (
@@ -84,12 +84,11 @@ def _polygon(vertices: list[Vector], file: str) -> PolygonShape:
 
 def _is_simple(vertices: list[Vector]) -> bool:
     """Whether sides share nothing but the vertex between neighbours."""
-    count = len(vertices)
-    sides = [(vertices[k], vertices[(k + 1) % count]) for k in range(count)]
+    sides = around(vertices)
     if any(a == b for a, b in sides):
         return False
     for (i, first), (j, second) in combinations(enumerate(sides), 2):
-        if j - i in (1, count - 1):
+        if j - i in (1, len(sides) - 1):
             shared = first[1] if j - i == 1 else first[0]
             ends = [p for p in (*first, *second) if p != shared]
             if len(ends) < 2 or _folds(shared, ends[0], ends[1]):

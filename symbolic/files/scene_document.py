@@ -11,8 +11,8 @@ from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.object_table import ObjectTable
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
+    AngleUnit,
     Exact,
-    ExactField,
     OptionalExact,
     PairField,
     Table,
@@ -21,6 +21,7 @@ from nonsmooth.symbolic.files.scene_values import (
 from nonsmooth.symbolic.files.velocity_fields import AnyField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
+from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
 
 MAX_NAME = 200  # characters
 
@@ -42,7 +43,7 @@ def read_loads(value: object) -> LoadRows | None:
 
 
 def read_lyapunov(value: object) -> PiecewiseExpression:
-    """A formula in x and y, with ``sign`` and ``Abs``.
+    """A formula in x and y, with ``sign``, ``Abs``, ``Max`` and ``Min``.
 
     Raises:
         ExpressionError: for anything else.
@@ -64,6 +65,32 @@ def read_name(value: object) -> str:
 Name = Annotated[str | None, PlainValidator(read_name)]
 Loads = Annotated[LoadRows | None, PlainValidator(read_loads)]
 RuleName = Annotated[str, PlainValidator(read_rule)]
+
+
+class UnitsTable(Table):
+    """``[units]``: of lengths, of speeds (``length`` per second unless stated), and of angles that name no unit."""
+
+    length: LengthUnit | None = None
+    speed: SpeedUnit | None = None
+    angle: AngleUnit | None = None
+
+    @property
+    def labels(self) -> Units:
+        """What the numbers of the scene are in; speeds that are stated otherwise are converted."""
+        return Units(self.length or "")
+
+    @property
+    def speed_factor(self) -> Fraction:
+        """How many lengths per second the file's unit of speed is."""
+        if self.length is None or self.speed is None:
+            return Fraction(1)
+        return self.speed.length.metres / self.length.metres
+
+
+class StatedUnits(Table):
+    """The one table of a scene file that is read before the others."""
+
+    units: UnitsTable = UnitsTable()
 
 
 class FrictionTable(Table):
@@ -88,11 +115,16 @@ class ContactTable(Table):
 
 
 class CheckTable(Table):
-    """``[check]``: the equilibrium, the half-width of the square about it, and a Lyapunov function V."""
+    """``[check]``: the equilibrium, the half-width of the square about it, a Lyapunov function V, and a length l.
+
+    Without a radius it comes from the array (:func:`nonsmooth.symbolic.support_polygon.default_radius`), and so does
+    the length (:func:`nonsmooth.symbolic.characteristic_length.default_length`).
+    """
 
     equilibrium: PairField = (Fraction(0), Fraction(0))
-    radius: ExactField = Fraction(1, 2)
+    radius: OptionalExact = None
     lyapunov: Annotated[PiecewiseExpression | None, PlainValidator(read_lyapunov)] = None
+    length: OptionalExact = None
 
 
 class Document(Table):
@@ -100,6 +132,7 @@ class Document(Table):
 
     name: Name = None
     description: Name = None
+    units: UnitsTable = UnitsTable()
     friction: FrictionTable = FrictionTable()
     wheel: list[WheelTable] | None = None
     ring: Ring | None = None

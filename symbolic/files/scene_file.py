@@ -15,20 +15,23 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
 from nonsmooth.symbolic.files.object_table import build_footprint
-from nonsmooth.symbolic.files.scene_document import Document
+from nonsmooth.symbolic.files.scene_document import Document, StatedUnits
 from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import Numbers, angles, field_of
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angle_remarks, angles, field_of
 from nonsmooth.symbolic.files.text_files import path_beside, read_text
 from nonsmooth.symbolic.files.toml_bounds import toml_excess
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
-from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
-from nonsmooth.symbolic.files.wheel_csv import parse_wheels
+from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, speed_of_field
+from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import CheckedSquare, Contact, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.support_polygon import default_radius
 
 __all__ = [
     "SceneError",
@@ -191,19 +194,29 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
     """
     if "system" in data:
         raise SceneError(file, "system", "an array of wheels", StatedFact("a plain switched system"))
-    document = validate(Document, data, file)
+    document = _document(data, file)
     layout = _layout(document, file, path, allow_outside=allow_outside)
-    numbers = Numbers(file, field_of(_turns(document, layout)))
+    numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
     wheels = WheelBuilder(document, numbers).build(layout.places(numbers))
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,
         wheels=wheels,
         contact=_contact(document, numbers, len(wheels)),
-        check=_check(document, numbers),
+        check=_check(document, numbers, wheels),
         source=file,
         continuum=_continuum(document, numbers, wheels),
+        units=document.units.labels,
     )
+
+
+def _document(data: dict[str, Any], file: str) -> Document:
+    """The validated tables; the units come first, since they say how angles are read."""
+    stated = {key: value for key, value in data.items() if key == "units"}
+    units = validate(StatedUnits, stated, file).units
+    if units.speed is not None and units.length is None:
+        raise SceneError(file, "units.length", f"a unit of length beside speed = {units.speed}", StatedFact("nothing"))
+    return validate(Document, data, file, units.angle)
 
 
 def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -> Layout:
@@ -222,7 +235,7 @@ def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -
         key = f"wheels.file {name}"
         table = path_beside(path, name, file, key, allow_outside=allow_outside)
         text = read_text(table, MAX_CSV_BYTES, file, key, "a file")
-        return parse_wheels(text, name, file)
+        return parse_wheels(text, name, file, document.units.angle)
     return document.ring or document.grid or WheelList(document.wheel or [])
 
 
@@ -230,6 +243,13 @@ def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
     for table in (document.friction, document.field, document.object, document.contact, document.check):
         yield from angles(table)
+
+
+def _remarks(document: Document, layout: Layout) -> Iterator[str]:
+    """What a reader must know about how the files were read."""
+    table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
+    yield from table.remarks
+    yield from angle_remarks([document, table.cells])
 
 
 def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
@@ -264,12 +284,30 @@ def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) 
         psi = field.psi(numbers, "field")
         (a, c), (b, d) = psi((one, zero)), psi((zero, one))
         matrix = ((a, b), (c, d))
-    speed = one if isinstance(field.speed, str) else numbers(field.speed, "field.speed")
-    given = None if field.speed == "magnitude" else speed
-    return ContinuousField(field.kind, matrix, given, (zero, zero), footprint)
+    return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero), footprint)
 
 
-def _check(document: Document, numbers: Numbers) -> CheckedSquare:
+def _check(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:
     table = document.check
     x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
-    return CheckedSquare((x, y), numbers.positive(table.radius, "check.radius"), table.lyapunov)
+    if table.radius is None:
+        radius = default_radius([wheel.position for wheel in wheels], (x, y))
+    else:
+        radius = numbers.positive(table.radius, "check.radius")
+    if table.length is not None:
+        return CheckedSquare((x, y), radius, table.lyapunov, _stated_length(table.length, numbers))
+    length = default_length([wheel.position for wheel in wheels], (x, y))
+    return CheckedSquare((x, y), radius, table.lyapunov, length, has_default_length=True)
+
+
+def _stated_length(value: Exact, numbers: Numbers) -> Fraction:
+    """The length l of ``V = |c|^2 + l^2 theta^2``.
+
+    Raises:
+        SceneError: where it is not positive, or irrational.
+    """
+    number = numbers.positive(value, "check.length")
+    rational = number.as_rational()
+    if rational is None:
+        raise SceneError(numbers.file, "check.length", "a rational number", StatedFact(short_text(number)))
+    return Fraction(int(rational.p), int(rational.q))

@@ -7,20 +7,20 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
-from nonsmooth.symbolic.files.scene_values import Table
+from nonsmooth.symbolic.files.scene_values import AngleUnit, Table
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
 Model = TypeVar("Model", bound=Table)
 
 
-def validate(model: type[Model], data: object, file: str) -> Model:
-    """The data as a table.
+def validate(model: type[Model], data: object, file: str, angle_unit: AngleUnit | None = None) -> Model:
+    """The data as a table; ``angle_unit`` is what the scene states for angles.
 
     Raises:
         SceneError: naming the first offending key; misspelt keys come before missing ones.
     """
     try:
-        return model.model_validate(data)
+        return model.model_validate(data, context={"angle": angle_unit})
     except ValidationError as error:
         details = error.errors(include_url=False)
         first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])

@@ -10,23 +10,25 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from enum import Enum, StrEnum
 from fractions import Fraction
 from typing import Annotated, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, PlainValidator
+from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError, decimal_value, parse
 from nonsmooth.symbolic.number_text import short_text
-from nonsmooth.symbolic.numbers.measured_angles import choose_angles
+from nonsmooth.symbolic.numbers.measured_angles import ROUNDING, choose_angles, turn_of_radians
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement, shown
 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
 MAX_ROOT_WORK = 2_048  # in a time that grows with their number times the degree of the base field
+_WITH_UNIT = re.compile(r"(.*\S)\s*(deg|rad)", re.DOTALL)
 _PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?|nan|inf(inity)?)", re.I)
 
 Exact: TypeAlias = Expression | Fraction
@@ -38,11 +40,27 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
 
 
+class AngleUnit(StrEnum):
+    """Unit of a number that is an angle."""
+
+    DEGREE = "deg"
+    RADIAN = "rad"
+
+
+class AngleReading(Enum):
+    """How an angle was read, where a reader must know; the value is what a note says of it."""
+
+    AS_WRITTEN = ""
+    WITHOUT_UNIT = "angles without a unit are read in degrees, as long as [units] states none"
+    ROUNDED = f"angles in radians within {float(ROUNDING):.0e} of a multiple of pi are taken as that multiple"
+
+
 @dataclass(frozen=True)
 class Angle:
     """The angle ``pi * turn`` (radians)."""
 
     turn: Fraction
+    reading: AngleReading = AngleReading.AS_WRITTEN
 
 
 def read_exact(value: object, variables: Collection[str] = ()) -> Exact:
@@ -56,13 +74,47 @@ def read_exact(value: object, variables: Collection[str] = ()) -> Exact:
     return parse(value, variables)
 
 
-def read_angle(value: object) -> Angle:
-    """A rational multiple of pi, in radians.
+def read_angle(value: object, unit: AngleUnit | None = None) -> Angle:
+    """A number with or without its unit, or a rational multiple of pi, in radians.
+
+    Args:
+        value: such as 225, "45 deg", "0.8 rad" or "pi/6".
+        unit: of a number that names none; degrees, with a note, where that is None.
 
     Raises:
-        ExpressionError: for any other number.
+        ExpressionError: for any other value.
     """
-    return Angle(parse(value).turn())
+    named = _WITH_UNIT.fullmatch(value.strip()) if isinstance(value, str) else None
+    number = read_exact(value if named is None else named[1])
+    constant, multiple = (number, Fraction(0)) if isinstance(number, Fraction) else number.parts_in_pi()
+    stated = unit if named is None else AngleUnit(named[2])
+    if multiple:
+        return _angle_in_pi(constant, multiple, stated, is_named=named is not None, text=value)
+    if stated is AngleUnit.RADIAN:
+        return _angle_in_radians(constant, Fraction(0))
+    is_assumed = stated is None and constant != 0
+    return Angle(constant / 180, AngleReading.WITHOUT_UNIT if is_assumed else AngleReading.AS_WRITTEN)
+
+
+def _angle_in_pi(
+    constant: Fraction, multiple: Fraction, stated: AngleUnit | None, *, is_named: bool, text: object
+) -> Angle:
+    """``constant + multiple pi``: in radians whatever the unit of plain numbers, but never beside the word deg."""
+    if stated is AngleUnit.DEGREE and is_named:
+        raise ExpressionError(f"required degrees without pi, received {shown(text)}")
+    if constant and stated is not AngleUnit.RADIAN:
+        raise ExpressionError(f'required a rational multiple of pi such as "pi/3", received {shown(text)}')
+    return _angle_in_radians(constant, multiple)
+
+
+def _angle_in_radians(constant: Fraction, multiple: Fraction) -> Angle:
+    turn, is_rounded = turn_of_radians(constant)
+    return Angle(turn + multiple, AngleReading.ROUNDED if is_rounded else AngleReading.AS_WRITTEN)
+
+
+def unit_of_angles(info: ValidationInfo) -> AngleUnit | None:
+    """The unit that the scene states for angles, while its tables are validated."""
+    return (info.context or {}).get("angle")
 
 
 def read_pair(value: object) -> tuple[Exact, Exact]:
@@ -89,31 +141,49 @@ def _number(value: object) -> Exact:
     return read_exact(value)
 
 
+def _angle(value: object, info: ValidationInfo) -> Angle:
+    return read_angle(value, unit_of_angles(info))
+
+
 ExactField = Annotated[Exact, PlainValidator(_number)]
 OptionalExact = Annotated[Exact | None, PlainValidator(_number)]
-AngleField = Annotated[Angle, PlainValidator(read_angle)]
+AngleField = Annotated[Angle, PlainValidator(_angle)]
 PairField = Annotated[tuple[Exact, Exact], PlainValidator(read_pair)]
 PlaneFormula = Annotated[Expression, PlainValidator(read_in_plane)]
 
 
 def angles(value: object) -> Iterator[Fraction]:
     """Every turn ``t`` of an angle ``pi * t`` inside a table, list or formula."""
+    for part in _parts(value):
+        if isinstance(part, Angle):
+            yield part.turn
+        else:
+            yield from part.turns()
+
+
+def angle_remarks(value: object) -> Iterator[str]:
+    """What a reader must know about how the angles inside a table or list were read."""
+    readings = {part.reading for part in _parts(value) if isinstance(part, Angle)}
+    return (reading.value for reading in AngleReading if reading in readings and reading.value)
+
+
+def _parts(value: object) -> Iterator[Angle | Expression | PiecewiseExpression]:
+    """Every angle and formula inside a table or list."""
     match value:
-        case Expression() | PiecewiseExpression():
-            yield from value.turns()
-        case Angle():
-            yield value.turn
+        case Expression() | PiecewiseExpression() | Angle():
+            yield value
         case list() | tuple():
             for item in value:
-                yield from angles(item)
+                yield from _parts(item)
         case Table():
             for _, item in value:
-                yield from angles(item)
+                yield from _parts(item)
 
 
-def field_of(turns: Iterable[Fraction]) -> NumberField:
-    """The number field of a scene with these angles ``pi * turn``, exact or measured."""
-    return choose_angles(turns).field
+def field_of(turns: Iterable[Fraction], remarks: Iterable[str] = ()) -> NumberField:
+    """The number field of a scene with these angles ``pi * turn``, exact or measured, and remarks on its file."""
+    choice = choose_angles(turns)
+    return NumberField(choice.order, choice.measured, remarks)
 
 
 class Numbers:

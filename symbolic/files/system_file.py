@@ -121,7 +121,7 @@ def load_any(
             return build_scene(data, file, path, allow_outside=allow_outside)
         if rule is not None:
             raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", str(rule))
-        return _system(data, file, path)
+        return build_system(data, file, path)
 
 
 def load_system(source: str | Path, *, radius: str | None = None, at: str | None = None) -> SwitchedSystem:
@@ -139,7 +139,7 @@ def load_system(source: str | Path, *, radius: str | None = None, at: str | None
         data, file, path = read_document(source, radius=radius, at=at)
         if "system" not in data:
             raise SceneError(file, "system", "a plain switched system, [system]", StatedFact("nothing"))
-        return _system(data, file, path)
+        return build_system(data, file, path)
 
 
 def holds_system(source: str | Path) -> bool:
@@ -171,7 +171,12 @@ def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -
         raise SceneError(file, key, requirement(error), text) from None
 
 
-def _system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
+def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
+    """The system of a document, by the parts that ``read_document`` returns.
+
+    Raises:
+        SceneError: for whatever cannot be used.
+    """
     document = validate(SystemDocument, data, file)
     states, check = document.system.states, document.check
     _require_one_each(states, document.system.rhs, file, "system.rhs", "formulas")

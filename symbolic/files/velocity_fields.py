@@ -11,11 +11,12 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Annotated, Literal, NamedTuple, Protocol, TypeAlias
 
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, ValidationInfo
 
 from nonsmooth.symbolic.files.scene_values import (
     Angle,
     AngleField,
+    AngleUnit,
     Exact,
     ExactField,
     Numbers,
@@ -24,6 +25,7 @@ from nonsmooth.symbolic.files.scene_values import (
     read_angle,
     read_exact,
     read_pair,
+    unit_of_angles,
 )
 from nonsmooth.symbolic.plane import Vector
 
@@ -148,7 +150,7 @@ class Outward(Table):
 
 
 class Uniform(NamedTuple):
-    """One direction everywhere: an angle (radians, from the x axis) or a vector of any length."""
+    """One direction everywhere: an angle from the x axis, or a vector of any length."""
 
     direction: Angle | tuple[Exact, Exact]
 
@@ -169,8 +171,12 @@ INWARD = Radial()
 OUTWARD = Outward()
 
 
-def read_heading(value: object) -> Heading:
-    """``inward``, ``outward``, an angle such as "pi/3", or a direction [a, b].
+def read_heading(value: object, unit: AngleUnit | None = None) -> Heading:
+    """``inward``, ``outward``, an angle, or a direction [a, b].
+
+    Args:
+        value: what the file holds.
+        unit: of an angle that names none; see :func:`nonsmooth.symbolic.files.scene_values.read_angle`.
 
     Raises:
         ValueError: for anything else.
@@ -183,7 +189,14 @@ def read_heading(value: object) -> Heading:
         case list():
             return Uniform(read_pair(value))
     try:
-        return Uniform(read_angle(value))
+        return Uniform(read_angle(value, unit))
     except ValueError:
-        expected = '"inward", "outward", an angle such as "pi/3" or a direction [a, b]'
+        expected = '"inward", "outward", an angle such as 45, "45 deg", "0.8 rad" or "pi/4", or a direction [a, b]'
         raise ValueError(f"required {expected}") from None
+
+
+def _heading(value: object, info: ValidationInfo) -> Heading:
+    return read_heading(value, unit_of_angles(info))
+
+
+HeadingField = Annotated[Heading, PlainValidator(_heading)]

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from nonsmooth.symbolic.files.layouts import Place
 from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
-from nonsmooth.symbolic.files.velocity_fields import INWARD, Speed
+from nonsmooth.symbolic.files.velocity_fields import INWARD
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector
@@ -19,10 +19,10 @@ class WheelBuilder:
     """Builds the wheels of one scene; equal friction is one shared object."""
 
     def __init__(self, document: Document, numbers: Numbers) -> None:
-        field = document.field or INWARD
         self._numbers, self._document = numbers, document
-        self._psi = field.psi(numbers, "field")
-        self._field_speed = self._speed_of_field(field.speed)
+        self._psi = (document.field or INWARD).psi(numbers, "field")
+        self._unit_speed = unit_speed(document, numbers)
+        self._field_speed = speed_of_field(document, numbers)
         self._frictions: dict[tuple[Exact | None, Exact | None], Friction] = {}
 
     def build(self, places: Iterable[Place]) -> tuple[Wheel, ...]:
@@ -46,9 +46,9 @@ class WheelBuilder:
     def _wheel(self, index: int, place: Place) -> Wheel:
         own = place.own
         if own.speed is not None:
-            speed: Number | None = self._numbers(own.speed, f"{place.key}.speed")
+            speed: Number | None = self._converted(self._numbers(own.speed, f"{place.key}.speed"))
         else:
-            speed = self._field_speed if own.heading is None else self._numbers.field.one
+            speed = self._field_speed if own.heading is None else self._unit_speed
         friction = self._friction(index, place)
         return Wheel(index, place.position, self._direction(index, place), speed, friction)
 
@@ -65,10 +65,9 @@ class WheelBuilder:
             raise self._error(key, required, StatedFact("(0, 0)"))
         return direction
 
-    def _speed_of_field(self, speed: Speed) -> Number | None:
-        if isinstance(speed, str):
-            return self._numbers.field.one if speed == "unit" else None
-        return self._numbers(speed, "field.speed")
+    def _converted(self, speed: Number) -> Number:
+        """A speed of the file in lengths per second; large tables hold many, so nothing is done to most."""
+        return speed if self._unit_speed is self._numbers.field.one else speed * self._unit_speed
 
     def _friction(self, index: int, place: Place) -> Friction:
         named = place.own.mu_roll, place.own.mu_side
@@ -93,6 +92,21 @@ class WheelBuilder:
 
     def _error(self, key: str, expected: str, value: object) -> SceneError:
         return SceneError(self._numbers.file, key, expected, value)
+
+
+def speed_of_field(document: Document, numbers: Numbers) -> Number | None:
+    """What the field of a scene says of speeds, in lengths per second; None for its own magnitude."""
+    speed = (document.field or INWARD).speed
+    if speed == "magnitude":
+        return None
+    unit = unit_speed(document, numbers)
+    return unit if speed == "unit" else numbers(speed, "field.speed") * unit
+
+
+def unit_speed(document: Document, numbers: Numbers) -> Number:
+    """The file's unit of speed in lengths per second."""
+    factor = document.units.speed_factor
+    return numbers.field.one if factor == 1 else numbers.field.rational(factor)
 
 
 def _text(position: Vector) -> str:

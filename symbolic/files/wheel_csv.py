@@ -1,6 +1,7 @@
-"""A CSV table of wheels: ``x,y`` and, where wanted, ``heading,speed,mu_roll,mu_side``.
+"""A CSV table of wheels: ``x,y`` and, where wanted, ``heading,speed,mu_roll,mu_side``, in any order.
 
-Empty cells name nothing.  Equal cells are read once, and plain decimals never reach the formula
+Cells are separated by commas, semicolons or tabs; lines that begin with ``#`` are comments; other columns are not read,
+and a note says so.  Empty cells name nothing.  Equal cells are read once, and plain decimals never reach the formula
 parser, so ten thousand wheels take a fraction of a second.
 """
 
@@ -9,34 +10,23 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, Place
-from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
+from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
-
-def _heading_cell(text: str) -> Heading:
-    """A heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
-    if text.startswith("[") and text.endswith("]"):
-        return read_heading([part.strip() for part in text[1:-1].split(",")])
-    return read_heading(text)
-
-
-_COLUMNS: dict[str, Callable[[str], Any]] = {
-    "x": read_exact,
-    "y": read_exact,
-    "heading": _heading_cell,
-    "speed": read_exact,
-    "mu_roll": read_exact,
-    "mu_side": read_exact,
-}
-
-
-_COLUMN_NAME = re.compile(r"[A-Za-z][A-Za-z_]{0,19}")
+COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side")
+SEPARATORS = (",", ";", "\t")
+LIKENESS = 0.7  # of an unknown column to a missing one, above which it is taken for misspelt (difflib)
+MOST_SHOWN = 4  # columns that a note lists
+MAX_COLUMNS = 200
+MAX_NAME = 30  # characters of a column's name that a message shows
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 
 class _Row(NamedTuple):
@@ -52,6 +42,7 @@ class WheelRows(NamedTuple):
     name: str
     rows: list[_Row]
     cells: list[object]  # every different value, for the angles
+    ignored: tuple[str, ...] = ()  # names of columns that are not read
 
     def turns(self) -> Iterator[Fraction]:
         """See :class:`nonsmooth.symbolic.files.layouts.Layout`."""
@@ -63,13 +54,21 @@ class WheelRows(NamedTuple):
             key = f"{self.name}:{row.line}"
             yield Place(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What of the table was not read."""
+        if not self.ignored:
+            return ()
+        more = [f"{len(self.ignored) - MOST_SHOWN} more"] * (len(self.ignored) > MOST_SHOWN)
+        return (f"columns of the table of wheels that are not read: {', '.join([*self.ignored[:MOST_SHOWN], *more])}",)
+
 
 class _Cells:
     """Reads cells; equal texts of a column become one value."""
 
-    def __init__(self, file: str, name: str, columns: list[str]) -> None:
-        self.file, self.name, self.columns = file, name, columns
-        self.known: dict[str, dict[str, Any]] = {column: {} for column in columns}
+    def __init__(self, file: str, name: str, columns: list[str | None], separator: str, unit: AngleUnit | None) -> None:
+        self.file, self.name, self.columns, self.separator, self.unit = file, name, columns, separator, unit
+        self.known: dict[str, dict[str, Any]] = {column: {} for column in columns if column is not None}
 
     def row(self, line: int, cells: list[str]) -> _Row:
         """One wheel.
@@ -78,8 +77,8 @@ class _Cells:
             SceneError: naming the line and the column.
         """
         if len(cells) != len(self.columns):
-            raise self.error(line, "", f"{len(self.columns)} cells", StatedFact(f"{len(cells)}"))
-        values = {c: self.value(line, c, t.strip()) for c, t in zip(self.columns, cells, strict=True) if t}
+            raise self.error(line, "", self._wanted_cells(len(cells)), StatedFact(f"{len(cells)}"))
+        values = {c: self.value(line, c, t.strip()) for c, t in zip(self.columns, cells, strict=True) if t and c}
         for column in ("x", "y"):
             if values.get(column) is None:
                 raise self.error(line, column, "a number", StatedFact("an empty cell"))
@@ -91,27 +90,49 @@ class _Cells:
         known = self.known[column]
         if text not in known:
             try:
-                known[text] = _COLUMNS[column](text) if text else None
+                known[text] = self._read(column, text) if text else None
             except ValueError as error:
                 raise self.error(line, column, requirement(error), text) from None
         return known[text]
+
+    def _read(self, column: str, text: str) -> Heading | Exact:
+        """A number, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
+        if _DECIMAL_COMMA.fullmatch(text):
+            raise ValueError("required a decimal point instead of a comma")
+        if column != "heading":
+            return read_exact(text)
+        if text.startswith("[") and text.endswith("]"):
+            return read_heading([part.strip() for part in text[1:-1].split(",")])
+        return read_heading(text, self.unit)
+
+    def _wanted_cells(self, found: int) -> str:
+        """What a row must have; decimal commas make more cells where commas separate them."""
+        too_many = self.separator == "," and found > len(self.columns)
+        return f"{len(self.columns)} cells" + " (decimals with a point, not a comma)" * too_many
 
     def error(self, line: int, column: str, expected: str, value: object) -> SceneError:
         key = f"{self.name}:{line}.{column}" if column else f"{self.name}:{line}"
         return SceneError(self.file, key, expected, value)
 
 
-def parse_wheels(text: str, name: str, file: str) -> WheelRows:
-    """Wheels of a CSV text; ``name`` and ``file`` (the scene) are for messages.
+def parse_wheels(text: str, name: str, file: str, unit: AngleUnit | None = None) -> WheelRows:
+    """Wheels of a CSV text.
+
+    Args:
+        text: of the table.
+        name: of the table, for messages.
+        file: the scene, for messages.
+        unit: of headings that name none.
 
     Raises:
-        SceneError: for unknown columns, short rows and cells that are no numbers.
+        SceneError: for a header without x and y, misspelt columns, short rows and cells that are no numbers.
     """
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    separator = _separator(text)
+    reader = csv.reader(_uncommented(text), strict=True, delimiter=separator)
     try:
-        columns = [column.strip() for column in next(reader, [])]
-        _check_columns(columns, name, file)
-        cells = _Cells(file, name, columns)
+        header = next(filter(None, reader), [])
+        columns = _columns(header, f"{name}:{max(reader.line_num, 1)}", file)
+        cells = _Cells(file, name, columns, separator, unit)
         rows = []
         for line in reader:
             if line:
@@ -120,18 +141,57 @@ def parse_wheels(text: str, name: str, file: str) -> WheelRows:
                 raise SceneError(file, name, f"at most {MAX_WHEELS} wheels", StatedFact("more"))
     except csv.Error as error:
         raise SceneError(file, f"{name}:{reader.line_num}", "a CSV table", StatedFact(str(error))) from None
-    return WheelRows(name, rows, [value for known in cells.known.values() for value in known.values()])
+    values = [value for known in cells.known.values() for value in known.values()]
+    return WheelRows(name, rows, values, _unread(header, columns))
 
 
-def _check_columns(columns: list[str], name: str, file: str) -> None:
-    """Refuse a header that is none; of a file that is no table at all, nothing is shown but a name."""
-    known = ",".join(_COLUMNS)
+def _uncommented(text: str) -> Iterator[str]:
+    """The lines of a table; comments are empty, so that lines keep their numbers."""
+    return ("\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=""))
+
+
+def _separator(text: str) -> str:
+    """The first separator by which the header has columns x and y; a comma where none does."""
+    header = next((line for line in _uncommented(text) if line.strip()), "")
+    for separator in SEPARATORS:
+        names = {_plain(cell.strip().strip('"')) for cell in header.split(separator)}
+        if {"x", "y"} <= names:
+            return separator
+    return SEPARATORS[0]
+
+
+def _plain(cell: str) -> str:
+    """A name of a column, whatever its letters' case."""
+    return cell.strip().lower()
+
+
+def _columns(header: list[str], key: str, file: str) -> list[str | None]:
+    """The known columns in the order of the header, None for each other one.
+
+    Nothing is shown of a file that is no table of wheels.
+    """
+    if len(header) > MAX_COLUMNS:
+        raise SceneError(file, key, f"at most {MAX_COLUMNS} columns", StatedFact(f"{len(header)}"))
+    columns = [name if name in COLUMNS else None for name in map(_plain, header)]
     for k, column in enumerate(columns):
-        if column not in _COLUMNS:
-            found = column if _COLUMN_NAME.fullmatch(column) else StatedFact("a cell that is no name of a column")
-            raise SceneError(file, f"{name}:1", f"a header out of {known}", found)
-        if column in columns[:k]:
-            raise SceneError(file, f"{name}:1", "each column once", column)
-    missing = " and ".join(column for column in ("x", "y") if column not in columns)
-    if missing:
-        raise SceneError(file, f"{name}:1", "a header with x and y", StatedFact(f"one without {missing}"))
+        if column is not None and column in columns[:k]:
+            raise SceneError(file, key, "each column once", column)
+    missing = [column for column in COLUMNS if column not in columns]
+    required = " and ".join(column for column in ("x", "y") if column in missing)
+    if required:
+        raise SceneError(file, key, "a header with x and y", StatedFact(f"one without {required}"))
+    for name in _unread(header, columns):
+        meant = get_close_matches(_plain(name), missing, 1, LIKENESS)
+        if meant:
+            raise SceneError(file, key, f"a header out of {','.join(COLUMNS)} (is {meant[0]} meant?)", name)
+    return columns
+
+
+def _unread(header: list[str], columns: list[str | None]) -> tuple[str, ...]:
+    """Names of the columns that are not read, as far as they are names."""
+    cells = [cell.strip() for cell, column in zip(header, columns, strict=True) if column is None]
+    return tuple(cell if _is_name(cell) else "(no name)" for cell in cells if cell)
+
+
+def _is_name(cell: str) -> bool:
+    return len(cell) <= MAX_NAME and cell.isprintable()

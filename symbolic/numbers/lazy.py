@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 from typing import Any, TypeAlias
 
 from flint import arb, ctx, fmpq
@@ -23,6 +25,9 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 FEW_ROOTS = 2
 # Longer numbers are lazy as well: balls of 256 bits are then much shorter than exact products.
 FEW_BITS = 1024
+
+# Square roots in a denominator up to which a quotient that is shown is carried out.
+EXACT_DENOMINATOR = 4
 
 _PRECISION = 256
 _FLOAT_BITS = 53
@@ -212,6 +217,11 @@ def _multiply(left: Quotient, right: Quotient) -> Quotient:
     return a * c, b * d
 
 
+def is_clear(value: Any) -> bool:
+    """Whether the sign of a number is short work: of a lazy quotient, whether its ball shows it."""
+    return not isinstance(value, Lazy) or bool(value.ball > 0 or value.ball < 0)
+
+
 def is_long(value: Any) -> bool:
     """Whether a field element is better lazy: over many square roots, or of many bits."""
     return isinstance(value, Number) and (len(value.field.radicands) > FEW_ROOTS or value.size_bits > FEW_BITS)
@@ -222,6 +232,12 @@ def divided(numerator: Number, denominator: Number) -> Any:
     if len(numerator.field.radicands) > FEW_ROOTS:
         return Lazy.of(numerator) / Lazy.of(denominator)
     return numerator / denominator
+
+
+def quotient(numerator: Number, denominator: Number) -> Number | Lazy:
+    """The quotient: a field element where few square roots meet in the denominator, lazy otherwise."""
+    roots = reduce(or_, denominator.terms, 0).bit_count()
+    return numerator / denominator if roots <= EXACT_DENOMINATOR else divided(numerator, denominator)
 
 
 def evaluated(value: Any) -> Any:

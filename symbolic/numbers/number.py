@@ -184,6 +184,15 @@ class Number(ExactReal):
     def __rtruediv__(self, value: Any) -> Number:
         return self.inverse() * value
 
+    def rational_quotient(self, divisor: Number) -> fmpq | None:
+        """``self / divisor`` where that is rational, term by term; None elsewhere, and for a divisor that is zero."""
+        if not divisor.terms or (self.terms and self.terms.keys() != divisor.terms.keys()):
+            return None
+        mask, c = next(iter(divisor.terms.items()))
+        top, bottom = (x if isinstance(x, fmpq) else x.coeffs()[-1] for x in (self.terms.get(mask, c * 0), c))
+        quotient = top / bottom
+        return quotient if all(self.terms.get(m, d * 0) == quotient * d for m, d in divisor.terms.items()) else None
+
     # ---- order ---------------------------------------------------------------------------
 
     def sign(self) -> int:
@@ -309,8 +318,12 @@ class Number(ExactReal):
     def __str__(self) -> str:
         return plain_sum(number_summands(self))
 
+    def latex(self) -> str:
+        """As a formula, without dollar signs."""
+        return latex_sum(number_summands(self))
+
     def _repr_latex_(self) -> str:
-        return f"${latex_sum(number_summands(self))}$"
+        return f"${self.latex()}$"
 
     def __repr__(self) -> str:
         return f"Number({self})"

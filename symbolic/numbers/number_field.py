@@ -33,10 +33,13 @@ class NumberField:
         order: N of the base ``Q(2 cos(2 pi/N))``; 1 gives the rationals.
         measured: turns t of angles ``pi t`` that stand for rational directions
             (:mod:`nonsmooth.symbolic.numbers.measured_angles`).
+        remarks: sentences about the scene's file that a reader of any result must see: how its numbers were read,
+            and what in it was not.
     """
 
-    def __init__(self, order: int = 1, measured: Iterable[Fraction] = ()) -> None:
+    def __init__(self, order: int = 1, measured: Iterable[Fraction] = (), remarks: Iterable[str] = ()) -> None:
         self.order = order
+        self.remarks = tuple(remarks)
         self.measured = tuple(measured)
         self._measured = {angle % 2 for turn in self.measured for angle in (turn, Fraction(1, 2) - turn)}
         minimal = fmpz_poly.cos_minpoly(order)

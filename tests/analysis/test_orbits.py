@@ -6,12 +6,17 @@ from fractions import Fraction
 
 import pytest
 
+from nonsmooth.analysis.cells.fan import Cone
+from nonsmooth.analysis.cells.full_turns import Growth, full_turns
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system
+from nonsmooth.analysis.trajectories.junction import signs_of
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.plane import around
 
 START = (Fraction(3, 10), Fraction(1, 5), Fraction(1, 7))
 PERIOD = 2  # the orbit is the square |x| + |y| = 1/2, at speed one in x and in y
@@ -26,6 +31,28 @@ def relay(tilt: Fraction = Fraction(0), *, exact: bool = True) -> ConstantField:
         for (a, b), rate in zip(quadrants, RATES, strict=True)
     ]
     return piecewise_constant(square((Fraction(0), Fraction(0)), Fraction(2)), pieces, exact=exact)
+
+
+@pytest.mark.parametrize(
+    ("tilt", "growth"),
+    [(Fraction(-1, 10), Growth.DIVERGES), (Fraction(0), Growth.TIE), (Fraction(1, 10), Growth.CONTRACTS)],
+)
+def test_paths_and_clauses_see_one_full_turn(tilt: Fraction, growth: Growth) -> None:
+    """Around the corner of the four quadrants, clockwise: the gain is ``1 - tilt``, in both kinds of numbers."""
+    zero, one = Fraction(0), Fraction(1)
+    rays = [(one, zero), (zero, one), (-one, zero), (zero, -one)]
+    fan = [
+        Cone(*rays, (own[0].about((zero, zero)),)) for rays, own in zip(around(rays), relay(tilt).flows, strict=True)
+    ]
+    for field in (relay(tilt), relay(tilt, exact=False)):
+        corner = field.cells.points.index((0, 0))
+        turns = Turns(field, signs_of(field))
+        found = turns.around(corner, -1)
+        assert found is not None
+        assert found.gain == (1 - tilt if field.exact else pytest.approx(float(1 - tilt), abs=1e-15))
+        assert turns.around(corner, 1) is None
+        assert turns.lead_outward(corner) == (growth is Growth.DIVERGES)
+    assert [(turn.sense, turn.gain, turn.growth) for turn in full_turns(fan)] == [(-1, 1 - tilt, growth)]
 
 
 @pytest.mark.parametrize("turns", [1, 3, 10**6, 10**12])

@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations
 from typing import Any, TypeAlias
 
@@ -67,18 +68,27 @@ class BoxArray:
         count, wheels = len(points), len(self.places)
         targets = np.column_stack([points, np.ones(count)])
         found = np.full((count, wheels), np.nan)
-        for size in range(wheels, 2, -1):
-            for active in combinations(range(wheels), size):
-                open_ = np.isnan(found[:, 0])
-                m = self.places[list(active)]
-                if not open_.any() or np.linalg.matrix_rank(m, tol=1e-9) < 3:
-                    continue
-                forms = targets @ np.linalg.inv(m.T @ m) @ self.places.T
-                others = [k for k in range(wheels) if k not in active]
-                fits = (forms[:, list(active)] >= -1e-12).all(axis=1) & (forms[:, others] <= 1e-12).all(axis=1)
-                loads = np.zeros((count, wheels))
-                loads[:, list(active)] = np.maximum(forms[:, list(active)], 0)
-                found[open_ & fits] = loads[open_ & fits]
+        for active, others, inverse in self._loaded:
+            open_ = np.isnan(found[:, 0])
+            if not open_.any():
+                break
+            forms = targets @ inverse @ self.places.T
+            fits = (forms[:, active] >= -1e-12).all(axis=1) & (forms[:, others] <= 1e-12).all(axis=1)
+            loads = np.zeros((count, wheels))
+            loads[:, active] = np.maximum(forms[:, active], 0)
+            found[open_ & fits] = loads[open_ & fits]
+        return found
+
+    @cached_property
+    def _loaded(self) -> list[tuple[list[int], list[int], Floats]]:
+        """Sets of wheels that can carry the body, the largest first: they, the others, and ``(M^T M)^-1``."""
+        wheels = range(len(self.places))
+        sets = [list(active) for size in range(len(wheels), 2, -1) for active in combinations(wheels, size)]
+        found: list[tuple[list[int], list[int], Floats]] = []
+        for active in sets:
+            m = self.places[active]
+            if np.linalg.matrix_rank(m, tol=1e-9) == 3:
+                found.append((active, [k for k in wheels if k not in active], np.linalg.inv(m.T @ m)))
         return found
 
     def twist_at(self, points: Floats, preferences: Floats) -> Floats:

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias
 
@@ -68,11 +69,17 @@ class Line:
 
     def at(self, point: Vector) -> Any:
         """Value at a point."""
-        return as_arb(self.offset) + as_arb(self.slope[0]) * point[0] + as_arb(self.slope[1]) * point[1]
+        offset, a, b = self._balls
+        return offset + a * point[0] + b * point[1]
 
     def along(self, vector: Vector) -> Any:
         """Derivative in a direction."""
-        return as_arb(self.slope[0]) * vector[0] + as_arb(self.slope[1]) * vector[1]
+        _, a, b = self._balls
+        return a * vector[0] + b * vector[1]
+
+    @cached_property
+    def _balls(self) -> tuple[Any, Any, Any]:
+        return as_arb(self.offset), as_arb(self.slope[0]), as_arb(self.slope[1])
 
 
 def as_arb(value: Fraction) -> Any:
@@ -100,6 +107,7 @@ class NearestArray:
         self.wheels = list(wheels)
         self.rows = [self._rows(wheel) for wheel in self.wheels]
         self.twists: dict[tuple[int, ...], tuple[Twist, ...]] = {}
+        self.lines: dict[tuple[int, int], Line] = {}
 
     def _rows(self, wheel: Wheel) -> dict[str, tuple[Fraction, ...]]:
         (px, py), (dx, dy) = wheel.position, wheel.direction
@@ -111,8 +119,11 @@ class NearestArray:
 
     def line(self, near: int, far: int) -> Line:
         """The line on which two wheels are equally near; positive where ``near`` is nearer."""
-        (ax, ay), (bx, by) = self.wheels[near].position, self.wheels[far].position
-        return Line((2 * (ax - bx), 2 * (ay - by)), bx * bx + by * by - ax * ax - ay * ay)
+        if (near, far) not in self.lines:
+            (ax, ay), (bx, by) = self.wheels[near].position, self.wheels[far].position
+            line = Line((2 * (ax - bx), 2 * (ay - by)), bx * bx + by * by - ax * ax - ay * ay)
+            self.lines[near, far] = line
+        return self.lines[near, far]
 
     def order(self, point: Vector, step: Vector) -> tuple[int, ...]:
         """The wheels by distance just beside the point, in the direction of the step."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, tangential_law
@@ -20,7 +21,6 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, rim_signs
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
-from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.verdicts import Feedback, Theorem4
 from nonsmooth.symbolic.constraints import inner

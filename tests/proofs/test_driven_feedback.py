@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, bala
 from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
-from nonsmooth.symbolic.constraints import independent, inner, side_row
+from nonsmooth.symbolic.constraints import independent, inner, outer, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
@@ -219,6 +219,30 @@ def test_under_ellipse_it_is_a_unicycle_too(arrays: Arrays) -> None:
         speeds = rng.normal(size=4) * 10 ** rng.uniform(-2, 2, 4)
         found = minimizer("ellipse", model, rng.uniform(-1e-3, 1e-3, 2), speeds)
         assert np.abs(found[1]) <= ELLIPSE_ERROR * np.abs(speeds).max()
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arrays, rule: str) -> None:
+    """The normal does not depend on l; the direction in which no input changes ``|c|^2 + l^2 theta^2`` does."""
+    drive = arrays.differential_drive()
+    aside = replace(drive, check=replace(drive.check, equilibrium=(drive.field(Fraction(1, 8)), drive.field.zero)))
+    one, other = (
+        decide_driven_feedback(ruled(replace(aside, check=replace(aside.check, length=length)), rule))
+        for length in (Fraction(1), Fraction(7, 5))
+    )
+    assert one.obstruction is not None
+    assert other.obstruction is not None
+    assert all(outer_entry == 0 for outer_entry in outer(one.obstruction, other.obstruction))
+    assert one.obstruction[2]
+    for feedback in (one, other):
+        assert feedback.check()
+        assert not replace(feedback, length=Fraction(3)).check()
+    model, rng = contact_model(ruled(aside, rule)), np.random.default_rng(2)
+    assert other.witness is not None
+    g = np.array([*map(float, other.witness.point), 1.4**2 * float(other.witness.value)])
+    for _ in range(10):
+        speeds = rng.normal(size=4)
+        assert abs(g @ minimizer(rule, model, np.zeros(2), speeds)) <= ELLIPSE_ERROR * np.abs(speeds).max()
 
 
 def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan
-from nonsmooth.proofs.clauses.translation.fan import Evidence, FanResult, Move, decide_cones, slide_speed
+from nonsmooth.analysis.cells.fan import Cone, build_fan
+from nonsmooth.analysis.cells.moves import slide_speed
+from nonsmooth.proofs.clauses.translation.fan import Evidence, FanResult, Move, decide_cones
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -13,11 +13,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
-from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene

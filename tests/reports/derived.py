@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from functools import cache
 
-from nonsmooth.reports.derivation import Report, derive_report
+from nonsmooth.reports.derivation import Report, derive_report, render_report
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 
 def derived_afresh(name: str, rule: str | None = None) -> Report:
-    """The report that ``nonsmooth derive`` writes."""
+    """The report that ``nonsmooth derive`` writes, nothing of it computed before."""
+    audit_section.cache_clear()
     options = () if rule is None else ("--rule", rule)
     return derive_report(load_scene(name, rule=rule), Invocation(name, options))
 
 
 derived = cache(derived_afresh)
+
+
+@cache
+def page(name: str) -> str:
+    """The page of a report, drawn once."""
+    return render_report(derived(name), ".html")

@@ -18,9 +18,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields import feedback_laws
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.reports.derivation import derive_report
-from nonsmooth.reports.document import Figure, Math, Section, Text
+from nonsmooth.reports.document import Figure, Math, Paragraph, Section, Text
+from nonsmooth.reports.interface.path_result import follow_array
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
@@ -412,6 +416,33 @@ def plain(text: Text) -> str:
 
 
 def plain_text(section: Section) -> str:
-    texts = [block.text for block in section.blocks if hasattr(block, "text")]
+    texts = [block.text for block in section.blocks if isinstance(block, Paragraph)]
     captions = [block.caption for block in section.blocks if isinstance(block, Figure)]
     return " ".join(plain(text) for text in (*texts, *captions))
+
+
+FAR_WHEEL = """
+name = "far wheel"
+friction = { mu_roll = 1, mu_side = "1/2" }
+check = { radius = "0.2" }
+wheel = [
+    { position = [0.29, 0.09], heading = "30 deg" },
+    { position = [0.01, 0.3], heading = "150 deg" },
+    { position = [-0.3, 0.01], heading = "90 deg" },
+    { position = [0.01, -0.3], heading = "0 deg" },
+]
+"""
+
+
+def test_the_law_goes_on_where_a_wheel_is_nearest_that_is_not_at_the_point(tmp_path: Path) -> None:
+    file = tmp_path / "far.toml"
+    file.write_text(FAR_WHEEL, encoding="utf-8")
+    scene = load_scene(str(file))
+    feedback = check_cells(scene).feedback
+    assert isinstance(feedback, FeedbackResult)
+    assert feedback.cascade is not None
+    nearest = {state.rows[0].wheel.index for state in build_partition(scene).states}
+    assert nearest > {wheel.index for wheel in feedback.cascade.wheels}
+    path = follow_array(scene, (0.19, 0.19, 0.1), 20.0, feedback=True)
+    assert np.hypot(*path.state[-1, :2]) < 1e-6
+    assert abs(path.state[-1, 2]) < 1e-6

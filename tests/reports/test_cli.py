@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -33,8 +34,8 @@ if TYPE_CHECKING:
 HALF_ROOT = 0.7071067811865476
 COLUMNS = 80  # width of the output where there is no terminal
 CHECK_KEYS = [
-    "schema", "scene", "wheels", "rule", "radius", "exact", "contact_states", "equilibrium", "translation", "rotation",
-    "feedback", "theorem4", "continuum", "notes", "skipped", "seconds",
+    "schema", "scene", "wheels", "rule", "radius", "length", "exact", "answers", "contact_states", "equilibrium",
+    "translation", "rotation", "feedback", "theorem4", "continuum", "notes", "skipped", "seconds",
 ]  # fmt: skip
 
 
@@ -53,7 +54,7 @@ def test_four_wheel_record(invoke: Invoke) -> None:
     assert (outcome.status, outcome.err) == (0, "")
     assert list(record) == CHECK_KEYS
     assert (record["schema"], record["scene"], record["wheels"]) == ("nonsmooth-check/1", "four-wheel", 4)
-    assert (record["rule"], record["radius"], record["exact"]) == ("nearest", 0.5, {"radius": "1/2"})
+    assert (record["rule"], record["radius"], record["exact"]) == ("nearest", 0.5, {"radius": "1/2", "length": "1"})
     assert record["contact_states"] == {"possible": 56, "singular": 16, "distinct_twists": 13, "minimizing": 8}
     assert record["theorem4"]["verdict"] == "holds"
     assert {"partition", "equilibrium", "translation", "rotation", "feedback"} <= set(record["seconds"])
@@ -332,6 +333,12 @@ BAD = {
         ["simulate", "four-wheel", "--at", "1/4,0", "--from", "0.8,0,0"],
         "--from: required a start in the checked square [-0.25, 0.75] x [-0.5, 0.5], received (0.8, 0)",
     ),
+    "start with pi": (
+        ["simulate", "four-wheel", "--from", "pi/6,0,0"],
+        "--from: x: required pi only inside sin and cos or in an angle, received 'pi/6'",
+    ),
+    "start that is no number": (["simulate", "four-wheel", "--from", "0,1/0,0"], "--from: y: required a finite number"),
+    "start beyond floats": (["simulate", "four-wheel", "--from", "0,0,1e390"], "theta: required a number within the"),
     "law in an open loop": (
         ["simulate", "four-wheel", "--from", "0.2,0.4,0", "--law", "gradient"],
         "--law: required --feedback, received none",
@@ -352,6 +359,14 @@ BAD = {
     "tipping": (["check", "four-wheel", "--rule", "box", "--radius", "2"], "four-wheel: "),
     "picture of a huge square": (["partition", "four-wheel", "--radius", "1e300", "-o", "c.svg"], "for a picture"),
 }  # fmt: skip
+
+
+def test_a_start_may_be_given_by_formulas(invoke: Invoke) -> None:
+    path = ("simulate", "four-wheel", "--until", "0.1", "--json", "--from")
+    formulas = invoke(*path, "1/5, sqrt(2)/4, pi/4").record
+    floats = invoke(*path, f"0.2,{2**0.5 / 4!r},{math.pi / 4!r}").record
+    assert formulas == floats
+    assert formulas["state"][0] == [0.2, 2**0.5 / 4, math.pi / 4]
 
 
 @pytest.mark.parametrize("case", BAD)

@@ -166,7 +166,11 @@ def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> Non
     ("arguments", "named"),
     [
         (["flower", "--from", "1,0,0"], "2 numbers x,y"),
-        (["flower", "--from", "1,nan"], "2 numbers x,y"),
+        (["flower", "--from", "1,nan"], "--from: y: required a finite number, received 'nan'"),
+        (
+            ["flower", "--from", "1,pi/6"],
+            "--from: y: required pi only inside sin and cos or in an angle, received 'pi/6'",
+        ),
         (["flower"], "2 numbers x,y"),
         (["flower", "--from", "1,0", "--feedback"], "--feedback"),
         (["flower", "--from", "1,0", "--kinematics", "leading"], "--kinematics"),

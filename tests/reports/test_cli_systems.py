@@ -134,8 +134,8 @@ BAD = {
     ),
     "code as a function": (
         ["audit", "four-wheel", "--lyapunov", "__import__('os')"],
-        "four-wheel: lyapunov: required a formula of x, y, numbers, + - * / **, sign, Abs, sqrt, sin, cos of numbers, "
-        'received "__import__',
+        "four-wheel: lyapunov: required a formula of x, y, numbers, + - * / **, sign, Abs, Max, Min, sqrt, sin, cos of "
+        'numbers, received "__import__',
     ),
     "no finite number": (
         ["audit", "four-wheel", "--lyapunov", "1/0"],

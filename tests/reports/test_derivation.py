@@ -25,7 +25,7 @@ from nonsmooth.reports.sections.rules import MOST_WHEELS
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.reports.derived import derived, derived_afresh
+from tests.reports.derived import derived, derived_afresh, page
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -76,11 +76,11 @@ def test_every_step_has_a_section(report: Report) -> None:
         "The paper, audited": name.startswith("four-wheel"),
     }
     expected = [
-        "Verdict", "The array", "Conventions", "Constraints", "Contact states and governing equations", "Cells",
-        "Governing equations in sgn form", "Filippov set", "Equilibria of the square", "Upper derivative",
+        "Answers", "Verdict", "The array", "Conventions", "Constraints", "Contact states and governing equations",
+        "Cells", "Governing equations in sgn form", "Filippov set", "Equilibria of the square", "Upper derivative",
         "Theorem 4, clause by clause", "Feedback law", "Trajectories", "The contact rules side by side",
         "The continuous idealization", "Error against work", "Stiff and extreme cases", "The paper, audited",
-        "What was left out, and why", "Versions and reproduction",
+        "What was left out, and why", "References", "Versions and reproduction",
     ]  # fmt: skip
     assert titles == [title for title in expected if sometimes.get(title, True)]
 
@@ -141,8 +141,8 @@ def twice() -> tuple[Report, Report]:
 
 @pytest.mark.parametrize("suffix", REPORT_FORMATS)
 def test_equal_input_gives_equal_reports(twice: tuple[Report, Report], suffix: str) -> None:
-    first, second = (render_report(report, suffix) for report in twice)
-    assert first == second
+    first = page("ring-5") if suffix == ".html" else render_report(twice[0], suffix)
+    assert first == render_report(twice[1], suffix)
     assert first.endswith("\n")
 
 

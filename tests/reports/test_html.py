@@ -21,7 +21,7 @@ from nonsmooth.reports.formats.mathml import NAMESPACE, display_mathml, inline_m
 from nonsmooth.reports.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.reports.derived import derived, derived_afresh
+from tests.reports.derived import derived_afresh, page
 
 HOSTILE = "<script>alert(1)</script> & \"q\" 'a' </p><img src=x onerror=y> {{ 7 * 7 }} {% raw %}"
 MOST_BYTES = 2_000_000
@@ -61,7 +61,7 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module", params=["four-wheel", "ring-5", "off-center"])
 def text(request: pytest.FixtureRequest) -> str:
-    return render_report(derived(request.param), ".html")
+    return page(request.param)
 
 
 def test_the_page_stands_alone(text: str) -> None:
@@ -120,7 +120,7 @@ def one_page(text: str) -> str:
     return render_html(Document(text, (Section(text, blocks, marks=(cell_mark(1),)),)))
 
 
-def picture() -> bytes:
+def picture(suffix: str = ".svg") -> bytes:
     shapes = '<g id="cell-1"><path d="M0 0"/></g><g id="start-1--path"/><g id="axes_1"/>'
     return f'<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9">{shapes}</svg>'.encode()
 
@@ -151,8 +151,7 @@ def test_marked_pieces_become_links_and_frames() -> None:
 
 
 def test_equal_input_gives_equal_pages() -> None:
-    first, second = (render_report(report, ".html") for report in (derived("four-wheel"), derived_afresh("four-wheel")))
-    assert first == second
+    assert page("four-wheel") == render_report(derived_afresh("four-wheel"), ".html")
 
 
 # ---- formulas ------------------------------------------------------------------------------------

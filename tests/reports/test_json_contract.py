@@ -34,6 +34,7 @@ CASES = {
     "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
     "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
     "scenes": "nonsmooth-scenes/1",
+    "rules": "nonsmooth-rules/1",
 }
 
 
@@ -49,7 +50,13 @@ def described(schema: str) -> set[str]:
 
 def clause(name: str) -> set[str]:
     """The keys of a clause, from the table of clauses."""
-    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", PAGE.split("The clauses of a check")[1], re.MULTILINE)
+    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", PAGE.split("The clauses, beside")[1], re.MULTILINE)
+    return set(re.findall(r"`(\w+)`", row)) | {"verdict", "reason"}
+
+
+def answer(name: str) -> set[str]:
+    """The keys of an answer, from the table of answers."""
+    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", PAGE.split("The `answers` of a check")[1], re.MULTILINE)
     return set(re.findall(r"`(\w+)`", row)) | {"verdict", "reason"}
 
 
@@ -69,6 +76,8 @@ def test_every_key_is_in_the_table(command: str, capsys: pytest.CaptureFixture[s
     if schema == ARRAY:
         for name in ("equilibrium", "translation", "rotation", "feedback"):
             assert set(record[name]) - UNLISTED <= clause(name)
+        for name in ("position", "heading", "pose"):
+            assert set(record["answers"][name]) - UNLISTED <= answer(name)
 
 
 def test_a_certificate_is_in_the_table(tmp_path: Path) -> None:
@@ -91,7 +100,7 @@ def test_every_command_is_in_the_table_and_has_an_example() -> None:
     for name, command in get_command(app).commands.items():  # type: ignore[attr-defined]
         assert f"| `nonsmooth {name}" in PAGE, name
         assert f"nonsmooth {name}" in (command.epilog or ""), name
-        assert name == "scenes" or "Exit status: 0" in (command.help or ""), name
+        assert name in {"scenes", "rules"} or "Exit status: 0" in (command.help or ""), name
         described_options = [parameter.help for parameter in command.params if parameter.name != "help"]
         assert all(text and text.endswith(".") for text in described_options), name
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.reports.derivation import derive_report, render_report
+from nonsmooth.reports.derivation import derive_report, render_report, write_report
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.reports.derived import derived
@@ -49,6 +49,15 @@ def test_every_built_in_scene_compiles_and_fits(tmp_path: Path, name: str) -> No
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
     assert max(overfull(compiled(tmp_path, render_report(derived("four-wheel", rule), ".tex"))), default=0.0) <= WIDEST
+
+
+def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path) -> None:
+    write_report(derived("ring-3"), tmp_path / "ring.tex")
+    files = {file.name for file in (tmp_path / "ring-figures").iterdir()}
+    assert files == {f"{figure.key}.pdf" for figure in derived("ring-3").document.figures}
+    said = compiled(tmp_path, (tmp_path / "ring.tex").read_text(encoding="utf-8"))
+    unbroken = said.replace("\n", "")  # pdflatex breaks its lines at 79 characters
+    assert all(f"ring-figures/{name}" in unbroken for name in files)
 
 
 def test_hostile_names_compile(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse
+from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 
@@ -78,7 +78,20 @@ def test_variables() -> None:
     ],
 )
 def test_angles(text: object, turn: Fraction) -> None:
-    assert parse(text).turn() == turn
+    assert turn_of(parse(text).tree, str(text)) == turn
+
+
+@pytest.mark.parametrize(
+    ("text", "constant", "multiple"),
+    [
+        ("1/2 + 3*pi/7 - 2", "-3/2", "3/7"),
+        ("pi/361", "0", "1/361"),
+        ("-0.25", "-1/4", "0"),
+        ("2*(1 + pi)/4", "1/2", "1/2"),
+    ],
+)
+def test_rational_parts_in_pi(text: str, constant: str, multiple: str) -> None:
+    assert parse(text).parts_in_pi() == (Fraction(constant), Fraction(multiple))
 
 
 def test_turns_of_a_formula() -> None:
@@ -177,7 +190,7 @@ def test_refused_values(text: str) -> None:
 @pytest.mark.parametrize("text", ["pi**2", "1 + pi", "sqrt(2)*pi", "pi/361", "1", "pi/0"])
 def test_refused_angles(text: str) -> None:
     with pytest.raises(ExpressionError, match=r"^required a .*multiple of pi"):
-        parse(text).turn()
+        turn_of(parse(text).tree, text)
 
 
 @pytest.mark.parametrize(

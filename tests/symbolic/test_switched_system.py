@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -11,8 +12,18 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import builtin_systems
 from nonsmooth.symbolic.files.system_file import MAX_STATES, holds_system, load_system
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
+
+
+def sign_at(point: tuple[Fraction, Fraction], inner: Polynomial) -> int:
+    return inner(point).sign()
+
+
+def always(side: int, inner: Polynomial) -> int:
+    return side
+
 
 Load = Callable[..., SwitchedSystem]
 
@@ -34,6 +45,7 @@ def load(tmp_path: Path) -> Load:
         (["sign(y**2 - x**2)", "0"], {"x - y", "x + y"}),
         (["sign(x + Abs(y))", "1"], {"y", "x + y", "x - y"}),
         (["sign(x**2 + y**2 - 1)", "sign(x**3)"], {"x**2 + y**2 - 1", "x"}),
+        (["Max(x, y**2)", "min(x, 2*y, 1)"], {"-y**2 + x", "x - 2*y", "x - 1", "y - 1/2"}),
         (["sign(x**2 + x*y + y**2)", "Abs(3)"], set()),
         (["x", "sign(y**2 - 2*x**2)"], {"x + sqrt(2)/2*y", "x - sqrt(2)/2*y"}),
     ],
@@ -58,6 +70,35 @@ def test_pieces_in_the_displacement_are_those_in_the_states(name: str) -> None:
         found = system.velocity(signs_by_factors(moved), displaced)
         assert [piece((x, y)) for piece in found] == [piece(there) for piece in expected]
     assert all(moved((x, y)) == own(there) for own, moved in pairs)
+
+
+@pytest.mark.parametrize(
+    ("formula", "value"),
+    [
+        ("sgn(x)", lambda x, y: (x > 0) - (x < 0)),
+        ("Max(x, y)", max),
+        ("max(x, y, 1/3, -x)", lambda x, y: max(x, y, Fraction(1, 3), -x)),
+        ("Min(x, y)", min),
+        ("min(x, Max(y, 1/2)) - 2*Abs(y)", lambda x, y: min(x, max(y, Fraction(1, 2))) - 2 * abs(y)),
+        ("Max(2, 3)*x + Min(x, x)", lambda x, y: 4 * x),
+        ("Max(x, y)**2*Min(x**2, y)", lambda x, y: max(x, y) ** 2 * min(x**2, y)),
+    ],
+)
+def test_pieces_are_the_values_that_python_has(load: Load, formula: str, value: Callable[..., Fraction]) -> None:
+    system = load(["x", "y"], [formula, "0"])
+    for x, y in product((Fraction(-7, 3), Fraction(-1, 5), Fraction(2, 7), Fraction(9, 4)), repeat=2):
+        if x != y:
+            rate = system.velocity(partial(sign_at, (x, y)))[0]
+            assert rate((x, y)) == value(x, y)
+
+
+def test_extremes_and_their_absolute_values_are_one_field(load: Load) -> None:
+    written = load(["x", "y"], ["Max(x, y)", "Min(x, y)"])
+    spelt = load(["x", "y"], ["(x + y + Abs(x - y))/2", "(x + y - Abs(x - y))/2"])
+    assert [str(surface) for surface in written.surfaces()] == [str(surface) for surface in spelt.surfaces()]
+    for side in (-1, 1):
+        pairs = [system.velocity(partial(always, side)) for system in (written, spelt)]
+        assert [str(rate) for rate in pairs[0]] == [str(rate) for rate in pairs[1]]
 
 
 def test_an_open_sign_is_asked_for(load: Load) -> None:
@@ -89,6 +130,13 @@ def test_plain_systems_are_told_from_arrays() -> None:
         ([], [], "1 to 8 different names"),
         (["x", "x"], ["1", "1"], "1 to 8 different names"),
         (["x", "sign"], ["1", "1"], "1 to 8 different names"),
+        (["x", "max"], ["1", "1"], "1 to 8 different names"),
+        (["x"], ["Max(x)"], "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, Abs, Max, Min, sqrt"),
+        (["x"], ["Max()"], "system.rhs[1]: required a formula of x"),
+        (["x"], ["Max(x, key=1)"], "system.rhs[1]: required a formula of x"),
+        (["x"], ["Max(*x)"], "system.rhs[1]: required a formula of x"),
+        (["x"], ["sgn(x, 1)"], "system.rhs[1]: required a formula of x"),
+        (["x"], ["Min(x, 1/x)"], "system.rhs[1]: required polynomials (no division by a state)"),
         ([f"x{k}" for k in range(MAX_STATES + 1)], ["1"] * (MAX_STATES + 1), "1 to 8 different names"),
         (["x", "y"], ["1"], "2 formulas"),
         (["x"], ["y"], "system.rhs[1]"),

@@ -57,8 +57,10 @@ def _size(partition: Partition) -> float:
 
 def _gradient_row(partition: Partition, gain: float) -> ResultRow:
     start = _start(partition)
-    reference = gradient_reference(partition, gain).reached(start, TURNS / gain)
-    path = simulate(feedback_field(partition, gradient_law(gain), Kinematics.LEADING), start, reference.time)
+    weight = partition.scene.check.length**2
+    reference = gradient_reference(partition, gain, weight).reached(start, TURNS / gain)
+    law = gradient_law(gain, weight=float(weight))
+    path = simulate(feedback_field(partition, law, Kinematics.LEADING), start, reference.time)
     gaps = [abs(float(a) - b) for a, b in zip(path.end.state, reference.state, strict=True)]
     verdict = f"{counted(reference.crossings, 'crossing')}: {path.end.reason}"
     error = max(gaps) / _size(partition)
@@ -66,7 +68,8 @@ def _gradient_row(partition: Partition, gain: float) -> ResultRow:
 
 
 def _corrected(partition: Partition, gain: float, until: float) -> Trajectory:
-    field = feedback_field(partition, corrected_law(gain), Kinematics.EXACT)
+    law = corrected_law(gain, float(partition.scene.check.length))
+    field = feedback_field(partition, law, Kinematics.EXACT)
     return follow_smooth(field, _start(partition), until, max_events=MOST_EVENTS)
 
 

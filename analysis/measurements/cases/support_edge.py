@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, support_polygon
+from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, judged, refused
@@ -19,6 +19,7 @@ from nonsmooth.analysis.minimizers.float_loads import RESIDUAL, elastic_loads
 from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import scaled
+from nonsmooth.symbolic.support_polygon import support_polygon
 
 EDGE, SCALE = "loads at the support edge", "loads, geometry scale"
 DEPTHS = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)  # shares of the way from the edge to the middle of the wheels

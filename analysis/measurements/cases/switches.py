@@ -29,6 +29,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
 from nonsmooth.symbolic.number_text import power_text
+from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -103,7 +104,7 @@ def _turning(field: ConstantField, corner: int, loss: float) -> tuple[ConstantFi
     rays = list(junction_at(field, AtCorner(corner), field.cells.points[corner]).rays)
     rays.sort(key=lambda ray: math.atan2(ray.direction[1], ray.direction[0]))
     flows = list(field.flows)
-    for ray, following in zip(rays, [*rays[1:], rays[0]], strict=True):
+    for ray, following in around(rays):
         a, b = np.array(ray.direction), np.array(following.direction)
         chord, shrink = b - a, -loss / len(rays)
         v = chord + shrink * b
@@ -115,13 +116,13 @@ def _turn_at_60_digits(field: ConstantField, rays: Sequence[Ray], distance: floa
     """Gain and duration of one turn from a distance on the first ray, for the floats as they are."""
     with precision():
         s, time = arb(distance), arb(0)
-        for ray, following in zip(rays, [*rays[1:], rays[0]], strict=True):
-            a, b = ([arb(float(x)) for x in r.direction] for r in (ray, following))
+        for ray, following in around(rays):
             flow = field.flows[ray.left][0]
-            v = [arb(flow.vx), arb(flow.vy)]
-            lasts = s * (a[0] * b[1] - a[1] * b[0]) / (b[0] * v[1] - b[1] * v[0])
-            x, y = s * a[0] + lasts * v[0], s * a[1] + lasts * v[1]
-            s = (x * b[0] + y * b[1]) / (b[0] * b[0] + b[1] * b[1])
+            a, b, v = (
+                (arb(float(x)), arb(float(y))) for x, y in (ray.direction, following.direction, (flow.vx, flow.vy))
+            )
+            lasts = s * cross(a, b) / cross(b, v)
+            s = dot((s * a[0] + lasts * v[0], s * a[1] + lasts * v[1]), b) / dot(b, b)
             time += lasts
         return (s / distance).mid(), time.mid()
 

@@ -7,7 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
+
+from flint import arb, fmpq
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane
@@ -71,10 +74,10 @@ def array_reference(partition: Partition, kinematics: Kinematics) -> ReferenceFi
         return ReferenceField(_with_sides(partition, rates), exact)
 
 
-def gradient_reference(partition: Partition, gain: float) -> ReferenceField:
-    """The closed loop ``u = -k (c, theta) . g`` with leading-order kinematics: linear on every cell."""
+def gradient_reference(partition: Partition, gain: float, weight: Fraction = Fraction(1)) -> ReferenceField:
+    """The closed loop ``u = -k (c, w theta) . g`` with leading-order kinematics: linear on every cell."""
     with precision():
-        laws = [_gradient(list(cell.states[0].control_fields.values()), gain) for cell in partition.cells]
+        laws = [_gradient(list(cell.states[0].control_fields.values()), gain, weight) for cell in partition.cells]
         return ReferenceField(_with_sides(partition, laws))
 
 
@@ -106,11 +109,12 @@ def _pose_rate(twist: Any, kinematics: Kinematics) -> Velocity:
     return lambda x: [x[1] * -turn + vx, x[0] * turn + vy, x[2] * 0 + omega]
 
 
-def _gradient(fields: Sequence[Triple], gain: float) -> Velocity:
+def _gradient(fields: Sequence[Triple], gain: float, weight: Fraction) -> Velocity:
     balls = [[ball(entry) for entry in field] for field in fields]
+    w = arb(fmpq(weight.numerator, weight.denominator))
 
     def velocity(x: Sequence[Series]) -> list[Series]:
-        inputs = [(x[0] * g[0] + x[1] * g[1] + x[2] * g[2]) * -gain for g in balls]
+        inputs = [(x[0] * g[0] + x[1] * g[1] + x[2] * (w * g[2])) * -gain for g in balls]
         return [sum((u * g[k] for u, g in zip(inputs, balls, strict=True)), x[0] * 0) for k in range(3)]
 
     return velocity

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -56,8 +57,31 @@ class ExactPath:
 
     def error_at(self, time: Any, state: State) -> float:
         """Largest difference of a coordinate at one time: exact, then rounded."""
-        exact = self.path.at(_exact(time))
+        exact = self._at(_exact(time))
         return max(abs(float(mine - _exact(value))) for mine, value in zip(exact, state, strict=True))
+
+    def _at(self, time: Any) -> State:
+        """``path.at(time)``, by the lines."""
+        zero = 0 * self._lines[0][0]
+        time = zero + time  # read as a number of the field once
+        start, end, state, rates = next((line for line in reversed(self._lines) if line[0] <= time), self._lines[0])
+        if end is not None and time >= end:
+            if end is self._lines[-1][1]:
+                return self.path.end.state
+            time = end
+        since = max(time - start, zero)
+        return tuple(x + rate * since for x, rate in zip(state, rates, strict=True))
+
+    @cached_property
+    def _lines(self) -> list[tuple[Any, Any | None, State, State]]:
+        """The pieces, which are straight lines: first and last time, first state, and rates."""
+        lines: list[tuple[Any, Any | None, State, State]] = []
+        for piece in self.path.pieces:
+            zero = 0 * piece.start
+            first, later = piece.state(zero), piece.state(zero + 1)
+            rates = tuple(b - a for a, b in zip(first, later, strict=True))
+            lines.append((piece.start, piece.end, first, rates))
+        return lines
 
     def event_error(self, events: Sequence[Event]) -> float | None:
         """Largest difference of the times at which a path first meets the same edges; None where it never does."""

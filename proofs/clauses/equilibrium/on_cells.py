@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, place_text
@@ -49,9 +49,7 @@ class EquilibriumResult:
     def reason(self) -> str:
         """One sentence for people."""
         if self.verdict is Equilibrium.HOLDS:
-            return (
-                f"0 is a convex combination of {len(self.weights)} of the {len(self.twists)} velocities that meet there"
-            )
+            return _at_rest(self.twists, len(self.weights))
         if len(self.twists) == 1:
             twist = self.twists[0]
             return (
@@ -62,11 +60,21 @@ class EquilibriumResult:
         return f"all {len(self.twists)} velocities that meet there point into the half-plane along {along}"
 
 
+def _at_rest(twists: tuple[Twist, ...], mixed: int) -> str:
+    """Which of the velocities that meet at the point give zero."""
+    if mixed > 1:
+        return f"0 is a convex combination of {mixed} of the {len(twists)} velocities that meet there"
+    if len(twists) > 1:
+        return f"one of the {len(twists)} velocities that meet there is zero"
+    return "the body turns about the point" if twists[0].omega else "the body is at rest in the cell about the point"
+
+
 def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     """Decide ``0 in F(0)`` for a centred partition."""
-    zero, one = partition.scene.field.zero, partition.scene.field.one
+    zero = partition.scene.field.zero
     twists = filippov_twists(partition, (zero, zero))
-    mixture = best_mixture([(t.vx, t.vy, one) for t in twists], (zero, zero, one), [zero] * len(twists))
+    velocities = [twist.velocity for twist in twists]
+    mixture = best_mixture(*mixtures_to_zero(velocities), [zero] * len(twists))
     if mixture is not None:
         return EquilibriumResult(Equilibrium.HOLDS, twists, mixture.weights, None)
-    return EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction([t.velocity for t in twists]))
+    return EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction(velocities))

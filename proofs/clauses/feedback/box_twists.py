@@ -17,16 +17,17 @@ affine in c.  Where all are positive at the equilibrium, they are near it: the t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, order
+from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, order
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.symbolic.constraints import (
     RowKind,
     Triple,
@@ -40,7 +41,6 @@ from nonsmooth.symbolic.constraints import (
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.scene import Scene
 
-_GOLDEN = (5**0.5 - 1) / 2
 _DIGITS = 10  # binary: candidates have length one up to this
 
 
@@ -74,8 +74,8 @@ class HeldTwist:
 
     def is_unique_towards(self, direction: Point) -> bool:
         """Whether it is the only minimizer at ``epsilon direction``, for all small epsilon > 0."""
-        origin = (direction[0] * 0, direction[1] * 0)
-        return self.determined and all(order(form, origin, direction) > (0, 0) for form in self.slopes)
+        place = Beside((direction[0] * 0, direction[1] * 0), direction)
+        return self.determined and all(order(form, place) > (0, 0) for form in self.slopes)
 
     @property
     def slip_ratios(self) -> dict[int, float]:
@@ -101,34 +101,34 @@ class Drives:
         slips = (0 if row.kind is RowKind.ROLL else sign(inner(row.normal, twist)) for row in rows)
         signs = np.fromiter(slips, dtype=int, count=len(rows))
         tight = [row.normal for row, slip in zip(rows, signs, strict=True) if not slip]
-        falling = self._arrangement.falling_slope(signs)
-        slopes = self._arrangement.slopes(signs) if falling is None else (falling,)
+        table = Slopes(self._arrangement, signs)
+        falling = table.falling(np.array([[1.0, 0.0, 0.0]]))
+        slopes = table if falling is None else (falling,)
         return HeldTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
-def candidate_twists(scene: Scene, *, spread: bool = False) -> Iterator[Triple]:
-    """The edges of the arrangement of side rows, each once (up to a factor), of length about one.
-
-    Args:
-        scene: the array.
-        spread: pairs of a few wheels from all over the list first, which span soon, in place of all with the first.
-    """
-    planes = [side_row(wheel).normal for wheel in scene.wheels]
-    if len(independent(planes)) < 3:
-        zero, one = scene.field.zero, scene.field.one
-        planes += [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
+def candidate_twists(scene: Scene) -> Iterator[Triple]:
+    """The edges of the arrangement of side rows, each once (up to a factor), of length about one."""
     known: set[Triple] = set()
-    for a, b in _spread_pairs(planes) if spread else combinations(planes, 2):
+    for a, b in combinations(side_planes(scene), 2):
         edge = outer(a, b)
         if any(edge) and (canonical := leading_one(edge)) not in known:
             known.add(canonical)
             yield _of_length_one(canonical)
 
 
-def _spread_pairs(planes: Sequence[Triple]) -> Iterator[tuple[Triple, Triple]]:
-    """All pairs, those of ever more planes; these come in an order that soon spreads over the list (golden ratio)."""
-    order = sorted(range(len(planes)), key=lambda k: k * _GOLDEN % 1)
-    return ((planes[order[k]], planes[order[j]]) for j in range(len(planes)) for k in range(j))
+def side_planes(scene: Scene) -> list[Triple]:
+    """The planes of twists at which a wheel does not slip; with the coordinate planes where these do not span."""
+    planes = [side_row(wheel).normal for wheel in scene.wheels]
+    if len(independent(planes)) < 3:
+        zero, one = scene.field.zero, scene.field.one
+        planes += [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
+    return planes
+
+
+def edge_of(first: Triple, second: Triple) -> Triple:
+    """The candidate in two planes that differ."""
+    return _of_length_one(leading_one(outer(first, second)))
 
 
 def _of_length_one(twist: Triple) -> Triple:

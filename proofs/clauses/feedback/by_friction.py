@@ -1,6 +1,8 @@
 """Clause 4 under the rules ``box`` and ``ellipse``: a feedback for all wheels at once, or why there is none.
 
-With ``V = |c|^2 + theta^2`` one has ``V'/2 = g . xi``, ``g = (c, theta)``, under exact and leading-order kinematics.
+With ``V = |c|^2 + l^2 theta^2`` one has ``V'/2 = g . xi``, ``g = (c, l^2 theta)``, under exact and leading-order
+kinematics.  The array is taken with l for its unit of length, where ``g = (c, theta)``: so all that follows is the same
+in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's unit, imposed by the same speeds.
 
 - *Stabilizable.*  Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
   ``xi_l`` (module ``box_twists``, module ``ellipse_twists``).  D is
@@ -20,18 +22,21 @@ under rule ``ellipse`` twists that are neither proved nor excluded.  Two laws of
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import comb
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
     LawCone,
@@ -39,25 +44,31 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     between,
     certified_gain,
     gains,
+    in_scene,
     rank_of,
 )
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
-from nonsmooth.proofs.clauses.translation.cones import by_angle
+from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import in_own_length
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
+WEIGHED_LAW = "impose -k (g . xi_l) xi_l, g = (c, w theta), with the xi_l of the largest |g . xi_l|, w = {}"
 ENOUGH = 60  # candidates beyond which three independent unique minimizers end the search: a better rate is not sought
 LOOKED_AT = 20_000  # wheels times candidates that are looked at: a minute or so under rule ellipse
+TIES = 16  # candidates that seem to balance exactly, of which a law by directions of c is made
+SAME_REACH = 2.0**-20  # relative: reaches as close as this are compared exactly
 FEW_OF = 6  # part of them beyond which the search may end
 TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
@@ -73,12 +84,14 @@ class DrivenFeedback:
     Attributes:
         verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
         reason: one sentence for people.
-        cones: the law, by direction of c (stabilizable).
+        cones: the law, by direction of c, of the array with ``length`` for its unit (stabilizable).
         kappa: ``V' <= -2 k kappa V`` near c* (stabilizable).
         obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no static
             feedback stabilizes.
-        candidates: all candidates, those off the plane with the proof that they are excluded (no certificate).
+        candidates: all candidates in the unit ``length``, those off the plane with the proof that they are excluded
+            (no certificate).
         samples: two laws of the field, sampled, best first; empty where nobody asked.
+        length: l of ``V = |c|^2 + l^2 theta^2``.
     """
 
     verdict: Feedback
@@ -88,27 +101,61 @@ class DrivenFeedback:
     obstruction: Triple | None = None
     candidates: tuple[ImposedTwist, ...] = ()
     samples: tuple[LoopSample, ...] = field(default=(), compare=False)
+    length: Fraction = Fraction(1)
+
+    @property
+    def lyapunov(self) -> ControlLyapunov:
+        """``V = |c|^2 + l^2 theta^2``."""
+        return sum_of_squares(self.length)
 
     @property
     def law(self) -> str | None:
         """The stabilizing law, where there is one."""
-        return LAW if self.verdict is Feedback.STABILIZABLE else None
+        if self.verdict is not Feedback.STABILIZABLE:
+            return None
+        return LAW if self.length == 1 else WEIGHED_LAW.format(self.lyapunov.weight)
 
     @property
-    def reach(self) -> Number | None:
+    def must_know(self) -> tuple[str, ...]:
+        """What the law must know to choose its inputs."""
+        return "the position", "the heading"
+
+    @property
+    def certified_kappa(self) -> Fraction | None:
+        """Kappa with ``V' <= -2 k kappa V`` near the equilibrium, k the gain."""
+        return self.kappa
+
+    @property
+    def position_error(self) -> None:
+        """None: how much the law may misjudge the position is not examined."""
+
+    @property
+    def reach(self) -> Number | Lazy | None:
         """Under rule ``box`` the rate holds while ``|x|, |y| < reach`` about c*, for every theta."""
-        return min((bound for cone in self.cones for bound in cone.bounds), default=None)
+        bounds = dict.fromkeys(bound for cone in self.cones for bound in cone.bounds)
+        floats = {bound: float(bound[0]) / float(bound[1]) for bound in bounds}
+        least = min(floats.values(), default=0) * (1 + SAME_REACH)
+        near = [bound for bound, value in floats.items() if value <= least]
+        if not near:
+            return None
+        slack, fall = min(near, key=lambda bound: divided(*bound))
+        return quotient(slack * self.length, fall)
 
     @property
     def witness(self) -> Witness | None:
         """A direction of (c, theta) along which no input changes V (no certificate)."""
-        return None if self.obstruction is None else Witness(self.obstruction[:2], self.obstruction[2], STALL)
+        if self.obstruction is None:
+            return None
+        x, y, turn = self.obstruction
+        return Witness((x, y), turn / self.lyapunov.weight, STALL)
 
     def check(self) -> bool:
         """Re-verify the twists and the rate (stabilizable), or that all off the plane is excluded (no certificate)."""
         normal = self.obstruction
         if self.verdict is Feedback.NO_CERTIFICATE:
-            kept = normal is not None and all(not inner(normal, c.twist) or c.is_excluded for c in self.candidates)
+            kept = normal is not None and all(
+                not inner(normal, in_scene(c.twist, self.length)) or c.is_excluded for c in self.candidates
+            )
             return kept and not self.cones and normal is not None and any(normal)
         if self.verdict is not Feedback.STABILIZABLE:
             return not self.cones and normal is None
@@ -121,10 +168,20 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     """Decide the feedback clause for a centred scene of rule ``box`` or ``ellipse``."""
     blocked = side_friction_rules(scene.wheels)
     if blocked is not None:
-        return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked)
+        return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length)
+    return decide_whatever_friction(scene)
+
+
+def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
+    """The same also where Theorem 4 asks nothing of feedback (``mu_S >= mu_R``): twists are imposed there too."""
+    return replace(_decide(in_own_length(scene), scene.check.length), length=scene.check.length)
+
+
+def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
+    """The decision for an array with l for its unit of length; a plane of twists is given in the unit before."""
     zero = scene.field.zero
     regions = load_regions(scene, (zero, zero))
-    candidates, complete = _impose_candidates(scene, regions[0])
+    candidates, complete = _candidates(scene, regions[0])
     unique = [imposed for imposed in candidates if imposed.is_unique]
     if rank_of(unique) == 3:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
@@ -133,13 +190,10 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
         elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
     if not complete:
-        reason = (
-            f"the first {len(candidates)} candidates show twists of rank {rank_of(unique)}; more were not looked at"
-        )
-        return DrivenFeedback(Feedback.UNDECIDED, reason)
+        return _decide_by_ties(scene, regions, candidates)
     candidates = _with_exclusions(candidates)
     possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
-    normal = common_normal(possible, scene.field)
+    normal = common_normal([in_scene(twist, length) for twist in possible], scene.field)
     if normal is not None:
         reason = obstruction_text(normal)
         return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, obstruction=normal, candidates=tuple(candidates))
@@ -152,7 +206,9 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
 def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
     """Whether all that is held is held in a load region of the centred scene, or by its wheels."""
     zero = scene.field.zero
-    regions = load_regions(scene, (zero, zero))
+    regions = load_regions(in_own_length(scene), (zero, zero))
+    if feedback.length != scene.check.length:
+        return False
     shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
     imposed = (*shown, *feedback.candidates)
     numbers = {wheel.index for wheel in scene.wheels}
@@ -171,11 +227,13 @@ def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     functional = rule_of(scene).functional
     if functional is None:
         raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
-    model, radius, states = contact_model(scene), float(scene.check.radius), STATES[functional]
+    own = in_own_length(scene)
+    model, radius, states = contact_model(own), float(own.check.radius), STATES[functional]
     free = free_motions(scene)
     if free:
         return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))
-    samples = [sample_closed_loop(model, functional, law, radius, states) for law in SampledLaw]
+    length = float(scene.check.length)
+    samples = [sample_closed_loop(model, functional, law, radius, states).in_unit(length) for law in SampledLaw]
     return replace(feedback, samples=tuple(sorted(samples, key=_worst_rate)))
 
 
@@ -189,22 +247,49 @@ def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
     return DrivenFeedback(Feedback.STABILIZABLE, reason, cones, kappa)
 
 
-def _impose_candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist], bool]:
-    """The candidates, and whether these are all; of many only until three unique minimizers are independent.
+def _candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist], bool]:
+    """The candidates, and whether these are all; of many only the most promising.
 
     The more wheels, the longer each takes, and the fewer are looked at.
     """
-    found: list[ImposedTwist] = []
-    drives = Drives(scene, region) if isinstance(rule_of(scene), CellRule) else None
     most = LOOKED_AT // len(scene.wheels)
-    for twist in candidate_twists(scene, spread=comb(len(scene.wheels), 2) > most):
+    impose = _imposer(scene, region)
+    if comb(len(scene.wheels), 2) > most:
+        return _promising_candidates(scene, region, impose, most), False
+    found: list[ImposedTwist] = []
+    for twist in candidate_twists(scene):
         if len(found) >= most:
             return found, False
-        found.append(balance_twist(scene, region, twist) if drives is None else drives.hold(twist))
+        found.append(impose(twist))
         enough = len(found) > min(ENOUGH, most // FEW_OF)
         if enough and found[-1].is_unique and rank_of([entry for entry in found if entry.is_unique]) == 3:
             return found, False
     return found, True
+
+
+def _imposer(scene: Scene, region: LoadRegion) -> Callable[[Triple], ImposedTwist]:
+    """What imposes a twist under the rule of the scene."""
+    if isinstance(rule_of(scene), CellRule):
+        return Drives(scene, region).hold
+    return partial(balance_twist, scene, region)
+
+
+def _promising_candidates(
+    scene: Scene, region: LoadRegion, impose: Callable[[Triple], ImposedTwist], most: int
+) -> list[ImposedTwist]:
+    """Candidates off the span of the unique minimizers found so far, until there are three; then those that may tie."""
+    proposals = PromisingTwists(scene, region)
+    found: list[ImposedTwist] = []
+    unique: list[ImposedTwist] = []
+    while len(unique) < 3 and len(found) < most // 2:
+        twist = proposals.next([imposed.twist for imposed in unique])
+        if twist is None:
+            break
+        found.append(impose(twist))
+        unique += [found[-1]] if found[-1].is_unique else []
+    if len(unique) < 3:
+        found += [impose(twist) for twist in proposals.ties([imposed.twist for imposed in unique], TIES)]
+    return found
 
 
 def _with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
@@ -226,12 +311,24 @@ def _go_around(cones: Sequence[LawCone]) -> bool:
     rays = [cone.rays for cone in cones if cone.rays is not None]
     if len(rays) != len(cones) or not rays:
         return len(cones) == 1
-    chained = all(before[1] == after[0] for before, after in zip(rays, [*rays[1:], rays[0]], strict=True))
+    chained = all(before[1] == after[0] for before, after in around(rays))
     ordered = all(by_angle(a[0]) < by_angle(b[0]) for a, b in pairwise(rays))
     return chained and ordered and all(sign(cross(*pair)) > 0 for pair in rays)
 
 
 # ---- exact balance at c* under rule box: by direction of c -------------------------------
+
+
+def _decide_by_ties(scene: Scene, regions: Sequence[LoadRegion], candidates: Sequence[ImposedTwist]) -> DrivenFeedback:
+    """Of some candidates only: a law by directions of c where they give one, and otherwise nothing."""
+    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
+    if isinstance(rule_of(scene), CellRule) and common_normal(possible, scene.field) is None:
+        found = _decide_by_direction(scene, regions, possible)
+        if found.verdict is Feedback.STABILIZABLE:
+            return found
+    rank = rank_of([candidate for candidate in candidates if candidate.is_unique])
+    reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
+    return DrivenFeedback(Feedback.UNDECIDED, reason)
 
 
 def _decide_by_direction(scene: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]) -> DrivenFeedback:
@@ -262,7 +359,7 @@ def _drives(scene: Scene, regions: Iterable[LoadRegion]) -> Iterator[Drives]:
 
 def _cones(
     scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[HeldTwist]]
-) -> Iterator[tuple[Point, Point]]:
+) -> list[tuple[Point, Point]]:
     """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
     zero, one = scene.field.zero, scene.field.one
     lines: list[Point] = [(one, zero), (zero, one)]
@@ -270,7 +367,7 @@ def _cones(
     lines += [(form[1], form[2]) for held in by_region for entry in held for form in entry.ties if any(form)]
     rays = sorted(((-b * s, a * s) for a, b in lines for s in (1, -1)), key=by_angle)
     rays = [rays[0], *(ray for last, ray in pairwise(rays) if cross(last, ray))]  # none is a half turn from the next
-    return zip(rays, [*rays[1:], rays[0]], strict=True)
+    return around(rays)
 
 
 def _points_into(region: LoadRegion, direction: Point) -> bool:

@@ -4,8 +4,8 @@ In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i
 
     omega = (u_j - u_i d_i.d_j)/Delta,   v = u_i d_i - omega J p_i,   Delta = d_j . J(p_j - p_i)
 
-so with ``V = |c|^2 + theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (theta - c . J p_i)/Delta``,
-``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``theta = c . J p_i``.  Hence the
+so with ``V = |c|^2 + l^2 theta^2``: ``V'/2 = a u_i + b u_j``, ``b = (l^2 theta - c . J p_i)/Delta``,
+``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish iff ``c . d_i = 0`` and ``l^2 theta = c . J p_i``.  Hence the
 L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed cell holds a nonzero
 c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  Where this V fails, all
 ``c^T P c + w theta^2`` are searched (module ``control_lyapunov``).  With a side row third only
@@ -17,12 +17,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
+from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, find_shapes, shape_regions
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
+    SQUARES,
+    ControlLyapunov,
+    find_shapes,
+    shape_regions,
+    sum_of_squares,
+)
 from nonsmooth.proofs.clauses.feedback.feedback_rate import FeedbackRate, balanced, certified_rate
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin, build_margin
@@ -35,7 +43,6 @@ from nonsmooth.proofs.clauses.feedback.level_region import (
 )
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion, build_turn_region
-from nonsmooth.proofs.clauses.translation.cones import build_fan
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
@@ -44,6 +51,9 @@ from nonsmooth.symbolic.plane import dot, turned
 from nonsmooth.symbolic.scene import Wheel
 
 LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
+WEIGHED_LAW = (
+    "u_i = -k a, u_j = -k b with b = (l^2 theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b, l = {}"
+)
 SHAPED_LAW = (
     "u_i = -k a, u_j = -k b with b = (w theta - P c.J(p_i - c))/(d_j.J(p_j - p_i)), a = P c.d_i - (d_i.d_j) b, "
     "P = [[{}, {}], [{}, {}]], w = {}"
@@ -64,7 +74,7 @@ class FeedbackResult:
         witness: a nonzero c with its theta (the value) at which no input changes V.
         reason: one sentence for people.
         rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
-        lyapunov: V; the witness of a failure is about ``|c|^2 + theta^2``.
+        lyapunov: V; the witness of a failure is about ``|c|^2 + l^2 theta^2``.
         none_serves: whether no ``c^T P c + w theta^2`` at all is a control Lyapunov function.
         obstruction: the normal m of a plane that holds every motion inputs can give at the equilibrium (no
             certificate): then no static feedback stabilizes.
@@ -97,6 +107,21 @@ class FeedbackResult:
         return gradient_text(self.lyapunov)
 
     @property
+    def must_know(self) -> tuple[str, ...]:
+        """What the law must know to choose its inputs."""
+        return "the position", "the heading", "which two wheels are nearest"
+
+    @property
+    def certified_kappa(self) -> Fraction | None:
+        """Kappa with ``V' <= -2 k kappa V`` near the equilibrium, k the gain; None where no rate is certified."""
+        return None if self.rate is None else self.rate.kappa
+
+    @property
+    def position_error(self) -> float | None:
+        """The error in c that one input still serves, as a part of |c|; None where it is not known."""
+        return None if self.margin is None else self.margin.value
+
+    @property
     def has_lyapunov(self) -> bool:
         """Whether ``lyapunov`` certifies the law: it stabilizes, and not by a cascade."""
         return self.verdict is Feedback.STABILIZABLE and self.cascade is None
@@ -125,7 +150,11 @@ class FeedbackResult:
             decreasing = signs and self.lyapunov.is_positive
             sound = self.margin is None or self.margin.check(self.lyapunov)
             return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
-        if not genuine or self.witness is None or not any(data.is_idle(self.witness) for data in local):
+        if (
+            not genuine
+            or self.witness is None
+            or not any(data.is_idle(self.witness, self.lyapunov.weight) for data in local)
+        ):
             return False
         return _obstructs(self.obstruction, local) and (
             not self.none_serves or not shape_regions([data.demand for data in local])
@@ -147,21 +176,24 @@ class FeedbackResult:
 
 def gradient_text(lyapunov: ControlLyapunov) -> str:
     """The law ``u = -k (a, b)`` by V, under exact kinematics."""
+    if lyapunov.length is not None:
+        return LAW if lyapunov == SQUARES else WEIGHED_LAW.format(lyapunov.length)
     (e, f), w = lyapunov.shape, lyapunov.weight
-    return LAW if lyapunov == SQUARES else SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
+    return SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
     """Decide the feedback clause for a centred partition of rule ``nearest``."""
+    squares = sum_of_squares(partition.scene.check.length)
     blocked = side_friction_rules(_acting_wheels(partition))
     unfollowed = _unfollowed(partition)
     if unfollowed is not None:
         verdict = Feedback.NOT_APPLICABLE if blocked else Feedback.UNDECIDED
         return FeedbackResult(verdict, (), frozenset(), None, blocked or unfollowed)
     single = _single_input(partition)
-    witness = None if single is None else single.idle_plane()
+    witness = None if single is None else single.idle_plane(squares.weight)
     if blocked:
-        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), witness, blocked)
+        return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), witness, blocked, lyapunov=squares)
     cells = tuple(build_input_cell(cell, state) for cell in partition.cells for state in cell.states)
     local = frozenset(cell.index for cell in partition.cells if is_local(cell))
     if single is not None:
@@ -169,29 +201,43 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
             f"exactly: the rim line of wheel {single.second.index} passes through wheel {single.nearest.index}, so "
             f"cell {single.cell.index} ({single.state.name}) holds a side row in third place and one input acts alone"
         )
-        return _refused(cells, local, witness, reason)
+        return _refused(cells, local, witness, reason, squares)
     for data in cells:
         stall = data.stall() if data.cell.index in local else None
         if stall is not None:
             return _shaped(partition, cells, local, data, stall)
     reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
-    margin = build_margin(build_fan(partition), SQUARES)
-    region = _supported_region(partition, cells, local, SQUARES)
-    rate = certified_rate(partition)
-    return FeedbackResult(Feedback.STABILIZABLE, cells, local, None, reason, rate, margin=margin, region=region)
+    return _gradient_result(partition, cells, local, reason, certified_rate(partition, squares), squares)
+
+
+def _gradient_result(
+    partition: Partition,
+    cells: tuple[InputCell, ...],
+    local: frozenset[int],
+    reason: str,
+    rate: FeedbackRate | None,
+    lyapunov: ControlLyapunov,
+) -> FeedbackResult:
+    """The law ``u = -k (a, b)`` by a V, with its margin and region."""
+    margin = build_margin(build_fan(partition), lyapunov)
+    region = _supported_region(partition, cells, local, lyapunov)
+    return FeedbackResult(
+        Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin, region=region
+    )
 
 
 def _supported_region(
     partition: Partition, cells: tuple[InputCell, ...], local: frozenset[int], lyapunov: ControlLyapunov
 ) -> LevelRegion | None:
     """The largest level of V on all cells of the square, lowered until the body does not tip in it."""
-    region = build_level_region(cells, local, partition.scene.check.radius, lyapunov)
+    check = partition.scene.check
+    region = build_level_region(cells, local, check.radius, lyapunov, check.length)
     support = limiting_support(partition)
     if region is None or support is None:
         return region
     if not support.stands:
         return None
-    level = min(region.level, least_level(support.sides, lyapunov))
+    level = min(region.level, least_level(support.sides, lyapunov, check.length))
     for _ in range(_TRIES):
         if all(is_above(side, lyapunov, level) for side in support.sides):
             return replace(region, level=level)
@@ -202,7 +248,7 @@ def _supported_region(
 def _shaped(
     partition: Partition, cells: tuple[InputCell, ...], local: frozenset[int], data: InputCell, stall: Point
 ) -> FeedbackResult:
-    """The best ``c^T P c + w theta^2`` where ``|c|^2 + theta^2`` stalls in a cell, or what there is instead."""
+    """The best ``c^T P c + w theta^2`` where ``|c|^2 + l^2 theta^2`` stalls in a cell, or what there is instead."""
     demands = [data.demand for data in cells if data.cell.index in local]
     found = []
     for shape in find_shapes(demands):
@@ -214,11 +260,7 @@ def _shaped(
             "c^T P d_i has one strict sign on every closed cell at the equilibrium, "
             f"while c . d_i vanishes in cell {data.cell.index}"
         )
-        margin = build_margin(build_fan(partition), lyapunov)
-        region = _supported_region(partition, cells, local, lyapunov)
-        return FeedbackResult(
-            Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin, region=region
-        )
+        return _gradient_result(partition, cells, local, reason, rate, lyapunov)
     return _cascaded(partition, cells, local, data, stall)
 
 
@@ -227,6 +269,7 @@ def _cascaded(
 ) -> FeedbackResult:
     """The law that takes theta first where no such V was found, or why there is none of that form."""
     none_serves = not shape_regions([data.demand for data in cells if data.cell.index in local])
+    squares = sum_of_squares(partition.scene.check.length)
     cascade = find_cascade(build_fan(partition))
     if cascade is not None:
         none = "no c^T P c + w theta^2 serves" if none_serves else "no rounded c^T P c + w theta^2 serves"
@@ -239,18 +282,19 @@ def _cascaded(
             local,
             None,
             reason,
+            lyapunov=squares,
             none_serves=none_serves,
             cascade=cascade,
             region=region,
         )
-    theta = dot(stall, turned(data.nearest.position))
+    theta = dot(stall, turned(data.nearest.position)) / squares.weight
     witness = Witness(stall, theta, "both input coefficients vanish at this c and theta")
     reason = (
         f"in cell {data.cell.index} V' = 0 for every input at c = "
         f"({brief_text(stall[0])}, {brief_text(stall[1])}), theta = {brief_text(theta)}: "
-        "|c|^2 + theta^2 is no control Lyapunov function"
+        f"{squares} is no control Lyapunov function"
     ) + (", and no other c^T P c + w theta^2 is one" if none_serves else "")
-    return _refused(cells, local, witness, reason, none_serves=none_serves)
+    return _refused(cells, local, witness, reason, squares, none_serves=none_serves)
 
 
 def _refused(
@@ -258,6 +302,7 @@ def _refused(
     local: frozenset[int],
     witness: Witness | None,
     reason: str,
+    lyapunov: ControlLyapunov,
     *,
     none_serves: bool = False,
 ) -> FeedbackResult:
@@ -266,7 +311,14 @@ def _refused(
     if normal is not None:
         reason = f"{reason}; {obstruction_text(normal)}"
     return FeedbackResult(
-        Feedback.NO_CERTIFICATE, cells, local, witness, reason, none_serves=none_serves, obstruction=normal
+        Feedback.NO_CERTIFICATE,
+        cells,
+        local,
+        witness,
+        reason,
+        lyapunov=lyapunov,
+        none_serves=none_serves,
+        obstruction=normal,
     )
 
 

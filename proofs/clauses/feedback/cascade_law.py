@@ -27,12 +27,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from nonsmooth.proofs.clauses.translation.cones import CellCone, Cone
-from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_cones, slide_speed
+from nonsmooth.analysis.cells.fan import CellCone, Cone
+from nonsmooth.analysis.cells.moves import slide_speed
+from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_cones
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Wheel
 
 LAW = (
@@ -114,8 +115,7 @@ def _sectors(fan: Sequence[CellCone]) -> tuple[list[Cone], tuple[Wheel, ...]]:
     """The cones joined where the same wheel is nearest, with their nearest wheels."""
     nearest = [cone.cell.states[0].rows[0].wheel for cone in fan]
     starts = [k for k, wheel in enumerate(nearest) if wheel != nearest[k - 1]]
-    ends = [fan[k].start for k in [*starts[1:], *starts[:1]]]
-    sectors = [Cone(fan[k].start, end, ()) for k, end in zip(starts, ends, strict=True)]
+    sectors = [Cone(fan[k].start, fan[following].start, ()) for k, following in around(starts)]
     return sectors, tuple(nearest[k] for k in starts)
 
 

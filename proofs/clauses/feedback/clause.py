@@ -6,14 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.feedback.by_friction import (
-    DrivenFeedback,
-    decide_driven_feedback,
-    is_driven_by,
-    with_samples,
-)
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.feedback.friction_facts import driven_facts
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.feedback.row_facts import row_facts
 from nonsmooth.proofs.clauses.witness import witness_record
@@ -22,9 +15,11 @@ from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Feedback, Theorem4
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
     from nonsmooth.proofs.theorem4_result import Theorem4Result
 
-AnyFeedback: TypeAlias = FeedbackResult | DrivenFeedback
+# Twists that speeds impose are loaded only under rules that ask for them: they take a tenth of a second.
+AnyFeedback: TypeAlias = "FeedbackResult | DrivenFeedback"
 
 
 class FeedbackClause(Clause[AnyFeedback]):
@@ -47,7 +42,9 @@ class FeedbackClause(Clause[AnyFeedback]):
 
     def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
         """Whether the law is about every cell of the array, or its twists about the array's load regions."""
-        if isinstance(result, DrivenFeedback):
+        if not isinstance(result, FeedbackResult):
+            from nonsmooth.proofs.clauses.feedback.by_friction import is_driven_by
+
             return is_driven_by(result, check.scene.recentred())
         if check.partition is None:
             return False
@@ -58,6 +55,8 @@ class FeedbackClause(Clause[AnyFeedback]):
         """All of it: whether the clause applies, that no other V serves, the slopes of imposed twists."""
         if isinstance(result, FeedbackResult):
             return check.partition is not None and result == decide_feedback(check.partition)
+        from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
+
         return result == decide_driven_feedback(check.scene.recentred())
 
     def settles(self, result: AnyFeedback) -> tuple[Theorem4, str] | None:
@@ -73,7 +72,12 @@ class FeedbackClause(Clause[AnyFeedback]):
     def facts(self, result: AnyFeedback, check: Theorem4Result) -> Iterator[Fact]:
         """Law, V, certified rate, region, margin, what was sampled, and the torque authority."""
         yield Fact("law", result.law, result.law or "", explained=True)
-        yield from driven_facts(result, check.scene)
+        if isinstance(result, FeedbackResult):
+            yield from (Fact("cones", []), Fact("sampled", []))
+        else:
+            from nonsmooth.proofs.clauses.feedback.friction_facts import driven_facts
+
+            yield from driven_facts(result, check.scene)
         yield from row_facts(result, check)
         yield Fact("witness", witness_record(result.witness, "theta"))
         normal = result.obstruction
@@ -84,6 +88,8 @@ class FeedbackClause(Clause[AnyFeedback]):
 
 
 def _driven(work: Workspace) -> DrivenFeedback:
+    from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback, with_samples
+
     found = decide_driven_feedback(work.scene)
     if found.verdict is Feedback.NOT_APPLICABLE:
         return found

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isqrt
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
@@ -25,7 +26,7 @@ from nonsmooth.proofs.clauses.translation.decrease_region import squared_distanc
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, shaped
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import Vector, dot, turned
+from nonsmooth.symbolic.plane import Vector, around, dot, turned
 
 Shape: TypeAlias = tuple[Fraction, Fraction]
 
@@ -46,10 +47,17 @@ class ControlLyapunov:
 
     def __str__(self) -> str:
         e, f = self.shape
-        if not e and not f and self.weight == 1:
-            return "|c|^2 + theta^2"
+        if self.length is not None:
+            return "|c|^2 + theta^2" if self.length == 1 else f"|c|^2 + l^2 theta^2 with l = {self.length}"
         mixed = f" {'-' if f < 0 else '+'} ({abs(2 * f)}) x y" if f else ""
         return f"({1 + e}) x^2{mixed} + ({1 - e}) y^2 + ({self.weight}) theta^2"
+
+    @property
+    def length(self) -> Fraction | None:
+        """The length l with ``V = |c|^2 + l^2 theta^2``; None where there is no such rational."""
+        top, bottom = isqrt(max(self.weight.numerator, 0)), isqrt(self.weight.denominator)
+        length = Fraction(top, bottom)
+        return length if not any(self.shape) and length * length == self.weight else None
 
     @property
     def is_positive(self) -> bool:
@@ -74,6 +82,11 @@ class ControlLyapunov:
 
 
 SQUARES = ControlLyapunov()
+
+
+def sum_of_squares(length: Fraction) -> ControlLyapunov:
+    """``V = |c|^2 + l^2 theta^2``."""
+    return ControlLyapunov(weight=length * length)
 
 
 @dataclass(frozen=True)
@@ -145,8 +158,9 @@ def _clipped(polygon: Polygon, demand: Demand, side: int) -> Polygon | None:
 def _meets_disc(polygon: Polygon) -> bool:
     """Whether a polygon of positive area has points in the open unit disc."""
     zero = polygon.vertices[0][0] * 0
-    sides = zip(polygon.vertices, (*polygon.vertices[1:], polygon.vertices[0]), strict=True)
-    return polygon.contains((zero, zero)) or any(sign(1 - squared_distance(*side)) > 0 for side in sides)
+    return polygon.contains((zero, zero)) or any(
+        sign(1 - squared_distance(*side)) > 0 for side in around(polygon.vertices)
+    )
 
 
 def _late(value: Number | Lazy) -> Lazy:

@@ -44,15 +44,18 @@ class LawCone:
         return tuple(imposed.twist for imposed in self.twists)
 
     @property
-    def bounds(self) -> Iterator[Number]:
-        """Half-widths of squares about c* in which the loads keep their form and each slope of D stays positive."""
+    def bounds(self) -> Iterator[tuple[Number, Number]]:
+        """Half-widths of squares about c* in which the loads keep their form and each slope of D stays positive.
+
+        As numerators and denominators: over many square roots a quotient is long work, and one of all is asked for.
+        """
         for held in (*self.twists, *self.elsewhere):
             if isinstance(held, HeldTwist):
                 affine = [(side.offset, *side.normal) for side in held.region.polygon.sides]
                 for constant, x, y in (*affine, *held.slopes):
                     size = abs(x) + abs(y)
                     if sign(constant) > 0 and sign(size):
-                        yield constant / size
+                        yield constant, size
 
     def check(self) -> bool:
         """Re-verify that the twists are independent, each the only minimizer."""
@@ -62,6 +65,11 @@ class LawCone:
         if self.rays is None:
             return imposed.is_unique
         return isinstance(imposed, HeldTwist) and imposed.is_unique_towards(between(*self.rays))
+
+
+def in_scene(twist: Triple, length: Fraction) -> Triple:
+    """``(v, omega/l)``: a twist of the array with l for its unit of length, in the scene's own; the same speeds."""
+    return twist[0], twist[1], twist[2] / length
 
 
 def rank_of(imposed: Iterable[ImposedTwist]) -> int:
@@ -109,7 +117,7 @@ def gains(twists: Sequence[Triple], kappa: Fraction) -> bool:
 
 
 def rim_speeds(scene: Scene, imposed: ImposedTwist) -> tuple[float, ...]:
-    """The speeds of all wheels of a centred scene that impose a twist, rounded.
+    """The speeds of all wheels of a centred scene that impose a twist, rounded; both with l for the unit of length.
 
     Rule ``box``: ``u_i = d_i . v(p_i)``, no rim slips along.  Rule ``ellipse``: where a wheel slips across, the speed
     turns its force to ``(rho, tau)``: ``u_i = a_i . xi - (mu_S/mu_R) (b_i . xi) rho/tau``.

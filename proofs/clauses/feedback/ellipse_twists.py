@@ -30,6 +30,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.minimizers.friction_search import search_forces
+from nonsmooth.analysis.minimizers.many_forces import MANY, search_many_forces
 from nonsmooth.proofs.clauses.feedback.exclusion import Exclusion, excludes, search_exclusion
 from nonsmooth.proofs.clauses.feedback.wheel_forces import (
     PRECISION,
@@ -134,7 +135,8 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
         return BalancedTwist(twist, wheels)  # too few forces to fix a motion
     along = np.array([[float(x) for x in wheel.along] for wheel in wheels])
     across = np.array([[float(x) for x in wheel.across] for wheel in wheels])
-    forces = search_forces(along, across, np.array([wheel.side for wheel in wheels]))
+    search = search_forces if len(wheels) <= MANY else search_many_forces
+    forces = search(along, across, np.array([wheel.side for wheel in wheels]))
     if forces is None:
         return BalancedTwist(twist, wheels)
     angles, held = iter(forces.angles), iter(forces.held)

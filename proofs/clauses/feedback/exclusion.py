@@ -24,6 +24,9 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.clauses.feedback.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded
 
 BUDGET = 200  # linear programs for one twist
+# Of the arcs that are halved: over narrower ones all forces differ by less than the tolerance of the linear programs
+# (1e-7), so that a search which came so far without success will have none.
+NARROWEST = 2.0**-24
 FACETS = 16  # of the polygon around a disc in a linear program
 Arc: TypeAlias = tuple[Fraction, Fraction]
 Floats: TypeAlias = NDArray[np.float64]
@@ -95,7 +98,7 @@ class Search:
         leaf = self._leaf(arcs)
         widths = [float(arc[1] - arc[0]) if wheel.side else 0.0 for wheel, arc in zip(self.wheels, arcs, strict=True)]
         wheel = int(np.argmax(self.sizes * widths))
-        if leaf is not None or not widths[wheel]:
+        if leaf is not None or widths[wheel] < NARROWEST:
             return leaf
         low, high = _halved(arcs, wheel)
         lower = self.exclude(low)

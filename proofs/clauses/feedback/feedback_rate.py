@@ -15,7 +15,7 @@ For ``P = I`` tau is ``w theta``, and kappa' = kappa.  Otherwise ``|c^T P J c| <
 ``kappa' = (1 + eta) kappa`` suffices where ``|c|^2 <= eta^2 (1 - rho) w/((1 + eta) rho^2)``, a disc about c*.
 
 The rate grows with w (a larger w lets theta count more in the law) up to that of ``tau^2/w = 0``; the weight taken is
-the smallest power of two that gives at least half of it.
+``l^2`` times the smallest power of two that gives at least half of it.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from typing import Any
 
 from flint import arb
 
+from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, Shape
-from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.translation.quadratic import root_above
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
@@ -114,8 +114,9 @@ class FeedbackRate:
 def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) -> FeedbackRate | None:
     """The largest rate found for a centred partition of rule ``nearest`` with a stabilizing law; None if none is."""
     cones = _build_cones(partition, lyapunov)
-    floats, unit = _in_floats(cones)
-    proposal = _proposal(floats, _lightness(lyapunov.weight, unit))
+    length = partition.scene.check.length
+    floats, unit = _in_floats(cones, length)
+    proposal = _proposal(floats, _lightness(lyapunov.weight / length**2, unit))
     if proposal <= 0:
         return None
     kappa = rounded_down(proposal / float(1 + SLACK) if any(lyapunov.shape) else proposal)
@@ -129,14 +130,15 @@ def certified_rate(partition: Partition, lyapunov: ControlLyapunov = SQUARES) ->
 
 
 def balanced(partition: Partition, shape: Shape) -> ControlLyapunov:
-    """V with the smallest power of two as w that gives at least half the rate that any w can give."""
-    floats, unit = _in_floats(_build_cones(partition, ControlLyapunov(shape)))
+    """V with the smallest w, ``l^2`` times a power of two, that gives at least half the rate that any w can give."""
+    length = partition.scene.check.length
+    floats, unit = _in_floats(_build_cones(partition, ControlLyapunov(shape)), length)
     enough = _proposal(floats, 0.0) / 2
     low, high = -_LARGEST_EXPONENT, _LARGEST_EXPONENT
     while low < high:
         middle = (low + high) // 2
         low, high = (low, middle) if _proposal(floats, 2.0**-middle) >= enough else (middle + 1, high)
-    return ControlLyapunov(shape, Fraction(2) ** (low - 2 * unit))
+    return ControlLyapunov(shape, length**2 * Fraction(2) ** (low - 2 * unit))
 
 
 def _build_cones(partition: Partition, lyapunov: ControlLyapunov) -> tuple[ConeRate, ...]:
@@ -161,28 +163,45 @@ def _cone_rate(cone: CellCone, fields: tuple[Triple, ...], lyapunov: ControlLyap
 
 def _schur(cone: ConeRate, kappa: Any, lightness: Any) -> tuple[Number, Number, Number, Number]:
     """Schur complement with respect to tau (times the corner entry), and the corner entry; ``lightness = 1/w``."""
-    (p, q), zero = cone.rays, cone.fields[0][2] * 0
+    return _complement(_products(cone), kappa, lightness, cone.fields[0][2] * 0)
+
+
+def _products(cone: ConeRate) -> tuple[tuple[Any, ...], list[tuple[Any, ...]]]:
+    """What the form holds whatever kappa and w are: products of the rays, and of each field with them."""
+    p, q = cone.rays
     slope_p, slope_q = cone.lyapunov.slope(p), cone.lyapunov.slope(q)
-    m11, m12, m22 = (dot(*pair) * -kappa for pair in ((p, slope_p), (p, slope_q), (q, slope_q)))
-    m13, m23, corner = zero, zero, zero - kappa * lightness
+    rays = tuple(dot(*pair) for pair in ((p, slope_p), (p, slope_q), (q, slope_q)))
+    fields: list[tuple[Any, ...]] = []
     for x, y, turn in cone.fields:
-        along_p, along_q = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
-        m11, m12, m22 = m11 + along_p * along_p, m12 + along_p * along_q, m22 + along_q * along_q
-        m13, m23, corner = m13 + along_p * turn, m23 + along_q * turn, corner + turn * turn
+        a, b = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
+        fields.append((a * a, a * b, b * b, a * turn, b * turn, turn * turn))
+    return rays, fields
+
+
+def _complement(
+    products: tuple[tuple[Any, ...], list[tuple[Any, ...]]], kappa: Any, lightness: Any, zero: Any
+) -> tuple[Any, Any, Any, Any]:
+    rays, fields = products
+    m11, m12, m22 = (product * -kappa for product in rays)
+    m13, m23, corner = zero, zero, zero - kappa * lightness
+    for aa, ab, bb, a_turn, b_turn, turns in fields:
+        m11, m12, m22 = m11 + aa, m12 + ab, m22 + bb
+        m13, m23, corner = m13 + a_turn, m23 + b_turn, corner + turns
     return corner * m11 - m13 * m13, corner * m12 - m13 * m23, corner * m22 - m23 * m23, corner
 
 
-def _in_floats(cones: Sequence[ConeRate]) -> tuple[list[ConeRate], int]:
-    """The same forms with floats for numbers, whatever the unit of length.
+def _in_floats(cones: Sequence[ConeRate], length: Fraction) -> tuple[list[ConeRate], int]:
+    """The same forms with floats for numbers, the same ones in every unit of length.
 
-    Rays have entries up to one, and rotation rates are multiples of ``2^unit``, about the largest of them.
+    Rays have entries up to one, and rotation rates are multiples of ``2^unit/l``, about the largest of them.
     """
-    unit = max((exponent_of(field[2]) for cone in cones for field in cone.fields if field[2]), default=0)
+    unit = max((exponent_of(field[2] * length) for cone in cones for field in cone.fields if field[2]), default=0)
+    factor = length * Fraction(2) ** -unit
     floats = []
     for cone in cones:
         sizes = [max(abs(x), abs(y)) for x, y in cone.rays]
         rays: Any = tuple((float(x / size), float(y / size)) for (x, y), size in zip(cone.rays, sizes, strict=True))
-        fields: Any = tuple((float(x), float(y), float(w * Fraction(2) ** -unit)) for x, y, w in cone.fields)
+        fields: Any = tuple((float(x), float(y), float(w * factor)) for x, y, w in cone.fields)
         floats.append(replace(cone, rays=rays, fields=fields))
     return floats, unit
 
@@ -197,7 +216,7 @@ def exponent_of(value: Any) -> int:
 
 
 def _lightness(weight: Fraction, unit: int) -> float:
-    """``1/w`` in the unit of the rotation rates; too large for a float in enormous units."""
+    """``l^2/w`` in the unit of the rotation rates, by ``weight = w/l^2``; too large for a float in enormous units."""
     light = 1 / (weight * Fraction(2) ** (2 * unit))
     return float(light) if light < _FLOAT_RANGE else float("inf")
 
@@ -210,9 +229,10 @@ def _proposal(floats: Sequence[ConeRate], lightness: float) -> float:
 def _largest(cone: ConeRate, lightness: float) -> float:
     """Largest kappa' of one cone, by bisection in floats; at most ``2 sum |g_v|^2``, since P is at most 2."""
     low, high = 0.0, 2.0 * sum(float(x) ** 2 for field in cone.fields for x in field[:2])
+    products = _products(cone)
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
-        s11, s12, s22, corner = _schur(cone, middle, lightness)
+        s11, s12, s22, corner = _complement(products, middle, lightness, 0.0)
         good = corner > 0 and s11 >= 0 and s22 >= 0 and (s12 >= 0 or s12 * s12 <= s11 * s22)
         low, high = (middle, high) if good else (low, middle)
     return low

@@ -6,6 +6,7 @@ The symbols are those of :mod:`nonsmooth.proofs.clauses.feedback.by_rows`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.analysis.cells.polygon import Point
@@ -14,7 +15,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import cross, dot, minus, turned
+from nonsmooth.symbolic.plane import around, between, cross, dot, minus, turned
 from nonsmooth.symbolic.scene import Wheel
 
 
@@ -49,10 +50,10 @@ class InputCell:
         vertices = tuple(vertex for vertex in self.cell.polygon.vertices if any(vertex))
         return Demand(vertices, self.nearest.direction)
 
-    def coefficients(self, point: Point, theta: Number) -> tuple[Number, ...]:
-        """Coefficient of each input in ``V'/2 = c . v + theta omega``, from the control vector fields."""
+    def coefficients(self, point: Point, theta: Number, weight: Fraction = Fraction(1)) -> tuple[Number, ...]:
+        """Coefficient of each input in ``V'/2 = c . v + w theta omega``, from the control vector fields."""
         fields = self.state.control_fields.values()
-        return tuple(point[0] * x + point[1] * y + theta * turn for x, y, turn in fields)
+        return tuple(point[0] * x + point[1] * y + theta * weight * turn for x, y, turn in fields)
 
     def check(self) -> bool:
         """Verify the wheels from the rows that the cell holds, the lever as a moment, projections as areas."""
@@ -64,11 +65,11 @@ class InputCell:
         named = held and third.wheel == self.second and self.state in self.cell.states
         return named and self.lever == moment and self.projections == tuple(sides)
 
-    def idle_plane(self) -> Witness:
+    def idle_plane(self, weight: Fraction) -> Witness:
         """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
 
-        With ``xi = g u_i`` and ``V'/2 = (c . g_v + theta g_omega) u_i`` that is the cell's centre (a vertex, where
-        the centre is the equilibrium) with ``theta = -c . g_v/g_omega``, or the equilibrium with any theta where
+        With ``xi = g u_i`` and ``V'/2 = (c . g_v + w theta g_omega) u_i`` that is the cell's centre (a vertex, where
+        the centre is the equilibrium) with ``theta = -c . g_v/(w g_omega)``, or the equilibrium with any theta where
         ``g_omega = 0``.
         """
         meaning = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
@@ -77,28 +78,24 @@ class InputCell:
             return Witness((turn, turn), turn.field.one, meaning)
         polygon = self.cell.polygon
         point = polygon.centre if any(polygon.centre) else polygon.vertices[0]
-        return Witness(point, -dot(point, (x, y)) / turn, meaning)
+        return Witness(point, -dot(point, (x, y)) / (turn * weight), meaning)
 
     def stall(self) -> Point | None:
         """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
-        vertices = self.cell.polygon.vertices
-        for k, here in enumerate(self.projections):
-            if not here and any(vertices[k]):
-                return vertices[k]
-            following = (k + 1) % len(vertices)
-            after = self.projections[following]
+        for (p, here), (q, after) in around(list(zip(self.cell.polygon.vertices, self.projections, strict=True))):
+            if not here and any(p):
+                return p
             if here.sign() * after.sign() < 0:
-                t = here / (here - after)
-                point = tuple(p + t * (q - p) for p, q in zip(vertices[k], vertices[following], strict=True))
+                point = between(p, q, here / (here - after))
                 if any(point):
                     return point
         return None
 
-    def is_idle(self, witness: Witness) -> bool:
+    def is_idle(self, witness: Witness, weight: Fraction) -> bool:
         """Whether no input of the closed cell changes V at the witness, which is not the equilibrium itself."""
         nonzero = any(witness.point) or bool(witness.value)
         held = self.cell.polygon.contains(witness.point)
-        return nonzero and held and not any(self.coefficients(witness.point, witness.value))
+        return nonzero and held and not any(self.coefficients(witness.point, witness.value, weight))
 
 
 def build_input_cell(cell: Cell, state: ContactState) -> InputCell:

@@ -31,16 +31,16 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
-from nonsmooth.proofs.clauses.translation.cones import CellCone
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import cross, dot, minus, turned
+from nonsmooth.symbolic.plane import around, cross, dot, minus, turned
 from nonsmooth.symbolic.scene import Wheel
 
 DIGITS = 10**4  # denominator of a rational lower bound
@@ -121,7 +121,7 @@ class InputMargin:
 
     def check(self, lyapunov: ControlLyapunov) -> bool:
         """Verify every side by its witness and its two inputs, that these are all, and the bound between them."""
-        turning = [pair for pair in _neighbours(self.fan) if _nearest(pair[0]) != _nearest(pair[1])]
+        turning = [pair for pair in around(self.fan) if _nearest(pair[0]) != _nearest(pair[1])]
         if (
             not turning
             or [side.cones for side in self.sides] != turning
@@ -136,7 +136,7 @@ class InputMargin:
 
 def build_margin(fan: tuple[CellCone, ...], lyapunov: ControlLyapunov) -> InputMargin:
     """The margin for a fan with both rows of one wheel and the roll row of another in each cone, and a V for it."""
-    sides = tuple(_side_margin(pair, lyapunov) for pair in _neighbours(fan) if _nearest(pair[0]) != _nearest(pair[1]))
+    sides = tuple(_side_margin(pair, lyapunov) for pair in around(fan) if _nearest(pair[0]) != _nearest(pair[1]))
     least = min(side.squared for side in sides)
     bounds = [] if _meet(fan) else [gap for gap in _conflicts(fan) if _half_sine_sign(gap, least) < 0]
     if not bounds:
@@ -205,11 +205,6 @@ def _meet(fan: Sequence[CellCone]) -> bool:
     wheels = {wheel.index: wheel for cone in fan for wheel in (_nearest(cone), _second(cone))}.values()
     rows = [(*wheel.direction, dot(wheel.direction, turned(wheel.position))) for wheel in wheels]
     return len(independent(rows)) < 3
-
-
-def _neighbours(fan: Sequence[CellCone]) -> Iterator[tuple[CellCone, CellCone]]:
-    """Each cone with the next one, counterclockwise."""
-    yield from zip(fan, (*fan[1:], fan[0]), strict=True)
 
 
 def _conflicts(fan: Sequence[CellCone]) -> Iterator[tuple[Point, Point]]:

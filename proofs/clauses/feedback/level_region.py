@@ -20,7 +20,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.plane import around, dot
 
 DIGITS = 4  # significant digits of a level
 NEXT_BELOW = 1 - Fraction(1, 10 ** (DIGITS - 1))  # next try where rounding made a level too large
@@ -65,11 +65,23 @@ class LevelRegion:
 
 
 def build_level_region(
-    cells: Sequence[InputCell], local: frozenset[int], radius: Number, lyapunov: ControlLyapunov
+    cells: Sequence[InputCell],
+    local: frozenset[int],
+    radius: Number,
+    lyapunov: ControlLyapunov,
+    length: Fraction = Fraction(1),
 ) -> LevelRegion | None:
-    """The largest level, to a few digits, for a law by V on all cells of the square; None if none is found."""
+    """The largest level, to a few digits in ``l^2``, for a law by V on all cells of the square; None if none is found.
+
+    Args:
+        cells: of the square, with their inputs.
+        local: numbers of the cells at the equilibrium.
+        radius: half-width of the square.
+        lyapunov: V.
+        length: l.
+    """
     sides = segments(_stalling(cells, local, lyapunov), radius)
-    level = least_level(sides, lyapunov)
+    level = least_level(sides, lyapunov, length)
     for _ in range(_TRIES):
         region = LevelRegion(lyapunov, level, radius)
         if region.check(cells, local):
@@ -78,10 +90,10 @@ def build_level_region(
     return None
 
 
-def least_level(sides: Iterable[Segment], lyapunov: ControlLyapunov) -> Fraction:
-    """The least ``c^T P c`` on segments, to a few digits: a proposal."""
+def least_level(sides: Iterable[Segment], lyapunov: ControlLyapunov, length: Fraction = Fraction(1)) -> Fraction:
+    """The least ``c^T P c`` on segments, as a multiple of ``length^2`` to a few digits: a proposal."""
     least = min((_least(side, lyapunov) for side in sides), key=lambda bound: bound.mid())
-    return Fraction(least.str(DIGITS, radius=False))
+    return length**2 * Fraction((least / ball_of(length**2)).str(DIGITS, radius=False))
 
 
 def fills(cells: Sequence[InputCell], radius: Number) -> bool:
@@ -94,8 +106,7 @@ def segments(cells: Iterable[InputCell], radius: Number) -> Iterator[Segment]:
     """The sides of the square about the equilibrium and of some cells."""
     zero = radius * 0
     for polygon in (square((zero, zero), radius), *(data.cell.polygon for data in cells)):
-        vertices = polygon.vertices
-        yield from zip(vertices, (*vertices[1:], vertices[0]), strict=True)
+        yield from around(polygon.vertices)
 
 
 def is_above(segment: Segment, lyapunov: ControlLyapunov, level: Fraction) -> bool:

@@ -10,10 +10,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.proofs.clauses.feedback.input_ranks import input_ranks
@@ -24,6 +22,7 @@ from nonsmooth.symbolic.number_text import decimal_text, lower_text, real_text
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
     from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 MOST_CELLS = 12  # that are named in a sentence
@@ -55,7 +54,7 @@ def _rate(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Iterator[F
 
     The reach is a distance under rules that keep rows, the half-width of a square under others.
     """
-    if isinstance(feedback, DrivenFeedback):
+    if not isinstance(feedback, FeedbackResult):
         kappa, reach = feedback.kappa, feedback.reach
     else:
         kappa = None if feedback.rate is None else feedback.rate.kappa
@@ -77,8 +76,7 @@ def _lyapunov_record(feedback: FeedbackResult | DrivenFeedback, scene: Scene) ->
     known = feedback.has_lyapunov if isinstance(feedback, FeedbackResult) else feedback.law is not None
     if not known:
         return None
-    lyapunov: ControlLyapunov = feedback.lyapunov if isinstance(feedback, FeedbackResult) else SQUARES
-    (e, f), w = lyapunov.shape, lyapunov.weight
+    (e, f), w = feedback.lyapunov.shape, feedback.lyapunov.weight
     exact = scene.field
     shape = ((exact(1 + e), exact(f)), (exact(f), exact(1 - e)))
     return {"P": Quantity(shape), "w": Quantity(exact(w))}

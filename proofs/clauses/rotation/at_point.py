@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
+from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, drift_at_rest
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.number_text import brief_text
@@ -22,10 +23,17 @@ def spin_of(point: EllipsePoint) -> RotationResult:
         reason = "near the point the body does not move at all"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason)
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and point.linearization is not None:
-        x, y = point.linearization.rotation_map
-        reason = f"theta_inf - theta_0 = ({brief_text(x)}) x_0 + ({brief_text(y)}) y_0 to first order"
-        return RotationResult(Rotation.NEUTRAL, drift, None, reason)
+        return RotationResult(Rotation.NEUTRAL, drift, None, _turn_on_the_way(point.linearization))
     return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay bounds the rotation")
+
+
+def _turn_on_the_way(linear: Linearization) -> str:
+    """How far the way home turns the body, to first order in its start."""
+    terms = [(entry, name) for entry, name in zip(linear.rotation_map, ("x_0", "y_0"), strict=True) if entry]
+    if not terms:
+        return "to first order the way home does not turn the body"
+    total = " + ".join(f"({brief_text(entry)}) {name}" for entry, name in terms)
+    return f"theta_inf - theta_0 = {total} to first order"
 
 
 def says_the_spin(result: RotationResult, point: EllipsePoint) -> bool:

@@ -20,9 +20,9 @@ from nonsmooth.analysis.cells.filippov import CellDerivative, filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.fan import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
+from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
 from nonsmooth.proofs.verdicts import Rotation, Translation
-from nonsmooth.symbolic.constraints import Triple, Twist
+from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -169,8 +169,6 @@ def _fastest(moving: list[CellDerivative]) -> Number:
     return max(abs(derivative.twist.omega) for derivative in moving)
 
 
-def _program(twists: tuple[Twist, ...]) -> tuple[list[Triple], Triple, list[Number]]:
+def _program(twists: tuple[Twist, ...]) -> tuple[list[Column], Column, list[Number]]:
     """Columns and target of convex weights that rest in (x, y), and the rates that they mix."""
-    field = twists[0].omega.field
-    columns = [(t.vx, t.vy, field.one) for t in twists]
-    return columns, (field.zero, field.zero, field.one), [t.omega for t in twists]
+    return *mixtures_to_zero([t.velocity for t in twists]), [t.omega for t in twists]

@@ -13,7 +13,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.number_text import Real, brief_text
 from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:
@@ -49,6 +49,26 @@ class EllipseTranslation:
     @property
     def quadratic(self) -> None:
         """No other Lyapunov function is looked for."""
+
+    @property
+    def support_note(self) -> str:
+        """Empty: a square that leaves the support polygon is refused under rules that need loads."""
+        return ""
+
+    @property
+    def home_radius(self) -> None:
+        """None: the linearization speaks of starts close by."""
+
+    @property
+    def arrival_per_distance(self) -> None:
+        """None: the point is approached, and not reached in finite time."""
+
+    @property
+    def exponential_rate(self) -> Real | None:
+        """``-max Re lambda(A)`` where the point attracts: close by, |c| shrinks at any rate below it."""
+        linear = self.point.linearization
+        attracts = self.verdict is Translation.ASYMPTOTICALLY_STABLE and linear is not None
+        return -linear.spectral_abscissa if attracts and linear is not None else None
 
     @property
     def reason(self) -> str:

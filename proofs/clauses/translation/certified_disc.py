@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.plane import around, between, dot, minus
 
 Floats: TypeAlias = tuple[float, float]
 State: TypeAlias = tuple[int, int]  # position of a cell, and of a state in it
@@ -88,14 +88,12 @@ class _Growth:
         signs = [sign(dot(twist.velocity, vertex)) for vertex in cell.polygon.vertices]
         v = float(twist.vx), float(twist.vy)
         part: list[Floats] = []
-        for k, p in enumerate(vertices):
-            after = (k + 1) % len(vertices)
-            if signs[k] >= 0:
+        for (p, here), (q, after) in around(list(zip(vertices, signs, strict=True))):
+            if here >= 0:
                 part.append(p)
-            if signs[k] * signs[after] < 0:
-                part.append(_crossing(p, vertices[after], v))
-        sides = zip(part, [*part[1:], part[0]], strict=True)
-        return cls(vertices, v, min((_nearest(p, q) for p, q in sides), key=lambda p: math.hypot(*p)))
+            if here * after < 0:
+                part.append(_crossing(p, q, v))
+        return cls(vertices, v, min((_nearest(p, q) for p, q in around(part)), key=lambda p: math.hypot(*p)))
 
     @property
     def distance(self) -> float:
@@ -108,7 +106,7 @@ class _Growth:
         n, v = (self.nearest[0] * scale, self.nearest[1] * scale), self.velocity
         lower, upper = 0.0, math.inf
         for p in self.vertices:
-            rate, room = v[0] * p[0] + v[1] * p[1], n[0] * p[0] + n[1] * p[1] - 1
+            rate, room = dot(v, p), dot(n, p) - 1
             if rate > 0:
                 upper = min(upper, room / rate)
             elif rate < 0:
@@ -119,17 +117,15 @@ class _Growth:
 
 def _crossing(p: Floats, q: Floats, v: Floats) -> Floats:
     """The point of a segment where ``v . c`` changes sign."""
-    a, b = abs(v[0] * p[0] + v[1] * p[1]), abs(v[0] * q[0] + v[1] * q[1])
-    share = a / (a + b) if a + b else 0.5
-    return p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])
+    a, b = abs(dot(v, p)), abs(dot(v, q))
+    return between(p, q, a / (a + b) if a + b else 0.5)
 
 
 def _nearest(p: Floats, q: Floats) -> Floats:
     """The point of a segment that is nearest to the origin."""
-    x, y = q[0] - p[0], q[1] - p[1]
-    length = x * x + y * y
-    t = min(1.0, max(0.0, -(p[0] * x + p[1] * y) / length)) if length else 0.0
-    return p[0] + t * x, p[1] + t * y
+    along = minus(q, p)
+    length = dot(along, along)
+    return between(p, q, min(1.0, max(0.0, -dot(p, along) / length)) if length else 0.0)
 
 
 def _rounded(value: float) -> Fraction:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
+from nonsmooth.analysis.cells.fan import is_fan_of
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
-from nonsmooth.proofs.clauses.translation.cones import is_fan_of
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
@@ -36,7 +36,8 @@ class TranslationClause(Clause[AnyTranslation]):
             return decide_translation(work.partition, work.lemma)
         if work.lemma is not None and work.prune:
             work.skip("samples of V*", SAMPLES, f"{LEMMA}: no solver is needed")
-        return decide_translation_at(work.point, work.lemma, samples=SAMPLES, always=not work.prune)
+        samples = SAMPLES if work.sample else 0
+        return decide_translation_at(work.point, work.lemma, samples=samples, always=not work.prune)
 
     def is_about(self, result: AnyTranslation, check: Theorem4Result) -> bool:
         """Whether V* was looked at on every cell of the array."""

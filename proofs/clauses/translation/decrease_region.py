@@ -11,7 +11,7 @@ from nonsmooth.analysis.cells.filippov import CellDerivative
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.enclosures import rational_below, square_root
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot, minus
 
 
 def region_radius(
@@ -48,13 +48,12 @@ def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator
         flat = [p for p, rate in zip(polygon.vertices, derivative.rates, strict=True) if not rate]
         yield flat[0], flat[-1]
         return
-    for k, start in enumerate(part.vertices):
-        yield start, part.vertices[(k + 1) % len(part.vertices)]
+    yield from around(part.vertices)
 
 
 def squared_distance(start: Point, end: Point) -> Number:
     """Squared distance of the origin from a segment."""
-    along = (end[0] - start[0], end[1] - start[1])
+    along = minus(end, start)
     length, shift = dot(along, along), -dot(start, along)
     if shift.sign() <= 0:
         return dot(start, start)

@@ -5,12 +5,11 @@ rotation rate omega.  With exact kinematics ``c' = v + omega J c`` a Filippov so
 
 - *escape*: a velocity that points into its own closed cone carries the body straight away: unstable.  Where it lies
   along a ray of the cone, omega decides: it is an escape unless omega bends the path out of the cone there;
-- *slide* along a ray between two cones: possible where the normal velocities ``N = n + s omega`` on its two sides
-  do not have the same strict sign; the radial speed at distance s is ``(N_1 rho_2 - N_2 rho_1)/(N_1 - N_2)``.  Its
-  sign for small s is found by comparing the constant term, then the linear one.  Outward: unstable (on repelling
-  rays too: one solution is enough).  Inward: the body slides home.  Exactly zero: a ray of equilibria;
+- *slide* along a ray between two cones (module ``analysis.cells.moves``): the sign of its radial speed for small s is
+  that of A, or of B where A is zero.  Outward: unstable (on repelling rays too: one solution is enough).  Inward: the
+  body slides home.  Exactly zero: a ray of equilibria;
 - *crossing* of a cone from ray to ray, and *full turns* where every cone can be crossed in one sense:
-  module ``full_turns``.  Distances that diverge: unstable; that contract: fine; a gain of exactly
+  module ``analysis.cells.full_turns``.  Distances that diverge: unstable; that contract: fine; a gain of exactly
   one is left undecided (terms of higher order decide), and so are crossings of orders 1/2 and 2 that cancel.
 
 Each of these is decided by the sign of the cross product of ray and velocity, and where that is zero by the sign of
@@ -38,9 +37,11 @@ from enum import StrEnum
 from itertools import product
 from typing import Any
 
+from nonsmooth.analysis.cells.fan import Cone, build_fan, is_plane, rays_of
+from nonsmooth.analysis.cells.full_turns import FullTurn, Growth, full_turns
+from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.translation.cones import Cone, build_fan, is_plane, rays_of
 from nonsmooth.proofs.clauses.translation.fan_check import (
     are_the_turns,
     escapes,
@@ -49,18 +50,11 @@ from nonsmooth.proofs.clauses.translation.fan_check import (
     rests,
     slides,
 )
-from nonsmooth.proofs.clauses.translation.full_turns import (
-    FullTurn,
-    Growth,
-    full_turns,
-    leaves_at_a_root,
-    squared_overshoot,
-)
+from nonsmooth.proofs.clauses.translation.overshoot import leaves_at_a_root, squared_overshoot
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
 
 
 class Move(StrEnum):
@@ -208,17 +202,8 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
 def _escapes(fan: Sequence[Cone]) -> Iterator[Evidence]:
     for cone in fan:
         for twist in cone.twists:
-            velocity = twist.velocity
-            if any(velocity) and (is_plane(cone) or (cone.holds(velocity) and _stays(cone, twist))):
-                yield Evidence(Move.ESCAPE, velocity, (twist,), None)
-
-
-def _stays(cone: Cone, twist: Twist) -> bool:
-    """For a velocity along a side of the cone: whether its rotation does not bend the path out of the cone."""
-    turn = sign(twist.omega)
-    leaves_start = not cross(cone.start, twist.velocity) and sign(dot(cone.start, twist.velocity)) > 0 and turn < 0
-    leaves_end = not cross(cone.end, twist.velocity) and sign(dot(cone.end, twist.velocity)) > 0 and turn > 0
-    return not (leaves_start or leaves_end)
+            if any(twist.velocity) and all(departure_sign(normal, twist) >= 0 for normal in cone.inward_normals):
+                yield Evidence(Move.ESCAPE, twist.velocity, (twist,), None)
 
 
 def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[Evidence]:
@@ -235,24 +220,6 @@ def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[Evidence]:
             if not outward and not sign(speed):
                 yield Evidence(Move.REST, ray, (first, second), speed)
                 break
-
-
-def slide_speed(ray: Point, first: Twist, second: Twist) -> Any | None:
-    """Leading nonzero coefficient (a positive multiple of it) of the radial speed of a slide at small distances.
-
-    ``first`` pushes counterclockwise or not at all, ``second`` clockwise or not at all; None where they do not, so
-    that the pair is met in the other order or cannot slide.  The speed is ``(N_1 rho_2 - N_2 rho_1)/(N_1 - N_2)`` with
-    ``N = n + s omega |r|``; zero means exactly zero for all small s.
-    """
-    normals = [(cross(ray, t.velocity), t.omega * dot(ray, ray)) for t in (first, second)]
-    radials = [dot(ray, t.velocity) for t in (first, second)]
-    signs = [sign(n) or sign(w) for n, w in normals]
-    if signs[0] < 0 or signs[1] > 0:
-        return None
-    if signs == [0, 0]:
-        return radials[0]
-    constant = normals[0][0] * radials[1] - normals[1][0] * radials[0]
-    return constant if constant else normals[0][1] * radials[1] - normals[1][1] * radials[0]
 
 
 def _ties(fan: Sequence[Cone]) -> Iterator[Evidence]:

@@ -1,7 +1,7 @@
 """A fan of cones judged again, by other means than those of :mod:`nonsmooth.proofs.clauses.translation.fan`.
 
-- *Escape*: the path from the point begins with ``t v + t^2 omega J v/2``; it stays in the cone iff the first of these
-  terms that does not vanish along a side's inward normal is positive there.
+- *Escape*: the closed cone holds the velocity, and where that lies along one of its rays omega does not bend the path
+  out of it there.
 - *Slide*: ``(r x v_1)(r . v_2) - (r x v_2)(r . v_1) = |r|^2 (v_2 x v_1)``, so the sign of a slide is that of the area
   of its two velocities, and where they are parallel that of ``omega_1 rho_2 - omega_2 rho_1``.
 - *Crossing*: ``H = (r x v) s + (omega |r|^2/2) s^2`` is equal at entry and exit.  The powers of the first terms that do
@@ -16,27 +16,20 @@ from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.fan import Cone, is_plane, rays_of
+from nonsmooth.analysis.cells.full_turns import FullTurn, Growth
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane, rays_of
-from nonsmooth.proofs.clauses.translation.full_turns import FullTurn, Growth
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot, turned
+from nonsmooth.symbolic.plane import cross, dot
 
 Step: TypeAlias = tuple[Fraction, tuple[Any, Any] | None]  # order of a crossing; its gain as numerator and denominator
 
 
 def escapes(cone: Cone, twist: Twist) -> bool:
     """Whether the path of a motion from the point itself stays in its own closed cone."""
-    if not any(twist.velocity):
-        return False
-    x, y = turned(cone.end)
-    return is_plane(cone) or all(_leads_in(normal, twist) for normal in (turned(cone.start), (-x, -y)))
-
-
-def _leads_in(normal: Point, twist: Twist) -> bool:
-    first = sign(dot(normal, twist.velocity))
-    return first > 0 or (not first and sign(twist.omega * dot(normal, turned(twist.velocity))) >= 0)
+    stays = is_plane(cone) or (cone.holds(twist.velocity) and not cone.bends_out(twist))
+    return any(twist.velocity) and stays
 
 
 def slide_sign(ray: Point, first: Twist, second: Twist) -> int | None:
@@ -141,11 +134,6 @@ def _farthest(steps: Sequence[Step]) -> Step:
     lowest = min(order for order, _ in steps)
     first, *others = [step for step in steps if step[0] == lowest]
     for step in others:
-        if first[1] is None or (step[1] is not None and sign(_difference(step[1], first[1])) > 0):
+        if first[1] is None or (step[1] is not None and sign(cross(step[1], first[1])) > 0):
             first = step
     return first
-
-
-def _difference(a: tuple[Any, Any], b: tuple[Any, Any]) -> Any:
-    """Of two quotients with positive denominators, times both of them."""
-    return a[0] * b[1] - b[0] * a[1]

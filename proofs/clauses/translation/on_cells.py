@@ -20,21 +20,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 
 from flint import arb
 
+from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.filippov import CellDerivative, RelativeRate, cell_derivatives
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.translation.cones import CellCone, build_fan
 from nonsmooth.proofs.clauses.translation.decrease_region import region_radius, squared_reach
 from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_fan
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import cross, dot
 
@@ -94,6 +96,35 @@ class TranslationResult:
     def decay_rate(self) -> Number | arb | None:
         """Kappa > 0 with ``V* <= -kappa |c|`` on the whole square, where there is one."""
         return -self.worst_rate if self.worst.sign() < 0 else None
+
+    @property
+    def home_radius(self) -> Number | None:
+        """Radius of a disc of starts from which every solution comes home; None where only near starts do."""
+        if self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+            return None
+        if self.quadratic is not None:
+            return self.quadratic.disc_radius
+        return self.region_radius if self.fan is None else None
+
+    @property
+    def arrival_per_distance(self) -> Number | Fraction | None:
+        """Bound on the time of arrival per unit of ``|c_0|``, from starts within ``home_radius``.
+
+        ``V = |c|^2`` with ``V* <= -kappa |c|`` gives ``d|c|/dt <= -kappa/2``, so ``2/kappa``.  Where the exact kappa is
+        out of reach, a rational below it serves.
+        """
+        if self.home_radius is None:
+            return None
+        if self.quadratic is not None:
+            return self.quadratic.arrival_per_distance
+        kappa = self.decay_rate
+        if kappa is None or isinstance(kappa, Number):
+            return None if kappa is None else 2 / kappa
+        return 2 / rational_below(kappa)
+
+    @property
+    def exponential_rate(self) -> None:
+        """None: with constant velocities a body arrives, or not; it does not approach exponentially."""
 
     def check(self) -> bool:
         """Re-verify the verdict from the twists and vertices; that the cells are all is for the partition to show."""

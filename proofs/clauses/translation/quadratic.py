@@ -18,13 +18,16 @@ from math import isqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.proofs.clauses.translation.cones import CellCone
+from nonsmooth.symbolic.number_text import lower_text
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import Vector, dot
+from nonsmooth.symbolic.plane import Vector, around, dot, minus
 
 DENOMINATOR = 2**12  # of the rounded a and b
+RADIUS_DIGITS = 4  # significant digits of the radius of a disc
 _DECAY_STEPS = 40
 _INSIDE = 0.98  # largest radius of (a, b): keeps P away from singular
 
@@ -54,6 +57,14 @@ class QuadraticCertificate:
         """Bound on the arrival time per unit of |c_0|: ``4/m``."""
         return 4 / self.decay
 
+    @property
+    def disc_radius(self) -> Number:
+        """Radius of a disc inside the region: ``V <= (1 + rho) |c|^2``, so ``|c|^2 < level/(1 + rho)`` suffices."""
+        a, b = self.shape
+        squared = self.level / (1 + root_above(a * a + b * b))
+        root = rational_below(enclosure(squared).sqrt())
+        return squared.field(Fraction(lower_text(root, RADIUS_DIGITS)))
+
     def value(self, c: Point) -> Number:
         """``c^T P c``."""
         return dot(c, shaped(self.shape, c))
@@ -81,7 +92,7 @@ class QuadraticCertificate:
 
     def least_on(self, start: Point, end: Point) -> Number:
         """Least value of V on a segment."""
-        along = (end[0] - start[0], end[1] - start[1])
+        along = minus(end, start)
         curvature, slope = self.value(along), -dot(start, shaped(self.shape, along))
         if sign(slope) <= 0:
             return self.value(start)
@@ -180,6 +191,6 @@ def _rim(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Point]]:
     """Sides of the fan's cells that do not pass through the equilibrium."""
     for cone in cones:
         polygon = cone.cell.polygon
-        for k, side in enumerate(polygon.sides):
+        for side, ends in zip(polygon.sides, around(polygon.vertices), strict=True):
             if sign(side.offset):
-                yield polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+                yield ends

@@ -3,6 +3,9 @@
   const about = (element) => (element.dataset.about || "").split(" ").filter(Boolean);
   const marked = () => document.querySelectorAll("[data-about]");
 
+  // There is room for the contents beside the report, not above it.
+  if (matchMedia("(min-width: 70rem)").matches) document.querySelector("nav details").open = true;
+
   // What is about the same cell lights up together, under the pointer or the keyboard.
   const light = (marks) => {
     for (const element of marked()) {

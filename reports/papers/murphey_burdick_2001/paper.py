@@ -6,6 +6,8 @@ none is a stored sentence about a result.
 
 from __future__ import annotations
 
+from functools import cache
+
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.reports.document import Bullets, Section, Text
 from nonsmooth.reports.papers.murphey_burdick_2001.feedback import audit_feedback
@@ -43,8 +45,9 @@ def audit_paper() -> tuple[Finding, ...]:
     )
 
 
+@cache
 def audit_section() -> Section:
-    """The findings as a part of a report."""
+    """The findings as a part of a report: the same in every report, so computed once."""
     findings = audit_paper()
     summary: tuple[Text, ...] = tuple((f"{finding.title}: {finding.outcome}.",) for finding in findings)
     intro = paragraph("This is the array of {}. What the paper prints about it, against the computation:", PAPER)

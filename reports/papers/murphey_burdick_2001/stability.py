@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.filippov import filippov_twists, upper_derivative_at
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.reports.document import Block, Entry, display, number, point, table
@@ -60,9 +60,8 @@ def sign_sets(partition: Partition, place: Point) -> tuple[set[int], set[int], s
 
 def rests(partition: Partition, place: Point) -> bool:
     """Whether 0 lies in the hull of the twists that meet at a point: then the body may rest all along its ray."""
-    zero, one = partition.scene.field.zero, partition.scene.field.one
-    columns = [(*twist, one) for twist in filippov_twists(partition, place)]
-    return best_mixture(columns, (zero, zero, zero, one), [zero] * len(columns)) is not None
+    twists = filippov_twists(partition, place)
+    return best_mixture(*mixtures_to_zero(twists), [partition.scene.field.zero] * len(twists)) is not None
 
 
 def rate_is(partition: Partition, *, larger: bool) -> bool:

@@ -39,6 +39,7 @@ WITHIN = 0.2  # of the predicted slope
 SECONDS = 120  # of one setting: none comes near
 FEW_SAMPLES = 100_000
 ROUNDING = 1e-13
+MOST_TOLERANCES = 1_000  # the error of a solver in units of its tolerance: the condition of the problem, with room
 SLACK = 1.01  # of the ends of a range
 
 
@@ -130,11 +131,15 @@ def test_a_tie_hides_motions_from_samples(arrays: Arrays) -> None:
     assert UPPER_DERIVATIVE.build(tied).orders["random samples"].expected is None
 
 
-@pytest.mark.parametrize(("solver", "slope"), [("Clarabel", 1.0), ("SCS", 1.0), ("OSQP", 1.0)])
-def test_solvers_on_the_box_err_by_their_tolerance(solver: str, slope: float) -> None:
-    seen, expected = slope_of(BOX_MINIMIZERS, load_scene("four-wheel"), f"CVXPY, {solver}", 1e-2, 1e-10)
-    assert expected == slope
-    assert seen == pytest.approx(slope, abs=WITHIN)
+@pytest.mark.parametrize("solver", ["Clarabel", "SCS", "OSQP"])
+def test_solvers_on_the_box_err_by_their_tolerance(solver: str) -> None:
+    plan = BOX_MINIMIZERS.build(load_scene("four-wheel"))
+    errors = errors_of(plan, f"CVXPY, {solver}", 1e-2, 1e-10)
+    slope = log_slope(list(errors), list(errors.values()))
+    assert plan.orders[f"CVXPY, {solver}"].expected == 1
+    assert all(error < MOST_TOLERANCES * tolerance for tolerance, error in errors.items())
+    # SCS looks at its residuals every 25 steps and may stop two orders below the tolerance, on each machine elsewhere.
+    assert 1 - WITHIN < slope < (1.5 if solver == "SCS" else 1 + WITHIN)
 
 
 def test_a_gap_bounds_the_square_of_the_error_where_d_is_smooth() -> None:

@@ -1,4 +1,8 @@
-"""The fan of cones at the equilibrium: the cells whose closure holds it, each by two rays and its motions."""
+"""The fan of cones at a point: the cells whose closure holds it, each by two rays and its motions about the point.
+
+Paths see a fan by the edges that meet at the point, because they must know which edge a ray is and how far it reaches
+(:mod:`nonsmooth.analysis.trajectories.junction`).
+"""
 
 from __future__ import annotations
 
@@ -10,12 +14,12 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot, same_direction, turned
 
 
 @dataclass(frozen=True)
 class Cone:
-    """The part of a cell near the equilibrium: counterclockwise from ray ``start`` to ray ``end``.
+    """The part of a cell near the point: counterclockwise from ray ``start`` to ray ``end``.
 
     Attributes:
         start: first ray.
@@ -27,11 +31,22 @@ class Cone:
     end: Point
     twists: tuple[Twist, ...]
 
+    @property
+    def inward_normals(self) -> tuple[Point, ...]:
+        """Of the sides along both rays; none where the cone is the plane."""
+        x, y = turned(self.end)
+        return () if is_plane(self) else (turned(self.start), (-x, -y))
+
     def holds(self, vector: Point) -> bool:
         """Whether a nonzero vector points into the closed cone (of angle at most a half turn)."""
         if not cross(self.start, self.end):  # half-plane
             return sign(cross(self.start, vector)) >= 0
         return sign(cross(self.start, vector)) >= 0 and sign(cross(vector, self.end)) >= 0
+
+    def bends_out(self, twist: Twist) -> bool:
+        """Whether a velocity points away from the point along a ray, and omega bends the path out of the cone there."""
+        turn, velocity = sign(twist.omega), twist.velocity
+        return any(turn == sense and same_direction(ray, velocity) for ray, sense in ((self.start, -1), (self.end, 1)))
 
 
 @dataclass(frozen=True)
@@ -49,7 +64,7 @@ def build_fan(partition: Partition) -> tuple[CellCone, ...]:
     if len(cones) == 1:
         return tuple(cones)
     # neighbours share one vector per ray, so that gains multiply to the gain of a full turn
-    return tuple(replace(cone, end=cones[(k + 1) % len(cones)].start) for k, cone in enumerate(cones))
+    return tuple(replace(cone, end=following.start) for cone, following in around(cones))
 
 
 def is_fan_of(cones: Sequence[Cone], partition: Partition) -> bool:
@@ -58,7 +73,7 @@ def is_fan_of(cones: Sequence[Cone], partition: Partition) -> bool:
     here = [cell for cell in partition.cells if all(sign(side.offset) >= 0 for side in cell.polygon.sides)]
     used = [cone.cell for cone in own]
     once = len(cones) == len(own) == len(here) and all(cell in used for cell in here)
-    chained = len(own) == 1 or all(a.end == b.start for a, b in zip(own, [*own[1:], own[0]], strict=True))
+    chained = len(own) == 1 or all(a.end == b.start for a, b in around(own))
     return once and chained and all(cone.twists == cone.cell.twists and _spans(cone) for cone in own)
 
 

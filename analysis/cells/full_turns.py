@@ -1,4 +1,4 @@
-"""Crossing cones one after the other: full turns, and the largest growth of the distance on the way.
+"""Crossing cones one after the other, all around a point: full turns, and what they do to small distances.
 
 In a cone with twist ``(v, omega)`` the body moves on a circle (exact kinematics ``c' = v + omega J c``), along which
 
@@ -19,7 +19,9 @@ The first terms that do not vanish decide what the crossing does to small distan
 
 A full turn is of the product of these orders.  Below one the distances diverge, above one they vanish; at exactly one
 the product of the gains decides where every crossing is of order one.  Several motions in a cone: the most growth
-counts (module ``fan`` says why a mixture gains no more; that argument is for order one only).
+counts (``proofs.clauses.translation.fan`` says why a mixture gains no more; that argument is for order one only).
+
+Over exact numbers or floats, as in :mod:`nonsmooth.analysis.cells.moves`.
 """
 
 from __future__ import annotations
@@ -31,11 +33,11 @@ from enum import Enum
 from fractions import Fraction
 from typing import Any
 
+from nonsmooth.analysis.cells.fan import Cone, is_plane
+from nonsmooth.analysis.cells.moves import EXACT, Signs
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.translation.cones import Cone, is_plane
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, float_text
-from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import cross, dot
 
 
@@ -111,19 +113,23 @@ def _full_turn(fan: Sequence[Cone], sense: int) -> FullTurn | None:
 def _growth(order: Fraction, gain: Any | None, *, tie_is_open: bool) -> Growth:
     """What a turn does; one that contracts by the chosen motions of tied cones only is no proof."""
     if order != 1:
-        grows = order < 1
-    elif gain is None or not sign(gain - 1):
-        return Growth.TIE
+        growth = Growth.DIVERGES if order < 1 else Growth.CONTRACTS
     else:
-        grows = sign(gain - 1) > 0
-    if grows:
-        return Growth.DIVERGES
-    return Growth.TIE if tie_is_open else Growth.CONTRACTS
+        growth = Growth.TIE if gain is None else growth_of(gain)
+    return Growth.TIE if tie_is_open and growth is Growth.CONTRACTS else growth
+
+
+def growth_of(gain: Any, signs: Signs = EXACT) -> Growth:
+    """What turns that multiply small distances by a gain do to them."""
+    growing = signs(gain - 1, signs.gain_slack)
+    return Growth.DIVERGES if growing > 0 else Growth.CONTRACTS if growing < 0 else Growth.TIE
 
 
 def cone_crossings(cone: Cone, sense: int) -> list[Crossing]:
     """The crossings of a cone in one sense, one for each motion that crosses it."""
-    found = (crossing(cone, twist, sense) for twist in cone.twists)
+    if is_plane(cone):
+        return []
+    found = (crossing(entry_and_exit(cone, sense), twist, sense) for twist in cone.twists)
     return [step for step in found if step is not None]
 
 
@@ -133,14 +139,12 @@ def most_growth(crossings: Sequence[Crossing]) -> Crossing:
     return max((step for step in crossings if step.order == lowest), key=lambda step: step.gain or 0)
 
 
-def crossing(cone: Cone, twist: Twist, sense: int) -> Crossing | None:
-    """How a motion crosses a cone from ray to ray, turning in the given sense; None where it does not."""
-    if is_plane(cone):
-        return None
-    entry, exit_ray = _entry_and_exit(cone, sense)
-    entering, leaving = sense * cross(entry, twist.velocity), sense * cross(exit_ray, twist.velocity)
-    bend = sense * sign(twist.omega)
-    first, last = sign(entering), sign(leaving)
+def crossing(rays: tuple[Point, Point], twist: Twist, sense: int, signs: Signs = EXACT) -> Crossing | None:
+    """How a motion crosses a cone from its ray of entry to that of exit, in the given sense; None where it does not."""
+    entry, exit_ray = rays
+    entering, leaving = (sense * cross(ray, twist.velocity) for ray in rays)
+    first, last = (signs(normal, signs.speed_slack) for normal in (entering, leaving))
+    bend = sense * signs(twist.omega, signs.turn_slack)
     if first > 0 and last > 0:
         return Crossing(Fraction(1), entering / leaving)
     if bend <= 0 or first < 0 or last < 0:
@@ -154,98 +158,6 @@ def crossing(cone: Cone, twist: Twist, sense: int) -> Crossing | None:
     return Crossing(Fraction(1), None)
 
 
-def _entry_and_exit(cone: Cone, sense: int) -> tuple[Point, Point]:
+def entry_and_exit(cone: Cone, sense: int) -> tuple[Point, Point]:
+    """The rays over which a cone is entered and left, turning counterclockwise (1) or clockwise (-1)."""
     return (cone.start, cone.end) if sense > 0 else (cone.end, cone.start)
-
-
-# ---- overshoot ---------------------------------------------------------------------------
-
-
-def leaves_at_a_root(cone: Cone) -> bool:
-    """Whether a start at distance eps inside the cone may leave it at a distance of order ``eps^(1/2)``.
-
-    So it does where a velocity points along a ray of the cone, away from the equilibrium, and omega bends the path out
-    of the cone there.
-    """
-    return any(_bends_out(cone, twist, sense) for twist in cone.twists for sense in (1, -1))
-
-
-def _bends_out(cone: Cone, twist: Twist, sense: int) -> bool:
-    if is_plane(cone) or sense * sign(twist.omega) <= 0:
-        return False
-    _, exit_ray = _entry_and_exit(cone, sense)
-    return not cross(exit_ray, twist.velocity) and sign(dot(exit_ray, twist.velocity)) > 0
-
-
-def squared_overshoot(fan: Sequence[Cone]) -> Any | None:
-    """Square of the largest growth of the distance along a chain of cones, to first order; at least one.
-
-    None where motions tie in a cone, and where a start at eps may leave a cone at the order of ``eps^(1/2)``: no factor
-    bounds the growth there.
-    """
-    if any(len(cone.twists) > 1 or leaves_at_a_root(cone) for cone in fan):
-        return None
-    overshoot: Any = 1
-    for sense in (1, -1):
-        cones = fan if sense > 0 else fan[::-1]
-        firsts = [_departure(cone, sense) for cone in cones]
-        steps = [_squared_growth(cone, sense) for cone in cones]
-        overshoot = max(overshoot, _largest_chain(firsts, steps))
-    return overshoot
-
-
-def _squared_growth(cone: Cone, sense: int) -> Any | None:
-    """Squared growth of the length by crossing a cone, for small lengths; None where it cannot be crossed."""
-    crossings = cone_crossings(cone, sense)
-    if not crossings:
-        return None
-    step = most_growth(crossings)
-    if step.order > 1:  # nothing is left of a small length
-        return 0
-    if step.gain is None:
-        return 1
-    entry, exit_ray = _entry_and_exit(cone, sense)
-    return step.gain * step.gain * dot(exit_ray, exit_ray) / dot(entry, entry)
-
-
-def _departure(cone: Cone, sense: int) -> Any | None:
-    """Largest squared growth from a start anywhere in the cone to its exit; None where no path leaves that way.
-
-    The path from e to the exit ray r' grows by ``|e x v| |r'|/|r' x v|`` for unit e: largest for e at right angles to v
-    where the cone holds it, on a ray of the cone otherwise.  Where v = 0 the distance is kept.
-    """
-    best: Any | None = None
-    _, exit_ray = _entry_and_exit(cone, sense)
-    for twist in cone.twists:
-        v = twist.velocity
-        if not any(v) and sense * sign(twist.omega) > 0:
-            best = 1 if best is None else max(best, 1)
-            continue
-        leaving = sense * cross(exit_ray, v)
-        if is_plane(cone) or sign(leaving) <= 0:
-            continue
-        across = (sense * v[1], -sense * v[0])
-        if cone.holds(across):
-            reach = dot(v, v)
-        else:
-            starts = [r for r in (cone.start, cone.end) if sign(sense * cross(r, v)) > 0]
-            reach = max(cross(r, v) * cross(r, v) / dot(r, r) for r in starts)
-        growth = reach * dot(exit_ray, exit_ray) / (leaving * leaving)
-        best = growth if best is None else max(best, growth)
-    return best
-
-
-def _largest_chain(firsts: Sequence[Any | None], steps: Sequence[Any | None]) -> Any:
-    """Largest squared growth: out of one cone, then through consecutive ones, at most once around."""
-    best: Any = 1
-    for start, first in enumerate(firsts):
-        total = first
-        for offset in range(1, len(steps)):
-            if total is None:
-                break
-            best = max(best, total)
-            step = steps[(start + offset) % len(steps)]
-            total = None if step is None else step * total
-        if total is not None:
-            best = max(best, total)
-    return best

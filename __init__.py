@@ -1,0 +1,61 @@
+"""A nonsmooth stability analysis workbench for arrays of driven wheels and switched systems.
+
+    import nonsmooth as ns
+
+    array = ns.Array.ring(4, radius=0.2, phase="pi/4", mu_roll=1, mu_side="1/2")
+    result = array.check()
+    print(result)
+
+Names are looked up when they are first used, so that the import costs nothing; ``dir(nonsmooth)`` lists them.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.symbolic.notebook import on_demand
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
+    from nonsmooth.proofs.answers.answer import Heading as Heading
+    from nonsmooth.proofs.answers.answer import Pose as Pose
+    from nonsmooth.proofs.answers.answer import Position as Position
+    from nonsmooth.reports.interface.array import Array as Array
+    from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
+    from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
+    from nonsmooth.reports.interface.load import load as load
+    from nonsmooth.reports.interface.path_result import PathResult as PathResult
+    from nonsmooth.reports.interface.system import System as System
+    from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
+    from nonsmooth.reports.interface.wheel import Wheel as Wheel
+    from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.scene_error import SceneError as SceneError
+
+_MODULES = {
+    "Array": "reports.interface.array",
+    "CheckResult": "reports.interface.check_result",
+    "FilippovSet": "reports.interface.filippov_set",
+    "Heading": "proofs.answers.answer",
+    "PathResult": "reports.interface.path_result",
+    "Pose": "proofs.answers.answer",
+    "Position": "proofs.answers.answer",
+    "RefusalError": "analysis.cells.partition",
+    "SceneError": "symbolic.scene_error",
+    "System": "reports.interface.system",
+    "SystemCheckResult": "reports.interface.system_result",
+    "Wheel": "reports.interface.wheel",
+    "builtin_scenes": "symbolic.files.scene_file",
+    "load": "reports.interface.load",
+}
+_PACKAGES = ("analysis", "proofs", "reports", "symbolic")
+_look_up = on_demand(__name__, _MODULES)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("nonsmooth")
+    return _look_up(name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*_MODULES, *_PACKAGES, "__version__"])

@@ -1,0 +1,211 @@
+"""The slopes of D at one vertex of the arrangement: all of them in floats, and exactly the few that are asked for.
+
+At rest all side rows hold, and two hundred of them span twenty thousand edges; yet a cell has a handful of sides.
+Floats with a bound of their error leave out the slopes that are positive wherever it is asked, and propose the one
+that falls most or cuts deepest; what decides is the exact form (:meth:`Arrangement.slopes_along`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.arrangement import FLOAT_DOUBT, Arrangement, SlopeOfD, tight_rows
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.symbolic.constraints import Triple, inner, outer
+
+MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
+SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
+LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
+
+Floats = NDArray[np.float64]
+Corner: TypeAlias = tuple[float, float, int]  # and the number of the slope behind the side that starts there, or -1
+
+
+@dataclass(frozen=True)
+class FloatForms:
+    """Affine forms of c, rounded: coefficients (m, 3), and the sums of absolute terms that bound their errors."""
+
+    values: Floats
+    bounds: Floats
+
+    def at(self, points: Floats) -> tuple[Floats, Floats]:
+        """Values at points ``(1, x, y)``, one column each, and the doubt about them."""
+        return self.values @ points.T, self.bounds @ np.abs(points).T * FLOAT_DOUBT
+
+    def positive(self, points: Floats) -> NDArray[np.bool_]:
+        """Whether a form is certainly positive at all points."""
+        values, doubt = self.at(points)
+        return np.asarray((values > doubt).all(axis=1))
+
+    def chosen(self, numbers: NDArray[np.int_]) -> FloatForms:
+        """Some of them."""
+        return FloatForms(self.values[numbers], self.bounds[numbers])
+
+
+class Slopes:
+    """The slopes of D that can vanish in the load region, where the residuals of the rows have these signs.
+
+    Nothing else of the twist and of the speeds counts.  Slopes 2k and 2k + 1 are those along direction k and back.
+
+    Raises:
+        RefusalError: for so many tight rows that the table would not fit into memory.
+    """
+
+    def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
+        self._arrangement, self._signs = arrangement, signs
+        table = _PairTable(arrangement, signs)
+        doubtful = np.flatnonzero(
+            ~(table.ahead.positive(arrangement.corners) & table.back.positive(arrangement.corners))
+        )
+        kept = np.array(table.distinct(doubtful), dtype=int)
+        self._pairs = table.pairs[kept]
+        ahead, back = table.ahead.chosen(kept), table.back.chosen(kept)
+        self._forms = FloatForms(
+            np.stack([ahead.values, back.values], axis=1).reshape(-1, 3),
+            np.stack([ahead.bounds, back.bounds], axis=1).reshape(-1, 3),
+        )
+        self._exact: dict[int, SlopeOfD] = {}
+
+    def __len__(self) -> int:
+        return len(self._forms.values)
+
+    def __iter__(self) -> Iterator[SlopeOfD]:
+        return (self[k] for k in range(len(self)))
+
+    def __getitem__(self, number: int) -> SlopeOfD:
+        """The exact slope, built once."""
+        if number not in self._exact:
+            a, b = (self._arrangement.rows[k].normal for k in self._pairs[number // 2])
+            both = self._arrangement.slopes_along(outer(a, b), self._signs)
+            for k, slope in enumerate(both, number - number % 2):
+                self._exact[k] = slope
+                self._forms.values[k] = [float(x) for x in slope.form]
+                self._forms.bounds[k] = np.abs(self._forms.values[k])
+        return self._exact[number]
+
+    def doubtful(self, points: Floats, among: Sequence[int] | None = None) -> list[int]:
+        """Numbers of the slopes (of those given) that are not certainly positive at all points ``(1, x, y)``."""
+        numbers = np.arange(len(self)) if among is None else np.array(among, dtype=int)
+        return numbers[~self._forms.chosen(numbers).positive(points)].tolist()
+
+    def deepest(self, points: Floats, among: Sequence[int]) -> int:
+        """The number, of those given, of the slope that is most negative at one of the points."""
+        values, doubt = self._forms.chosen(np.array(among, dtype=int)).at(points)
+        return among[int(np.argmin((values / np.where(doubt, doubt, 1)).min(axis=1)))]
+
+    def sides_of(self, corners: Floats, among: Sequence[int]) -> list[int]:
+        """Of these slopes the numbers of those that seem to bound the cell in a polygon, found by the deepest cuts."""
+        outline: list[Corner] = [(x, y, -1) for _, x, y in corners.tolist()]
+        waiting = list(among)
+        while waiting and len(outline) > 2:
+            places = np.array([[1.0, x, y] for x, y, _ in outline])
+            k = self.deepest(places, waiting)
+            values = self._forms.values[k] @ places.T
+            if values.min() >= 0:
+                break
+            outline = _clipped(outline, values.tolist(), k)
+            waiting.remove(k)
+        return sorted({k for *_, k in outline if k >= 0})
+
+    def falling(self, points: Floats) -> SlopeOfD | None:
+        """A slope that is certainly negative at all points, the one that is so most of all."""
+        values, doubt = self._forms.at(points)
+        clear = np.flatnonzero((values < -doubt).all(axis=1)).tolist()
+        return self[self.deepest(points, clear)] if clear else None
+
+    @cached_property
+    def flat(self) -> tuple[SlopeOfD, ...]:
+        """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
+        small = (np.abs(self._forms.values) <= self._forms.bounds * FLOAT_DOUBT).all(axis=1)
+        return tuple(self[k] for k in np.flatnonzero(small).tolist() if not any(self[k].form))
+
+
+class _PairTable:
+    """All pairs of tight rows in floats: directions of edges, and the slopes along them and back."""
+
+    def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
+        self.rows = arrangement.rows
+        tight = np.array(tight_rows(signs), dtype=int)
+        self.tight = len(tight)
+        self.pairs = _pairs(tight)
+        a, b = (arrangement.normals[self.pairs[:, k]] for k in (0, 1))
+        self.directions, self.sizes = np.cross(a, b), _permanents(np.abs(a), np.abs(b))
+        normals, weights = arrangement.normals, arrangement.float_weights
+        kept = np.abs(self.directions @ normals[tight].T) @ weights[tight]
+        along = self.directions @ ((normals.T * signs) @ weights)
+        bounds = self.sizes @ (np.abs(normals.T) @ np.abs(weights))
+        self.ahead, self.back = FloatForms(kept + along, bounds), FloatForms(kept - along, bounds)
+
+    def distinct(self, numbers: NDArray[np.int_]) -> list[int]:
+        """Of these pairs the first of each direction; none of those whose rows are parallel."""
+        if self.tight <= 3:
+            return [k for k in numbers.tolist() if any(self._direction(k))]
+        buckets: dict[tuple[int, ...], list[int]] = {}
+        for k, key in zip(numbers.tolist(), self._keys(numbers), strict=True):
+            buckets.setdefault(key, []).append(k)
+        return sorted(k for bucket in buckets.values() for k in self._distinct_in(bucket))
+
+    def _keys(self, numbers: NDArray[np.int_]) -> Iterable[tuple[int, ...]]:
+        """Equal for directions that are equal but for their length; zero where they may vanish."""
+        m = self.directions[numbers]
+        lengths = np.abs(m).max(axis=1, keepdims=True)
+        vanishing = lengths <= self.sizes[numbers].max(axis=1, keepdims=True) * FLOAT_DOUBT
+        unit = np.divide(m, lengths, out=np.zeros_like(m), where=~vanishing)
+        leading = np.take_along_axis(unit, np.argmax(np.abs(unit) > LEADING, axis=1)[:, None], axis=1)
+        return map(tuple, np.rint(unit * np.sign(leading) / SAME_DIRECTION).astype(int).tolist())
+
+    def _distinct_in(self, bucket: list[int]) -> Iterator[int]:
+        """Pairs in which some row is not orthogonal to the directions before: so their own are others."""
+        while bucket:
+            first = bucket.pop(0)
+            direction = self._direction(first)
+            if any(direction):
+                yield first
+                orthogonal = {
+                    k: not inner(self.rows[k].normal, direction)
+                    for k in {int(row) for pair in bucket for row in self.pairs[pair]}
+                }
+                bucket = [pair for pair in bucket if not all(orthogonal[int(row)] for row in self.pairs[pair])]
+
+    def _direction(self, pair: int) -> Triple:
+        a, b = (self.rows[k].normal for k in self.pairs[pair])
+        return outer(a, b)
+
+
+def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) -> list[Corner]:
+    """A polygon in floats where an affine form is non-negative, given at its corners; each names the side behind it."""
+    found: list[Corner] = []
+    for k, ((x, y, side), here) in enumerate(zip(outline, values, strict=True)):
+        u, v, _ = outline[(k + 1) % len(outline)]
+        after = values[(k + 1) % len(outline)]
+        if here >= 0:
+            found.append((x, y, side))
+        if (here >= 0) != (after >= 0):
+            t = here / (here - after)
+            found.append((x + t * (u - x), y + t * (v - y), number if here >= 0 else side))
+    return found
+
+
+def _permanents(a: Floats, b: Floats) -> Floats:
+    """Sums of absolute terms of cross products."""
+    return np.stack([a[:, i] * b[:, j] + a[:, j] * b[:, i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=1)
+
+
+def _pairs(tight: NDArray[np.int_]) -> NDArray[np.int_]:
+    """All pairs of rows that a twist satisfies: they span the directions of edges there.
+
+    Raises:
+        RefusalError: for so many rows that the table of slopes would not fit into memory.
+    """
+    if len(tight) > MOST_TIGHT:
+        raise RefusalError(
+            f"wheels: required at most {MOST_TIGHT} rows that hold at one motion (at rest all side rows do), "
+            f"received {len(tight)}"
+        )
+    return np.stack([tight[k] for k in np.triu_indices(len(tight), 1)], axis=1)

@@ -1,0 +1,177 @@
+"""Where bodies end under a rule without cells: paths of many starts at once, in floats.
+
+The field ``c' = v(c) + omega(c) J c`` is continuous, so all paths are integrated together (Bogacki and Shampine's pair
+of orders 2 and 3) until each has left the square or stands still; Newton's method then finds where the field vanishes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.proved import free_motions
+from nonsmooth.symbolic.scene import Scene
+
+MOST_MINIMA = 25_000  # minimizations in all: a few seconds; what still moves then stays unknown
+MOST_FACES = 1_000  # points at which several motions tie, as they may by symmetry; more, and nothing is determined
+CROSSINGS = 8.0  # of the square at the largest speed of the starts: how long the first stretch of time is
+STRETCHES = 5  # of time, each twice as long as the one before
+TOLERANCE = 1e-3  # of the half side, for each step: enough to tell places apart
+STILL = 1e-3  # of the largest speed of the starts: slower bodies stand still
+NEWTON_STEPS = 8
+STEP = 1e-6  # of the half side: over which the field is differentiated
+GRID = 1e-12  # of the half side: to which places are rounded, so that zero is zero
+TOGETHER = 1e-2  # of the half side: bodies that stand closer together stand at one place
+
+
+@dataclass(frozen=True)
+class SmoothEnds:
+    """Ends of paths from m starts, sampled.
+
+    Attributes:
+        places: where bodies stand still, (k, 2).
+        reached: number of the place for each start; -1 where the body leaves the square, -2 where it still moves.
+    """
+
+    places: Floats
+    reached: NDArray[np.int_]
+
+
+LEFT, MOVING = -1, -2
+
+
+class UndeterminedError(RuntimeError):
+    """The motion is not determined somewhere: minimizers that are not unique, or not proved."""
+
+
+class _EnoughError(RuntimeError):
+    """All minimizations that are allowed are spent."""
+
+
+class _Field:
+    """``c' = v + omega J c`` by the minimizers of a rule, counted."""
+
+    def __init__(self, scene: Scene, rule: SmoothRule) -> None:
+        self._scene, self._rule = scene, rule
+        self._left, self._faces = MOST_MINIMA, MOST_FACES
+
+    def __call__(self, points: Floats) -> Floats:
+        """Velocities at points (m, 2), shape (m, 2).
+
+        Raises:
+            UndeterminedError: where minimizers are not unique at too many points.
+            _EnoughError: once no more minimizations are allowed.
+        """
+        self._left -= len(points)
+        if self._left < 0:
+            raise _EnoughError
+        found = self._rule.minima(self._scene, points)
+        self._faces -= len(found.faces)
+        if self._faces < 0:
+            raise UndeterminedError(f"required minimizers that are unique at all but {MOST_FACES} points")
+        vx, vy, omega = found.twists.T
+        return np.stack([vx - omega * points[:, 1], vy + omega * points[:, 0]], axis=1)
+
+
+def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0, 0.0)) -> SmoothEnds:
+    """Follow every start over a centred scene.
+
+    Args:
+        scene: the array; its rule has no cells.
+        starts: (m, 2) positions in the checked square.
+        origin: what is added to the places: the coordinates of the centre.
+
+    Raises:
+        TypeError: for a rule with cells.
+        UndeterminedError: where the motion is not determined.
+    """
+    rule = rule_of(scene)
+    if not isinstance(rule, SmoothRule):
+        raise TypeError(f"required a rule without cells, received {rule.name}")
+    if free_motions(scene):
+        raise UndeterminedError("required friction against every motion, received a free one")
+    radius, field = float(scene.check.radius), _Field(scene, rule)
+    points, reached = np.array(starts, dtype=float), np.full(len(starts), MOVING)
+    still = np.zeros(len(points), bool)
+    try:
+        _follow_all(field, points, reached, still, radius)
+        found = _gathered(points, reached, still, radius)
+        places = [_where_it_vanishes(field, place, radius) for place in found.places]
+    except _EnoughError:
+        found = _gathered(points, reached, still, radius)
+        places = list(found.places)
+    grid = GRID * radius
+    measured = np.array(places).reshape(-1, 2) + origin
+    return SmoothEnds(np.round(measured / grid) * grid + 0.0, found.reached)  # adding zero makes -0 a 0
+
+
+def _follow_all(
+    field: _Field, points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float
+) -> None:
+    """Move the points along until they have left or stand still; all three arrays are changed in place."""
+    fastest = float(np.hypot(*field(points).T).max())
+    if not fastest:  # all stand where they start
+        still[:] = True
+        return
+    until = CROSSINGS * radius / fastest
+    for _ in range(STRETCHES):
+        moving = (reached == MOVING) & ~still
+        if not moving.any():
+            return
+        points[moving] = _followed(field, points[moving], until, radius)
+        reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
+        inside = moving & (reached == MOVING)
+        if inside.any():
+            still[inside] = np.hypot(*field(points[inside]).T) <= STILL * fastest
+        until *= 2
+
+
+def _followed(field: _Field, starts: Floats, until: float, radius: float) -> Floats:
+    """Where the bodies are after a time; one that leaves the square stops a little outside."""
+    from scipy.integrate import solve_ivp
+
+    def rates(t: float, flat: Floats) -> Any:
+        points = flat.reshape(-1, 2)
+        inside = np.abs(points).max(axis=1) <= radius
+        found = np.zeros_like(points)
+        if inside.any():
+            found[inside] = field(points[inside])
+        return found.ravel()
+
+    step = TOLERANCE * radius
+    done = solve_ivp(rates, (0.0, until), starts.ravel(), method="RK23", rtol=TOLERANCE, atol=step, t_eval=[until])
+    return np.asarray(done.y[:, -1].reshape(-1, 2))
+
+
+def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> Floats:
+    """A zero of the field beside a place where it is small; the best place seen, where Newton's method finds none."""
+    step = STEP * radius
+    best, least = place, float("inf")
+    for _ in range(NEWTON_STEPS):
+        around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+        here, east, west, north, south = field(around)
+        speed = float(np.hypot(*here))
+        if not speed < least:
+            break
+        best, least = place, speed
+        slope = np.stack([east - west, north - south], axis=1) / (2 * step)
+        place = place - np.linalg.lstsq(slope, here, rcond=None)[0]
+    return best
+
+
+def _gathered(points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float) -> SmoothEnds:
+    """Bodies that stand close together, as one place each."""
+    places: list[Floats] = []
+    left = still.copy()
+    while left.any():
+        first = points[np.flatnonzero(left)[0]]
+        here = left & (np.hypot(*(points - first).T) <= TOGETHER * radius)
+        reached[here] = len(places)
+        places.append(points[here].mean(axis=0))
+        left &= ~here
+    return SmoothEnds(np.array(places).reshape(-1, 2), reached)

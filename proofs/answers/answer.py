@@ -1,0 +1,101 @@
+"""Questions of a builder, their closed sets of answers, and what an answer holds.
+
+An answer says in plain words what the clauses of a check show with their evidence; it decides nothing itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.symbolic.scene import Scene
+
+UNDECIDED = "undecided"
+
+
+class Position(StrEnum):
+    """Where a body goes that starts near the checked point."""
+
+    COMES_HOME = "comes home"
+    STAYS_NEAR = "stays near"
+    LEAVES = "leaves"
+    UNDECIDED = "undecided"
+
+
+class Heading(StrEnum):
+    """What its heading does."""
+
+    RETURNS = "returns"
+    KEEPS = "keeps"
+    DRIFTS = "drifts"
+    UNDECIDED = "undecided"
+
+
+class Pose(StrEnum):
+    """Whether a feedback law can hold position and heading together."""
+
+    CAN_BE_HELD = "can be held"
+    CANNOT_BE_HELD = "cannot be held"
+    UNDECIDED = "undecided"
+
+
+GOOD = frozenset({Position.COMES_HOME, Heading.RETURNS, Heading.KEEPS, Pose.CAN_BE_HELD})
+
+
+@dataclass(frozen=True, repr=False)
+class Answer:
+    """The answer to one question.
+
+    Attributes:
+        name: the question's name: its key in JSON, and in ``--require``.
+        verdict: the answer, one of a closed set.
+        facts: how far, how fast, on what conditions; numbers with their words.
+    """
+
+    name: str
+    verdict: Position | Heading | Pose
+    facts: tuple[Fact, ...]
+
+    @property
+    def sentence(self) -> str:
+        """The words of all facts."""
+        return "; ".join(fact.words for fact in self.facts if fact.words)
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """What the facts say under their keys: exact numbers, texts and lists; None where there is none."""
+        values = {fact.key: fact.value for fact in self.facts if fact.key}
+        return {key: value.value if isinstance(value, Quantity) else value for key, value in values.items()}
+
+    def __getitem__(self, key: str) -> Any:
+        """One of the numbers: ``answer["within"]``.
+
+        Raises:
+            KeyError: for a key that the answer has not.
+        """
+        return self.numbers[key]
+
+    def __repr__(self) -> str:
+        return f"{self.verdict}: {self.sentence}"
+
+    @property
+    def tone(self) -> str:
+        """``good``, ``fair``, ``bad`` or ``open``: how the answer looks in color."""
+        if self.verdict in (Position.STAYS_NEAR, Heading.DRIFTS):
+            return "fair"
+        return {0: "good", 1: "bad", 3: "open"}[self.exit_status]
+
+    @property
+    def exit_status(self) -> int:
+        """0 where the answer is the one a builder hopes for, 3 where it is undecided, else 1."""
+        if self.verdict == UNDECIDED:
+            return 3
+        return 0 if self.verdict in GOOD else 1
+
+
+Results: TypeAlias = Mapping[str, ClauseResult]
+Question: TypeAlias = Callable[[Scene, Results], Answer]

@@ -1,0 +1,69 @@
+"""The answers to a check, their registry, and what is said beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from nonsmooth.proofs.answers.answer import Answer, Position, Question
+from nonsmooth.proofs.answers.heading import heading_answer
+from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
+from nonsmooth.proofs.answers.pose import pose_answer
+from nonsmooth.proofs.answers.position import position_answer
+from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.destinations import Destinations
+
+# In the order in which they are said; to ask another question, write its function and a line here.
+QUESTIONS: dict[str, Question] = {"position": position_answer, "heading": heading_answer, "pose": pose_answer}
+THEOREM = "theorem4"
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a builder asked, answered.
+
+    Attributes:
+        answers: one to every question, in order.
+        destinations: where bodies from all over the square end, where they do not all come home.
+        others: what the other contact rules say.
+    """
+
+    answers: tuple[Answer, ...]
+    destinations: Destinations | None
+    others: tuple[OtherRule, ...]
+
+
+def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
+    """The answer to every question, from the clauses of the check; only the pose may need a decision beyond them."""
+    return tuple(question(check.scene, check.results) for question in QUESTIONS.values())
+
+
+def full_answers(check: Theorem4Result, *, ask_others: bool = True) -> Answers:
+    """The answers with what they leave open: where bodies go otherwise, and what the other rules say."""
+    answers = answers_of(check)
+    position = answers[0].verdict
+    goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
+    destinations = _destinations_of(check) if goes_elsewhere else None
+    return Answers(answers, destinations, other_rules(check.scene) if ask_others else ())
+
+
+def _destinations_of(check: Theorem4Result) -> Destinations | None:
+    from nonsmooth.proofs.answers.destinations import destinations_of  # paths: only a check that needs them loads them
+
+    return destinations_of(check)
+
+
+def exit_status(check: Theorem4Result, required: Sequence[str]) -> int:
+    """0 where every required answer is the one a builder hopes for, 1 where one is not, else 3 for undecided.
+
+    Args:
+        check: the verdicts.
+        required: names of questions, or :data:`THEOREM`.
+    """
+    found = {answer.name: answer.exit_status for answer in answers_of(check)}
+    found[THEOREM] = check.verdict.exit_status
+    statuses = {found[name] for name in required}
+    return next((status for status in (1, 3) if status in statuses), 0)

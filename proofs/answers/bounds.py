@@ -1,0 +1,39 @@
+"""Numbers of an answer as a reader of a data sheet wants them: four digits, rounded to the safe side."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TypeAlias
+
+from flint import arb
+
+from nonsmooth.symbolic.number_text import lower_text, upper_text
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+
+DIGITS = 4
+LN_2 = Fraction(693_147_180_560, 10**12)  # just above the natural logarithm of 2
+
+Positive: TypeAlias = Number | Lazy | Fraction | arb
+
+
+def at_least(value: Positive) -> str:
+    """A decimal that is not above the number."""
+    return lower_text(_comparable(value), DIGITS)
+
+
+def at_most(value: Positive) -> str:
+    """A decimal that is not below the number."""
+    if isinstance(value, arb):
+        return upper_text(-rational_below(-value), DIGITS)
+    return upper_text(value, DIGITS)
+
+
+def half_life(rate: Positive) -> str:
+    """``ln 2/rate``: the time in which ``exp(-rate t)`` halves, rounded up."""
+    return at_most(LN_2 / _comparable(rate))
+
+
+def _comparable(value: Positive) -> Number | Lazy | Fraction:
+    return rational_below(value) if isinstance(value, arb) else value

@@ -1,0 +1,159 @@
+"""Where do bodies go that start all over the checked square?
+
+Exact: every rest point, rest line and rest area of the square, and every point about which the body turns, with what a
+body near it does.  Sampled: the share of starts that ends there, from paths of a grid of starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.equilibria import Place
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
+from nonsmooth.analysis.trajectories.places_reached import places_reached
+from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
+from nonsmooth.proofs.answers.answer import Heading, Position
+from nonsmooth.proofs.answers.heading import OF_ROTATION
+from nonsmooth.proofs.answers.position import OF_TRANSLATION
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import percent_text, place_text
+from nonsmooth.symbolic.scene import Scene
+
+STARTS = 31  # in a row and in a column: shares to about two per cent
+FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
+INSIDE = 0.98  # of the square: how far these starts reach
+MOST_PLACES = 6  # where bodies stand still; more are taken for an area of rest
+
+
+class Goal(StrEnum):
+    """What a place is to a body that gets there."""
+
+    POINT = "rests at a point"
+    LINE = "rests on a line"
+    AREA = "rests in an area"
+    PIVOT = "turns on the spot or circles about it"
+    ORBIT = "follows a closed orbit"
+    LEAVES = "leaves the square"
+    TIPS = "tips over the wheels"
+    OTHER = "is still on its way"
+
+
+_OF_PLACE = {
+    Place.VERTEX: Goal.POINT,
+    Place.SIDE: Goal.POINT,
+    Place.SEGMENT: Goal.LINE,
+    Place.AREA: Goal.AREA,
+    Place.CENTRE: Goal.PIVOT,
+}
+_OF_END = {
+    EndReason.CIRCLES: Goal.ORBIT,
+    EndReason.OUTSIDE: Goal.LEAVES,
+    EndReason.TIPS: Goal.TIPS,
+    EndReason.LOADS: Goal.TIPS,
+}
+
+
+@dataclass(frozen=True)
+class Destination:
+    """One place where bodies end, or one way in which they do not.
+
+    Attributes:
+        goal: what it is.
+        points: the point, the ends of the line or the corners of the area, in the coordinates of the scene; empty
+            for an end without a place.
+        position: where a body goes that starts near the place; None where that was not judged.
+        heading: what its heading does there; None where that was not judged.
+        share: of the starts that end so, sampled.
+    """
+
+    goal: Goal
+    points: tuple[Point, ...]
+    position: Position | None
+    heading: Heading | None
+    share: float
+
+
+@dataclass(frozen=True)
+class Destinations:
+    """All of them, the largest share first, and how many starts the shares are sampled from."""
+
+    found: tuple[Destination, ...]
+    starts: int
+
+    def _repr_html_(self) -> str:
+        """Each with its share, for a notebook."""
+        rows = [
+            (percent_text(d.share), d.goal, " ".join(place_text(point) for point in d.points), d.position or "")
+            for d in self.found
+        ]
+        return html_table(f"ends of {self.starts} starts", ("share", "the body", "where", "bodies near it"), rows)
+
+
+def destinations_of(check: Theorem4Result) -> Destinations | None:
+    """Every destination in the checked square; None where not all cells were built."""
+    if isinstance(rule_of(check.scene), SmoothRule):
+        return _sampled_destinations(check.scene)
+    partition, places = check.partition, check.equilibria
+    if partition is None or places is None or not partition.complete:
+        return None
+    field = array_field(partition, Kinematics.EXACT)
+    ends = settle_map(field, grid_starts(field, STARTS))
+    reached = places_reached(partition, [place.found for place in places], ends)
+    found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
+    found += _without_place(ends, reached)
+    return Destinations(tuple(sorted(found, key=lambda d: -d.share)), len(ends.starts))
+
+
+def _sampled_destinations(scene: Scene) -> Destinations | None:
+    """Under a rule without cells: where sampled paths stand still; None where the motion is not determined.
+
+    What is near such a place is not judged.
+    """
+    x, y = (float(value) for value in scene.check.equilibrium)
+    side = np.linspace(-1, 1, FEW_STARTS) * float(scene.check.radius) * INSIDE
+    starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
+    try:
+        ends = smooth_ends(scene.recentred(), starts, (x, y))
+    except UndeterminedError:
+        return None
+    shares = [float(np.mean(ends.reached == k)) for k in range(len(ends.places))]
+    if len(shares) > MOST_PLACES:
+        found = [Destination(Goal.AREA, (), None, None, sum(shares))]
+    else:
+        found = [
+            Destination(Goal.POINT, ((px, py),), None, None, share)
+            for (px, py), share in zip(ends.places.tolist(), shares, strict=True)
+        ]
+    for code, goal in ((LEFT, Goal.LEAVES), (MOVING, Goal.OTHER)):
+        share = float(np.mean(ends.reached == code))
+        found += [Destination(goal, (), None, None, share)] if share else []
+    return Destinations(tuple(sorted(found, key=lambda d: -d.share)), len(starts))
+
+
+def _at_place(check: Theorem4Result, place: JudgedEquilibrium, share: float) -> Destination:
+    x, y = check.scene.check.equilibrium
+    points = tuple((px + x, py + y) for px, py in place.found.points)
+    position = None if place.translation is None else OF_TRANSLATION[place.translation]
+    heading = None if place.rotation is None else OF_ROTATION[place.rotation]
+    return Destination(_OF_PLACE[place.found.place], points, position, heading, share)
+
+
+def _without_place(ends: SettleMap, reached: NDArray[np.int_]) -> Iterator[Destination]:
+    """The starts that end at none of the places, by how they end."""
+    goals = np.array([_OF_END.get(reason, Goal.OTHER) for reason, _ in ends.ends])[ends.basin]
+    for goal in Goal:
+        share = float(np.mean((goals == goal) & (reached < 0)))
+        if share:
+            yield Destination(goal, (), None, None, share)

@@ -1,0 +1,70 @@
+"""What does the heading of a body do that rests, or nearly rests, at the checked point?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import cast
+
+from nonsmooth.proofs.answers.answer import Answer, Heading, Results
+from nonsmooth.proofs.answers.bounds import DIGITS, at_most
+from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.facts import Fact, Quantity, said
+from nonsmooth.proofs.verdicts import Equilibrium, Rotation
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.scene import Scene
+
+# No contact law knows where the heading points, so no open loop brings it back: only feedback does.
+OF_ROTATION = {
+    Rotation.UNSTABLE: Heading.DRIFTS,
+    Rotation.NEUTRAL: Heading.KEEPS,
+    Rotation.UNDECIDED: Heading.UNDECIDED,
+}
+
+
+def heading_answer(scene: Scene, results: Results) -> Answer:
+    """From the clause on theta."""
+    verdict = OF_ROTATION[_rotation(results).verdict]
+    return Answer("heading", verdict, tuple(_facts(scene, results)))
+
+
+def _rotation(results: Results) -> RotationResult:
+    return cast("RotationResult", results["rotation"])
+
+
+def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
+    """The largest rate of the drift, and how far the way home may turn the body."""
+    found = _rotation(results)
+    yield from _drift(found)
+    turn = found.rotation_per_distance if found.verdict is Rotation.NEUTRAL else None
+    if turn:
+        words = f"the way home turns it by at most {at_most(turn)} rad for each 1{of_length(scene)} of distance"
+        yield Fact("turn_per_distance", Quantity(turn), words)
+    else:
+        yield Fact("turn_per_distance", Quantity(turn))
+    if found.verdict is Rotation.UNDECIDED:
+        yield said(_why_undecided(results))
+
+
+def _drift(found: RotationResult) -> Iterator[Fact]:
+    """The rates at which the body can turn while it rests, or the sentence that it cannot."""
+    if found.verdict is not Rotation.UNSTABLE or found.drift is None:
+        yield Fact("largest_rate", Quantity(None))
+        if found.verdict is Rotation.NEUTRAL:
+            yield said("a body at rest does not turn")
+        return
+    low, high = found.drift.interval
+    fastest = max(-low, high)
+    if low == high:
+        words = f"at rest it turns all the time, at {float_text(fastest, DIGITS)} rad/s"
+    elif low.sign() > 0 or high.sign() < 0:
+        words = f"at rest it turns all the time, at up to {at_most(fastest)} rad/s"
+    else:
+        words = f"at rest it may turn, at up to {at_most(fastest)} rad/s"
+    yield Fact("largest_rate", Quantity(fastest), words)
+
+
+def _why_undecided(results: Results) -> str:
+    if results["equilibrium"].verdict is Equilibrium.FAILS:
+        return "the body does not stay at the point"
+    return "whether a body at rest turns is not decided; why: below"

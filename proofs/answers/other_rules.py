@@ -1,0 +1,61 @@
+"""What the other contact rules answer about position and heading, in a few words each.
+
+A check is about one contact rule.  Which of them fits a machine is often not known, so the first clauses are decided
+under the others too, where that is little work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.answers.answer import Answer, Results
+from nonsmooth.proofs.answers.heading import heading_answer
+from nonsmooth.proofs.answers.position import position_answer
+from nonsmooth.proofs.clauses import registry
+from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.scene import Scene
+
+FEW_UNITS = 150_000  # of exact arithmetic: a fifth of a second or so
+NEEDED = ("equilibrium", "translation", "rotation")  # the clauses that position and heading are answered from
+
+
+@dataclass(frozen=True)
+class OtherRule:
+    """What one contact rule says, or why it says nothing.
+
+    Attributes:
+        name: of the rule.
+        answers: position and heading; empty where there are none.
+        why_not: why there are none.
+    """
+
+    name: str
+    answers: tuple[Answer, ...]
+    why_not: str = ""
+
+
+def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
+    """Position and heading under every contact rule but the scene's own."""
+    return tuple(_under(scene, name) for name in CONTACT_RULES if name != scene.contact.rule)
+
+
+def _under(scene: Scene, name: str) -> OtherRule:
+    other = replace(scene, contact=replace(scene.contact, rule=name))
+    try:
+        with work_limit(scene.field, FEW_UNITS):
+            results = _decided(Workspace(other, sample=False))
+    except RefusalError as error:
+        return OtherRule(name, (), str(error))
+    except WorkLimitError:
+        return OtherRule(name, (), "not asked: it takes a while")
+    return OtherRule(name, (position_answer(other, results), heading_answer(other, results)))
+
+
+def _decided(work: Workspace) -> Results:
+    for clause in registry.CLAUSES:
+        if clause.name in NEEDED:
+            work.earlier[clause.name] = clause.decide(work)
+    return work.earlier

@@ -1,0 +1,93 @@
+"""Can feedback hold position and heading together at the checked point?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, cast
+
+from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.proofs.answers.answer import Answer, Pose, Results
+from nonsmooth.proofs.answers.bounds import half_life
+from nonsmooth.proofs.facts import Fact, Quantity, said
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+
+UNITS = 5_000_000  # of exact arithmetic beyond what the clauses need
+
+
+def pose_answer(scene: Scene, results: Results) -> Answer:
+    """From the clause on feedback; where Theorem 4 asks nothing of it, from the same decision beyond the theorem."""
+    found = cast("AnyFeedback", results["feedback"])
+    if found.verdict is Feedback.NOT_APPLICABLE and not rule_of(scene).keeps_rows:
+        found = _beyond_the_theorem(scene) or found
+    return Answer("pose", _verdict(found), tuple(_facts(found)))
+
+
+@lru_cache(maxsize=8)  # one answer is asked for by the terminal, JSON and the exit status
+def _beyond_the_theorem(scene: Scene) -> DrivenFeedback | None:
+    """Whether feedback holds the pose where ``mu_S >= mu_R``; None where that takes too long, or does not verify."""
+    from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction, is_driven_by
+
+    centred = scene.recentred()
+    try:
+        with work_limit(scene.field, UNITS):
+            found = decide_whatever_friction(centred)
+    except WorkLimitError:
+        return None
+    return found if found.check() and is_driven_by(found, centred) else None
+
+
+def _verdict(found: AnyFeedback) -> Pose:
+    if found.verdict is Feedback.STABILIZABLE:
+        return Pose.CAN_BE_HELD
+    return Pose.UNDECIDED if found.obstruction is None else Pose.CANNOT_BE_HELD
+
+
+def _facts(found: AnyFeedback) -> Iterator[Fact]:
+    """What the law must know, how fast it is, and how much it may misjudge."""
+    held = found.verdict is Feedback.STABILIZABLE
+    yield Fact("law", found.law)
+    yield Fact("must_know", list(found.must_know) if held else None, _knowing(found) if held else "")
+    yield from _rate(found)
+    error = found.position_error if held else None
+    yield Fact("position_error", error, "" if error is None else _misjudging(error))
+    if not held:
+        yield said(_why_not(found))
+
+
+def _knowing(found: AnyFeedback) -> str:
+    *first, last = found.must_know
+    return f"by feedback that knows {', '.join(first)} and {last}"
+
+
+def _misjudging(error: float) -> str:
+    if not error:
+        return "at some borders of cells it must not misjudge the position at all"
+    return f"it may misjudge the position by {float_text(error, 4)} of the distance"
+
+
+def _rate(found: AnyFeedback) -> Iterator[Fact]:
+    """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``."""
+    kappa = found.certified_kappa
+    if kappa is None:
+        yield Fact("rate", Quantity(None))
+        return
+    words = f"with gain k the error halves at least every {half_life(kappa)}/k s"
+    yield Fact("rate", Quantity(kappa), words)
+
+
+def _why_not(found: AnyFeedback) -> str:
+    if found.verdict is Feedback.NOT_APPLICABLE:
+        return f"not examined: {found.reason}"
+    if found.obstruction is None:
+        return "no law was found, and none is excluded; why: below"
+    turns = not any(found.obstruction[:2])
+    what = "no speeds turn the body" if turns else "the wheels cannot push it in every direction"
+    return f"{what} near the point, so no law of the pose alone holds it"

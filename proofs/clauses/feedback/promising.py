@@ -1,0 +1,128 @@
+"""Which candidates of a large array to look at first: those that forces seem to balance with the most room.
+
+Two hundred wheels have twenty thousand candidates (:func:`.box_twists.candidate_twists`), and three that are imposed
+decide the clause.  A twist is imposed iff the forces that wheels can carry add up to zero.  They are convex sets
+within sums of support functions ``sum_i h_i(m)``, which must not be negative in any direction m: floats take the
+least over some directions m, in parts of all friction, and propose.  What they propose is decided exactly, and what
+they miss is said to be not looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.loads import LoadRegion
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.clauses.feedback.box_twists import edge_of, side_planes
+from nonsmooth.symbolic.constraints import Triple, roll_row, side_row
+from nonsmooth.symbolic.scene import Scene
+
+DIRECTIONS = 64  # m: those in which the array has least grip
+PAIRS = 20_000  # of planes: all of two hundred wheels
+BLOCK = 2_000  # candidates at once, for the memory
+SAME = 2.0**-40  # relative: a wheel slips less than this, or not at all
+LEAST_ROOM = 2.0**-20  # of all friction: below that the room may be rounding
+USED = -1.0  # in place of the room of a candidate that was proposed
+LEAST_ANGLE = 2.0**-13  # of a twist of length one with the span of others: below that it would give no rate
+
+Floats = NDArray[np.float64]
+
+
+class PromisingTwists:
+    """The candidates of a centred scene in floats, the most promising first.
+
+    Args:
+        scene: the array.
+        region: of the loads.
+    """
+
+    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+        self._planes = side_planes(scene)
+        planes = _floats(self._planes)
+        self._pairs = _some_pairs(len(planes))
+        edges = np.cross(planes[self._pairs[:, 0]], planes[self._pairs[:, 1]])
+        lengths = np.linalg.norm(edges, axis=1, keepdims=True)
+        self._edges = np.divide(edges, lengths, out=np.zeros_like(edges), where=lengths > 0)
+        grip = _Grip(scene, region)
+        blocks = range(0, len(edges), BLOCK)
+        self._room = np.concatenate([grip.room(self._edges[k : k + BLOCK]) for k in blocks])
+
+    def next(self, span: Sequence[Triple]) -> Triple | None:
+        """The best candidate off the span of these twists; None where there seems to be none.  Each comes once."""
+        off = self._off(span)
+        return self._take(self._room * off, (self._room > LEAST_ROOM) & (off > LEAST_ANGLE))
+
+    def ties(self, span: Sequence[Triple], most: int) -> Iterator[Triple]:
+        """Candidates off the span whose forces seem to balance exactly, those farthest off first."""
+        off = self._off(span)
+        for _ in range(most):
+            twist = self._take(off, (np.abs(self._room) <= LEAST_ROOM) & (off > LEAST_ANGLE))
+            if twist is None:
+                return
+            yield twist
+
+    def _off(self, span: Sequence[Triple]) -> Floats:
+        """Sine of the angle of each candidate with the span."""
+        basis = np.linalg.qr(_floats(span).T)[0] if span else np.zeros((3, 0))
+        return np.asarray(np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1))
+
+    def _take(self, merit: Floats, usable: NDArray[np.bool_]) -> Triple | None:
+        """The usable candidate of the largest merit; its multiples are not used again."""
+        if not usable.any():
+            return None
+        best = int(np.argmax(np.where(usable, merit, -1)))
+        self._room[np.abs(self._edges @ self._edges[best]) > 1 - LEAST_ANGLE**2] = USED
+        a, b = (self._planes[k] for k in self._pairs[best])
+        return edge_of(a, b)
+
+
+class _Grip:
+    """Support functions of the forces that the wheels can carry, in a few directions."""
+
+    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+        loads = np.array([float(form[0]) for form in region.forces])
+        friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels])
+        rolls = _floats([roll_row(wheel).unit_normal for wheel in scene.wheels])
+        self.sides = _floats([side_row(wheel).unit_normal for wheel in scene.wheels])
+        along, across = (loads * friction[:, 0])[:, None] * rolls, (loads * friction[:, 1])[:, None] * self.sides
+        m = _least_grip(along, across)
+        a, b = np.abs(along @ m.T), across @ m.T
+        self.all = (a + np.abs(b)).sum(axis=0)
+        if isinstance(rule_of(scene), CellRule):
+            self.still, self.left, self.right = a + np.abs(b), a - b, a + b
+        else:
+            disc = np.hypot(a, b)
+            self.still, self.left, self.right = disc, np.where(b < 0, disc, a), np.where(b > 0, disc, a)
+
+    def room(self, twists: Floats) -> Floats:
+        """The least support in both senses of each direction, in parts of all friction."""
+        slips = twists @ self.sides.T
+        slips[np.abs(slips) <= SAME * (np.abs(twists) @ np.abs(self.sides).T)] = 0
+        left, right, still = ((slips < 0) * 1.0, (slips > 0) * 1.0, (slips == 0) * 1.0)
+        ahead = left @ self.left + right @ self.right + still @ self.still
+        back = left @ self.right + right @ self.left + still @ self.still
+        return np.asarray((np.minimum(ahead, back) / self.all).min(axis=1))
+
+
+def _least_grip(along: Floats, across: Floats) -> Floats:
+    """Of the normals of pairs of rims, and the axes, those in which the rims hold least of what sides may push."""
+    pairs = _some_pairs(len(along))
+    normals = np.concatenate([np.cross(along[pairs[:, 0]], along[pairs[:, 1]]), np.eye(3)])
+    lengths = np.linalg.norm(normals, axis=1)
+    m = normals[lengths > lengths.max() * SAME] / lengths[lengths > lengths.max() * SAME, None]
+    pushed = np.abs(m @ across.T).sum(axis=1)
+    grip = np.divide(np.abs(m @ along.T).sum(axis=1), pushed, out=np.full(len(m), np.inf), where=pushed > 0)
+    return np.asarray(m[np.argsort(grip, kind="stable")[:DIRECTIONS]])
+
+
+def _some_pairs(count: int) -> NDArray[np.int_]:
+    """All pairs, or of many wheels as many from all over the list."""
+    pairs = np.stack(np.triu_indices(count, 1), axis=1)
+    return pairs[:: -(-len(pairs) // PAIRS)]
+
+
+def _floats(rows: Sequence[Triple]) -> Floats:
+    return np.array([[float(x) for x in row] for row in rows])

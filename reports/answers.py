@@ -1,0 +1,119 @@
+"""The answers to a check, written down: as the first block on a terminal, and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.answers import Answers
+from nonsmooth.proofs.answers.other_rules import OtherRule
+from nonsmooth.proofs.facts import Quantity
+from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.facts import as_record, fact_record
+from nonsmooth.reports.terminal import header_table, verdict_text
+from nonsmooth.symbolic.number_text import float_text, place_text
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.destinations import Destination, Destinations
+
+MOST_SHOWN = 8  # destinations on a terminal
+PLACE_DIGITS = 4
+THEOREM = "the position is attracted, the heading is not, feedback holds both"
+
+
+def answers_view(result: Check, answers: Answers) -> RenderableType:
+    """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
+    table = Table(box=box.ROUNDED, show_header=False, show_lines=True)
+    table.add_column(no_wrap=True)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold", ratio=1)
+    for answer in answers.answers:
+        table.add_row(Text(answer.name, "bold"), verdict_text(answer.verdict, bold=True), Text(answer.sentence))
+    parts: list[RenderableType] = [table]
+    if answers.destinations is not None:
+        parts.append(_destinations_table(answers.destinations))
+    rule = rule_of(result.scene)
+    parts.append(Text(f"rule {rule.name}: {rule.summary}"))
+    if remark := rule.remark(result.scene):
+        parts.append(Text(f"note: {remark}", "yellow"))
+    if answers.others:
+        parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
+    theorem = Text(f"Theorem 4 ({THEOREM}): ")
+    parts.append(theorem.append_text(verdict_text(result.verdict, bold=True)))
+    return Group(*parts)
+
+
+def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:
+    """JSON: every answer by its name; destinations and other rules are null where nobody asked."""
+    record = {answer.name: _answer_record(answer) for answer in answers}
+    destinations = None if answered is None else answered.destinations
+    others = () if answered is None else answered.others
+    return {
+        **record,
+        "destinations": None if destinations is None else _destinations_record(destinations),
+        "other_rules": {other.name: _other_record(other) for other in others} or None,
+    }
+
+
+def _answer_record(answer: Answer) -> Record:
+    return {"verdict": str(answer.verdict), "reason": answer.sentence, **fact_record(answer.facts)}
+
+
+def _destinations_record(destinations: Destinations) -> Record:
+    entries = [
+        as_record(
+            {
+                "goal": str(found.goal),
+                "points": Quantity(found.points),
+                "position": None if found.position is None else str(found.position),
+                "heading": None if found.heading is None else str(found.heading),
+                "share": found.share,
+            }
+        )
+        for found in destinations.found
+    ]
+    return {"sampled_starts": destinations.starts, "found": entries}
+
+
+def _other_record(other: OtherRule) -> Record:
+    said = {answer.name: str(answer.verdict) for answer in other.answers}
+    return {"position": said.get("position"), "heading": said.get("heading"), "why_not": other.why_not or None}
+
+
+def _in_short(other: OtherRule) -> str:
+    """``box: stays near, keeps``."""
+    said = ", ".join(str(answer.verdict) for answer in other.answers)
+    return f"{other.name}: {said or f'no answer (--rule {other.name} says why)'}"
+
+
+def _destinations_table(destinations: Destinations) -> RenderableType:
+    """The places with the largest shares of the starts."""
+    table = header_table("the body ...", "starts", "near there", "heading", widest="the body ...")
+    shown, more = destinations.found[:MOST_SHOWN], destinations.found[MOST_SHOWN:]
+    for found in shown:
+        words = ("" if word is None else str(word) for word in (found.position, found.heading))
+        table.add_row(goal_text(found), share_text(found.share), *words)
+    if more:
+        table.add_row(f"{len(more)} more (--json lists them)", share_text(sum(d.share for d in more)), "", "")
+    title = f"where bodies go that start in the square (shares sampled from {destinations.starts} starts):"
+    return Group(Text(title), table)
+
+
+def goal_text(found: Destination) -> str:
+    """What becomes of a body there, and where that is."""
+    places = " to " if len(found.points) == 2 else ", "  # the ends of a line
+    at = places.join(place_text(point, PLACE_DIGITS) for point in found.points)
+    return f"{found.goal} {at}" if at else str(found.goal)
+
+
+def share_text(share: float) -> str:
+    """A sampled share in per cent."""
+    return f"{float_text(100 * share, 3)} %" if share >= 0.001 or not share else "< 0.1 %"

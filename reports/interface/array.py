@@ -1,0 +1,278 @@
+"""An array of driven wheels: made in a line, asked in a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.interface.wheel import Wheel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.interface.check_result import CheckResult
+    from nonsmooth.reports.interface.filippov_set import FilippovSet
+    from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.symbolic.scene import Scene
+
+AUTO = "auto"  # the best rest point of the square
+
+# Where a keyword of `with_` stands in a scene file.
+_PLACES = {
+    "name": (),
+    "mu_roll": ("friction",),
+    "mu_side": ("friction",),
+    "rule": ("contact",),
+    "loads": ("contact",),
+    "at": ("check",),
+    "radius": ("check",),
+    "length": ("check",),
+    "lyapunov": ("check",),
+    "field": (),
+    "object": (),
+    "units": (),
+}
+_KEYS = {"at": "equilibrium"}
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Array:
+    """A planar array of driven wheels under a rigid body, with what is to be checked.
+
+    Immutable: :meth:`with_` returns another array.  Numbers may be int, float (its shortest decimal: 0.1 is one tenth),
+    Fraction, Decimal, SymPy numbers, or formulas as text.
+
+    Args:
+        wheels: the wheels.
+        mu_roll: friction along the rims.
+        mu_side: friction across them.
+        rule: contact rule; see ``nonsmooth rules``.
+        at: the point to check.
+        radius: half-width of the square about it that is checked.
+        **more: other tables and keys of a scene file, see :meth:`with_`.
+
+    Raises:
+        SceneError: for whatever cannot be used, naming key, requirement and what was received.
+    """
+
+    document: Mapping[str, Any]
+    folder: Path = field(compare=False)
+
+    def __init__(
+        self,
+        wheels: Iterable[Wheel],
+        *,
+        mu_roll: Any = None,
+        mu_side: Any = None,
+        rule: str | None = None,
+        at: Sequence[Any] | None = None,
+        radius: Any = None,
+        **more: Any,
+    ) -> None:
+        given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
+        document = _placed({"wheel": [wheel.table() for wheel in wheels]}, given)
+        self._set(document, Path())
+
+    def _set(self, document: Mapping[str, Any], folder: Path) -> None:
+        object.__setattr__(self, "document", document)
+        object.__setattr__(self, "folder", folder)
+        _ = self.scene  # refuse what cannot be used at once
+
+    # ---- making ----------------------------------------------------------------------------------
+
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any], folder: Path | None = None) -> Self:
+        """The array of a scene file's tables; a table of wheels lies in the folder.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+        """
+        array = cls.__new__(cls)
+        array._set(document, folder or Path())
+        return array
+
+    @classmethod
+    def ring(cls, count: int, *, radius: Any = 1, phase: Any = 0, check_radius: Any = None, **more: Any) -> Self:
+        """``count`` wheels evenly on a circle, rims to its centre unless a field says otherwise.
+
+        Args:
+            count: number of wheels.
+            radius: of the circle.
+            phase: angle of the first wheel, such as ``"pi/4"``.
+            check_radius: half-width of the checked square.
+            **more: as for :meth:`with_`, but for ``radius``.
+        """
+        layout = table({"count": count, "radius": radius, "phase": phase})
+        return cls.of_document(_placed({"ring": layout}, {**more, "radius": check_radius}))
+
+    @classmethod
+    def grid(cls, rows: int, columns: int, *, pitch: Any = 1, **more: Any) -> Self:
+        """``rows x columns`` wheels, centred on the origin, rims to it unless a field says otherwise."""
+        layout = table({"rows": rows, "columns": columns, "pitch": pitch})
+        return cls.of_document(_placed({"grid": layout}, more))
+
+    @classmethod
+    def from_csv(cls, file: str | Path, **more: Any) -> Self:
+        """Wheels of a CSV table with columns x, y and optionally heading, speed, mu_roll, mu_side."""
+        path = Path(file)
+        return cls.of_document(_placed({"wheels": {"file": path.name}}, more), path.parent)
+
+    def with_(self, **changes: Any) -> Self:
+        """Another array in which some keys are changed.
+
+        Args:
+            **changes: name, mu_roll, mu_side, rule, loads, at, radius, lyapunov, length; field, object and units as
+                tables.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+            TypeError: for a keyword that is none of these.
+        """
+        return self.of_document(_placed(self.document, changes), self.folder)
+
+    # ---- what it is ------------------------------------------------------------------------------
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The exact array: all numbers in one field."""
+        from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused
+
+        name = self.document.get("name")
+        label = name if isinstance(name, str) and name.strip() else "array"
+        with deep_nesting_refused(label):
+            return build_scene(dict(self.document), label, self.folder / f"{label}.toml")
+
+    @cached_property
+    def partition(self) -> Partition:
+        """The exact cells of the checked square.
+
+        Raises:
+            RefusalError: where the motion is not determined, and under a rule without cells.
+        """
+        from nonsmooth.analysis.cells.contact_partition import build_partition
+
+        return build_partition(self.scene)
+
+    def __repr__(self) -> str:
+        from nonsmooth.symbolic.number_text import short_text
+
+        scene = self.scene
+        x, y = (short_text(entry) for entry in scene.check.equilibrium)
+        square = f"checked at ({x}, {y}) within {short_text(scene.check.radius)}"
+        return f"Array {scene.name!r}: {len(scene.wheels)} wheels, rule {scene.contact.rule}, {square}"
+
+    def _repr_html_(self) -> str:
+        from nonsmooth.reports.figures.array import array_figure
+
+        return array_figure(self.scene, ".svg").decode()
+
+    # ---- asking ----------------------------------------------------------------------------------
+
+    def check(self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any) -> CheckResult:
+        """Position, heading and pose, with the clauses of Theorem 4 behind them.
+
+        Args:
+            at: another point to check; ``"auto"`` for the best rest point of the square.
+            prune: leave out what no verdict needs.
+            **changes: as for :meth:`with_`, such as ``rule="ellipse"``.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.check_result import check_scene
+
+        array = self.with_(**changes) if changes else self
+        if at is not None and at != AUTO:
+            array = array.with_(at=at)
+        return check_scene(array.scene, prune=prune, best=at == AUTO)
+
+    def simulate(
+        self,
+        start: Sequence[float],
+        until: float = 2.0,
+        *,
+        feedback: bool | str = False,
+        method: str = "events",
+        **changes: Any,
+    ) -> PathResult:
+        """The path of a body from ``(x, y, theta)``, in the coordinates of the array.
+
+        Args:
+            start: position and heading (radian).
+            until: last time.
+            feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
+            method: ``events``, ``hysteresis`` or ``smoothed``.
+            **changes: as for :meth:`with_`.
+
+        Raises:
+            ValueError: for a start outside the checked square, or a law that does not apply.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.path_result import follow_array
+
+        array = self.with_(**changes) if changes else self
+        return follow_array(array.scene, start, until, feedback=feedback, method=method)
+
+    def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
+        """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.
+
+        Args:
+            point: ``(x, y)``, rational.
+
+        Raises:
+            ValueError: for a point outside the checked square, or one that is not rational.
+            RefusalError: where the motion is not determined, and under a rule without cells.
+        """
+        from nonsmooth.reports.interface.filippov_set import filippov_set
+
+        return filippov_set(self.partition, point)
+
+    def plot(self, ax: Axes | None = None, *, show: str = "array") -> Axes:
+        """Draw the wheels (``array``), the cells with their motions (``cells``) or V* over the cells (``rates``).
+
+        Args:
+            ax: where to draw; a new figure unless given, which shows the scale of V* too.
+            show: what to draw.
+
+        Returns:
+            The axes.
+        """
+        from nonsmooth.reports.interface.plots import plot_array
+
+        return plot_array(self, ax, show)
+
+    def report(self, file: str | Path) -> Path:
+        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, write_report
+        from nonsmooth.reports.files import output_path
+
+        path = output_path(str(file), REPORT_FORMATS)
+        write_report(derive_report(self.scene), path)
+        return path
+
+
+def _placed(document: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """The document with each keyword at its place; None leaves it as it is."""
+    changed = dict(document)
+    for name, value in given.items():
+        if name not in _PLACES:
+            raise TypeError(f"required a keyword among {', '.join(_PLACES)}, received {name!r}")
+        if value is None:
+            continue
+        key = _KEYS.get(name, name)
+        if not _PLACES[name]:
+            changed[key] = entry(value)
+            continue
+        (section,) = _PLACES[name]
+        changed[section] = {**changed.get(section, {}), key: entry(value)}
+    return changed

@@ -1,0 +1,139 @@
+"""The result of a check as a script or a notebook holds it: the answers first, the evidence behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.proofs.answers.answers import Answers, answers_of, exit_status, full_answers
+from nonsmooth.proofs.answers.best_point import at_best_point
+from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.verified import verified
+from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.records import check_record
+from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import short_text
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.answer import Answer
+    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.symbolic.scene import Scene
+
+
+@dataclass(frozen=True, repr=False)
+class CheckResult(Tabular):
+    """What a check of an array found.
+
+    Attributes:
+        evidence: every clause with its evidence; ``evidence.check()`` verifies it again.
+        ask_others: whether the answers say what the other contact rules say.
+    """
+
+    evidence: Check
+    ask_others: bool = True
+
+    @cached_property
+    def _answers(self) -> dict[str, Answer]:
+        return {answer.name: answer for answer in answers_of(self.evidence)}
+
+    @property
+    def position(self) -> Answer:
+        """Where a body goes that starts near the point."""
+        return self._answers["position"]
+
+    @property
+    def heading(self) -> Answer:
+        """What its heading does."""
+        return self._answers["heading"]
+
+    @property
+    def pose(self) -> Answer:
+        """Whether feedback can hold both."""
+        return self._answers["pose"]
+
+    @property
+    def theorem4(self) -> str:
+        """The verdict of Theorem 4: holds, fails, hypotheses not met or undecided."""
+        return str(self.evidence.verdict)
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """The point that was checked."""
+        x, y = self.evidence.scene.check.equilibrium
+        return float(x), float(y)
+
+    @cached_property
+    def answers(self) -> Answers:
+        """The answers with what takes a little longer: where bodies go, and what the other rules say."""
+        return full_answers(self.evidence, ask_others=self.ask_others)
+
+    @property
+    def destinations(self) -> Destinations | None:
+        """Where bodies go that start all over the square; None where all come home."""
+        return self.answers.destinations
+
+    def exit_status(self, required: Sequence[str]) -> int:
+        """What ``nonsmooth check --require`` returns: 0 if all of these are as hoped for, 1 if one is not, else 3.
+
+        Args:
+            required: of position, heading, pose and theorem4.
+        """
+        return exit_status(self.evidence, required)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON record of ``nonsmooth check --json``."""
+        return check_record(self.evidence, self.answers)
+
+    def rows(self) -> list[dict[str, str]]:
+        """One row for each answer and clause: question, verdict, why."""
+        answered = [
+            {"question": answer.name, "verdict": str(answer.verdict), "why": answer.sentence}
+            for answer in self._answers.values()
+        ]
+        clauses = [
+            {"question": clause.name, "verdict": str(found.verdict), "why": found.reason}
+            for clause, found in self.evidence.clauses
+        ]
+        theorem = {"question": "Theorem 4", "verdict": self.theorem4, "why": self.evidence.reason}
+        return [*answered, *clauses, theorem]
+
+    def __repr__(self) -> str:
+        said = [(answer.name, repr(answer)) for answer in self._answers.values()]
+        return short_lines(self._head(), [*said, ("Theorem 4", f"{self.theorem4}: {self.evidence.reason}")])
+
+    def _repr_html_(self) -> str:
+        rows = [(row["question"], row["verdict"], row["why"]) for row in self.rows()]
+        return html_table(self._head(), ("question", "verdict", "why"), rows)
+
+    def _head(self) -> str:
+        scene = self.evidence.scene
+        x, y = (short_text(value) for value in scene.check.equilibrium)
+        return f"{scene.name}: {len(scene.wheels)} wheels, rule {scene.contact.rule}, at ({x}, {y})"
+
+
+def check_scene(
+    scene: Scene, *, prune: bool = True, best: bool = False, ask_others: bool = True, announce: Announce = unheard
+) -> CheckResult:
+    """Check an array; its evidence is verified before it is handed out.
+
+    Args:
+        scene: the array.
+        prune: leave out what no verdict needs.
+        best: check at the best rest point of the square instead of the scene's point.
+        ask_others: let the answers say what the other contact rules say.
+        announce: told the name of each step as it begins.
+
+    Raises:
+        RefusalError: where the motion is not determined.
+    """
+    if best:
+        announce("the best rest point of the square")
+        scene = at_best_point(scene)
+    found = check_theorem4(scene, prune=prune, announce=announce)
+    announce("verification of the evidence")
+    return CheckResult(verified(found), ask_others)

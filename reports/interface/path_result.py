@@ -1,0 +1,103 @@
+"""A path that was followed, as a script or a notebook holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.simulate import POSE, PathRun, follow, loop_of
+from nonsmooth.symbolic.number_text import float_text, place_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.symbolic.scene import Scene
+
+WIDTH = 1e-3  # of hysteresis and smoothing
+
+
+@dataclass(frozen=True, repr=False)
+class PathResult(Tabular):
+    """A path with its events.
+
+    Attributes:
+        name: of the array or system.
+        states: names of the states.
+        trajectory: samples, events, pieces, end, and whether the solution is unique.
+        partition: the cells it goes through; None for systems and rules without cells.
+    """
+
+    name: str
+    states: tuple[str, ...]
+    trajectory: Trajectory
+    partition: Partition | None = None
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        """Sample times, shape (m,)."""
+        return np.array([float(t) for t in self.trajectory.times])
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """Sampled states, shape (m, n)."""
+        return self.trajectory.array
+
+    @property
+    def end(self) -> str:
+        """Why the path ends."""
+        return str(self.trajectory.end.reason)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Samples, events, pieces and end, as JSON has them."""
+        return self.trajectory.record()
+
+    def rows(self) -> list[dict[str, float]]:
+        """One row for each sample: time and states."""
+        names = ("t", *self.states)
+        return [dict(zip(names, (t, *state), strict=True)) for t, state in zip(self.t, self.state, strict=True)]
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the path in the plane of the first two states, over the cells where there are some."""
+        from nonsmooth.reports.interface.plots import plot_path
+
+        return plot_path(self, ax)
+
+    def __repr__(self) -> str:
+        end, path = self.trajectory.end, self.trajectory
+        unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
+        place = place_text([float(value) for value in end.state], 5)
+        head = f"path of {self.name}, method {path.method}: {len(path.events)} events, {unique}"
+        return f"{head}\n  {end.reason}: {place} at t = {float_text(end.t)}"
+
+    def _repr_html_(self) -> str:
+        return self.trajectory._repr_html_()
+
+
+def follow_array(
+    scene: Scene, start: Sequence[float], until: float, *, feedback: bool | str = False, method: str = "events"
+) -> PathResult:
+    """The path of a body over an array; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
+
+    Raises:
+        ValueError: for a start outside the checked square, a law that does not apply, or an unknown method.
+        RefusalError: where the motion is not determined.
+    """
+    x, y, theta = (float(value) for value in start)
+    rule = rule_of(scene)
+    if isinstance(rule, SmoothRule) and not feedback:
+        return PathResult(scene.name, POSE, rule.path(scene, (x, y, theta), until))
+    law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
+    run = PathRun((x, y, theta), until, Kinematics.EXACT, Method(method), law, WIDTH)
+    partition = build_partition(scene)
+    return PathResult(scene.name, POSE, follow(partition, run, loop_of(partition, run)), partition)

@@ -1,0 +1,138 @@
+"""A plain switched system: its right-hand sides in a line, its stability in another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from nonsmooth.reports.interface.entries import entry, table
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.reports.interface.system_result import SystemCheckResult
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+UNTIL = 10.0
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class System:
+    """``x' = f(x)`` with ``sign`` and ``Abs`` on the right; Filippov solutions.
+
+    Immutable: :meth:`with_` returns another one.
+
+    Args:
+        states: names, such as ``["x", "v"]``.
+        rhs: one formula for each state, such as ``["v", "-sign(x) - v/2"]``.
+        at: the equilibrium; the origin unless given.
+        radius: half-width of the square about it that is checked.
+        lyapunov: a Lyapunov function to try, as a formula.
+        name: what it is called in results.
+
+    Raises:
+        SceneError: for whatever cannot be used, naming key, requirement and what was received.
+    """
+
+    document: Mapping[str, Any]
+
+    def __init__(
+        self,
+        states: Sequence[str],
+        rhs: Sequence[Any],
+        *,
+        at: Sequence[Any] | None = None,
+        radius: Any = None,
+        lyapunov: Any = None,
+        name: str | None = None,
+    ) -> None:
+        document = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
+        self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
+
+    def _set(self, document: Mapping[str, Any]) -> None:
+        object.__setattr__(self, "document", document)
+        _ = self.system  # refuse what cannot be used at once
+
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any]) -> Self:
+        """The system of a scene file's tables.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+        """
+        system = cls.__new__(cls)
+        system._set(document)
+        return system
+
+    def with_(self, **changes: Any) -> Self:
+        """Another system in which at, radius, lyapunov or name is changed.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+            TypeError: for another keyword.
+        """
+        return self.of_document(_changed(self.document, **changes))
+
+    @cached_property
+    def system(self) -> SwitchedSystem:
+        """The exact system."""
+        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
+        from nonsmooth.symbolic.files.system_file import build_system
+
+        name = self.document.get("name")
+        label = name if isinstance(name, str) and name.strip() else "system"
+        with deep_nesting_refused(label):
+            return build_system(dict(self.document), label, Path(f"{label}.toml"))
+
+    def __repr__(self) -> str:
+        states, rhs = self.document["system"]["states"], self.document["system"]["rhs"]
+        shown = "; ".join(f"{state}' = {formula}" for state, formula in zip(states, rhs, strict=True))
+        return f"System: {shown}"[:400]
+
+    def check(self, **changes: Any) -> SystemCheckResult:
+        """Stability of the equilibrium.
+
+        Args:
+            **changes: as for :meth:`with_`.
+        """
+        from nonsmooth.reports.interface.system_result import check_system
+
+        return check_system((self.with_(**changes) if changes else self).system)
+
+    def simulate(self, start: Sequence[float], until: float = UNTIL, *, method: str = "events") -> PathResult:
+        """A Filippov solution from a start.
+
+        Args:
+            start: one number for each state.
+            until: last time.
+            method: ``events``, ``hysteresis`` or ``smoothed``.
+
+        Raises:
+            ValueError: for a switching function without a gradient where it vanishes.
+            TrajectoryError: where the integrator gives up.
+        """
+        from nonsmooth.reports.choices import Method
+        from nonsmooth.reports.interface.path_result import WIDTH, PathResult
+        from nonsmooth.reports.system_paths import follow_system
+
+        place = tuple(float(value) for value in start)
+        path = follow_system(self.system, place, until, Method(method), WIDTH)
+        return PathResult(self.system.name, tuple(self.system.states), path.trajectory)
+
+
+def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:
+    """The document with the keywords at their places; None leaves it as it is."""
+    unknown = set(changes) - {"at", "radius", "lyapunov", "name"}
+    if unknown:
+        raise TypeError(f"required a keyword among at, radius, lyapunov, name, received {min(unknown)!r}")
+    changed = dict(document)
+    if changes.get("name") is not None:
+        changed["name"] = changes["name"]
+    given = table(
+        {"equilibrium": changes.get("at"), "radius": changes.get("radius"), "lyapunov": changes.get("lyapunov")}
+    )
+    if given:
+        changed["check"] = {**changed.get("check", {}), **given}
+    return changed

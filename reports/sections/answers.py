@@ -1,0 +1,77 @@
+"""The first section of the derivation report: what a builder asked, answered on one screen."""
+
+from __future__ import annotations
+
+from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.destinations import Destination, Destinations
+from nonsmooth.proofs.answers.other_rules import OtherRule
+from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.reports.answers import THEOREM, goal_text, share_text
+from nonsmooth.reports.document import Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
+from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.sections.opening import array_figure
+from nonsmooth.reports.subject import Subject
+
+MOST_SHOWN = 8  # destinations in the table
+
+_TONES = {0: Tone.GOOD, 1: Tone.BAD, 3: Tone.OPEN}
+
+
+def answers_section(subject: Subject) -> Section:
+    """The three answers, the array, the rule, the other rules, where bodies go, and the theorem in one line."""
+    scene, answered = subject.scene, subject.answers
+    unit = of_length(scene)
+    intro = paragraph(
+        f"What a rigid body does that lies on {{}} driven wheels, near the point {{}} (within {{}}{unit}): first in "
+        "words, then every step with its proof.",
+        str(len(scene.wheels)),
+        point(scene.check.equilibrium),
+        number(scene.check.radius),
+    )
+    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in answered.answers]
+    said = table(("question", "answer", "how far, how fast, on what conditions"), rows, (2, 3, 8))
+    goes = _destinations(answered.destinations)
+    return Section("Answers", (intro, said, _items(subject), *goes, array_figure(subject)))
+
+
+def _items(subject: Subject) -> Bullets:
+    """The contact rule in a sentence, what the other rules say, and the theorem."""
+    rule, verdict = rule_of(subject.scene), subject.result.verdict
+    theorem = Verdict(str(verdict), _TONES[verdict.exit_status])
+    remark = rule.remark(subject.scene)
+    return Bullets(
+        (
+            (f"Contact rule {rule.name}: {rule.summary}.",),
+            *([(f"Note: {remark}.",)] if remark else []),
+            *(_other_rule(other) for other in subject.answers.others),
+            (f"Theorem 4 ({THEOREM}): ", theorem, "."),
+        )
+    )
+
+
+def _other_rule(other: OtherRule) -> Text:
+    """What one of the other rules says."""
+    if not other.answers:
+        return (f"Under rule {other.name} there is no answer: {other.why_not}.",)
+    parts: list[Inline] = [f"Under rule {other.name}: "]
+    for answer in other.answers:
+        parts += [f"{answer.name} ", _verdict(answer), ", "]
+    return (*parts[:-1], ".")
+
+
+def _verdict(answer: Answer) -> Verdict:
+    return Verdict(str(answer.verdict), Tone(answer.tone))
+
+
+def _destinations(destinations: Destinations | None) -> list[Table]:
+    """Where bodies go that start all over the square."""
+    if destinations is None:
+        return []
+    header = ("a body that starts in the square", "sampled share", "near there", "heading")
+    return [table(header, [_row(found) for found in destinations.found[:MOST_SHOWN]], (5, 2, 2, 2))]
+
+
+def _row(found: Destination) -> tuple[str, str, str, str]:
+    near, heading = ("" if word is None else str(word) for word in (found.position, found.heading))
+    return goal_text(found), share_text(found.share), near, heading

@@ -1,0 +1,74 @@
+"""Units of a scene: labels beside its numbers.
+
+All lengths of a scene are in one unit and its times in seconds, so its speeds are in that unit per second; nothing
+that is computed depends on the unit.  Speeds that a file states in another unit of length are converted when it is
+read, exactly (1 in = 127/5000 m).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+
+
+class LengthUnit(StrEnum):
+    """Unit of length."""
+
+    METRE = "m"
+    CENTIMETRE = "cm"
+    MILLIMETRE = "mm"
+    INCH = "in"
+
+    @property
+    def metres(self) -> Fraction:
+        """Its length."""
+        return _METRES[self]
+
+
+class SpeedUnit(StrEnum):
+    """Unit of speed: a unit of length per second."""
+
+    METRE = "m/s"
+    CENTIMETRE = "cm/s"
+    MILLIMETRE = "mm/s"
+    INCH = "in/s"
+
+    @property
+    def length(self) -> LengthUnit:
+        """The way of one second."""
+        return LengthUnit[self.name]
+
+
+_METRES = {
+    LengthUnit.METRE: Fraction(1),
+    LengthUnit.CENTIMETRE: Fraction(1, 100),
+    LengthUnit.MILLIMETRE: Fraction(1, 1000),
+    LengthUnit.INCH: Fraction(127, 5000),
+}
+
+
+@dataclass(frozen=True)
+class Units:
+    """Labels for the numbers of a scene, each empty where the scene states no unit of length.
+
+    Attributes:
+        length: of positions, distances and the half-width of the square.
+    """
+
+    length: str = ""
+
+    @property
+    def speed(self) -> str:
+        """Of surface speeds and of velocities of the body."""
+        return f"{self.length}/s" if self.length else ""
+
+    @property
+    def angular_speed(self) -> str:
+        """Of rotation rates."""
+        return "rad/s" if self.length else ""
+
+    @property
+    def time(self) -> str:
+        """Of times."""
+        return "s" if self.length else ""

@@ -1,0 +1,118 @@
+"""Arrays of too many candidates to try them all: what floats propose is decided exactly, and verifies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import fmpq
+
+from nonsmooth.analysis.cells.arrangement import Arrangement, is_multiple
+from nonsmooth.analysis.cells.loads import load_regions, value_at
+from nonsmooth.analysis.cells.slopes import Slopes
+from nonsmooth.analysis.minimizers.many_forces import MANY, search_many_forces
+from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
+from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
+from nonsmooth.proofs.clauses.feedback.wheel_forces import wheel_forces
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.constraints import Triple, inner, outer
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.scene import Scene
+
+GRID = """
+name = "grid"
+[friction]
+mu_roll = 1
+mu_side = "1/2"
+[grid]
+rows = 6
+columns = 6
+[field]
+kind = "{field}"
+[contact]
+rule = "{rule}"
+"""
+
+
+def grid(folder: Path, field: str, rule: str) -> Scene:
+    path = folder / "grid.toml"
+    path.write_text(GRID.format(field=field, rule=rule), encoding="utf-8")
+    return load_scene(path).recentred()
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+@pytest.mark.parametrize("field", ["radial", "saddle"])
+def test_a_law_of_few_candidates_verifies(field: str, rule: str, tmp_path: Path) -> None:
+    scene = grid(tmp_path, field, rule)
+    assert len(scene.wheels) > MANY
+    found = decide_driven_feedback(scene)
+    assert found.verdict is Feedback.STABILIZABLE
+    assert found.check()
+    assert found == decide_driven_feedback(scene)
+    assert not replace(found, kappa=(found.kappa or Fraction(0)) * 1000).check()
+
+
+def test_proposals_are_candidates_and_come_once(tmp_path: Path) -> None:
+    scene = grid(tmp_path, "saddle", "box")
+    zero = scene.field.zero
+    proposals = PromisingTwists(scene, load_regions(scene, (zero, zero))[0])
+    taken: list[Triple] = []
+    while (twist := proposals.next([])) is not None and len(taken) < 20:
+        assert not any(not any(outer(twist, earlier)) for earlier in taken)
+        taken.append(twist)
+    candidates = set(candidate_twists(scene))
+    assert len(taken) == 20
+    assert candidates.issuperset(taken)
+
+
+def test_forces_of_many_wheels_balance_within_their_limits(tmp_path: Path) -> None:
+    scene = grid(tmp_path, "radial", "ellipse")
+    zero, one = scene.field.zero, scene.field.one
+    wheels = wheel_forces(scene, load_regions(scene, (zero, zero))[0], (one, one, zero))
+    along, across = (np.array([[float(x) for x in getattr(w, name)] for w in wheels]) for name in ("along", "across"))
+    signs = np.array([wheel.side for wheel in wheels])
+    forces = search_many_forces(along, across, signs)
+    assert forces is not None
+    rho, tau = np.empty(len(wheels)), np.empty(len(wheels))
+    slips = signs != 0
+    rho[slips], tau[slips] = np.cos(forces.angles), signs[slips] * np.sin(forces.angles)
+    rho[~slips], tau[~slips] = forces.held.T
+    assert np.abs(rho @ along + tau @ across).max() < 1e-9
+    assert ((forces.angles > 0) & (forces.angles < np.pi)).all()
+    assert (np.linalg.norm(forces.held, axis=1) < 1).all()
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "elliptic", "ring-5"])
+def test_slopes_against_all_pairs(name: str) -> None:
+    """Each slope of each pair of tight rows is in the table up to a factor, or positive on the whole square."""
+    scene = load_scene(name, rule="box").recentred()
+    region = load_regions(scene)[0]
+    arrangement = Arrangement(scene, region)
+    signs = np.array([0 if row.kind == "S" else -1 for row in arrangement.rows])  # rest: all side rows hold
+    table = list(Slopes(arrangement, signs))
+    sides = [row.normal for row in arrangement.rows if row.kind == "S"]
+    for a in sides:
+        for b in sides:
+            direction = outer(a, b)
+            if any(direction):
+                known = [s for s in table if not any(outer(s.direction, direction))]
+                slopes = arrangement.slopes_along(direction, signs)
+                positive = [value_at(s.form, p).sign() > 0 for s in slopes for p in region.polygon.vertices]
+                assert all(positive) or any(inner(s.direction, direction).sign() > 0 for s in known)
+
+
+def test_multiples_of_a_line() -> None:
+    field = NumberField()
+    one, root = field.one, field.sqrt(2)
+    line = (one, root, one + root)
+    for factor in (field.rational(-3), root, 1 - root, field.zero):
+        assert is_multiple(tuple(factor * x for x in line), line)  # type: ignore[arg-type]
+    assert not is_multiple((one, root, one - root), line)
+    assert not is_multiple((one, root, root), (field.zero, one, one))
+    assert (root * 3).rational_quotient(root * 2) == fmpq(3, 2)
+    assert root.rational_quotient(one) is None

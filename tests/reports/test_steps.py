@@ -1,0 +1,103 @@
+"""Long steps are named on a terminal, on standard error alone, and leave nothing behind."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from nonsmooth.reports import progress as progress_module
+from nonsmooth.reports.progress import CLEAR_LINE, steps
+
+HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = progress.TICK = 0.001; cli.main()"
+
+
+def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
+    """What two steps leave on a pseudo-terminal, cleared at the end."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(progress_module, "PATIENCE", patience)
+    monkeypatch.setattr(progress_module, "TICK", 0.01)
+    leader, follower = os.openpty()
+    with os.fdopen(follower, "w") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        with steps("count wheels") as announce:
+            time.sleep(0.1)
+            announce("count cells")
+            time.sleep(0.1)
+        stream.write("end")
+    shown = terminal_text(leader)
+    os.close(leader)
+    return shown
+
+
+def test_steps_are_named_in_turn_and_the_line_is_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = on_terminal(monkeypatch, patience=0.0)
+    assert shown.index("count wheels (0 s)") < shown.index("count cells (0 s)")
+    assert shown.endswith(f"{CLEAR_LINE}end")
+
+
+def test_short_work_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert on_terminal(monkeypatch, patience=60.0) == "end"
+
+
+def test_an_error_ends_the_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
+    leader, follower = os.openpty()
+    with os.fdopen(follower, "w") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        with pytest.raises(KeyError):
+            failing_step()
+    shown = terminal_text(leader)
+    os.close(leader)
+    assert shown.endswith(CLEAR_LINE)
+
+
+def failing_step() -> None:
+    """A step that has been shown when it fails."""
+    with steps("count wheels"):
+        time.sleep(0.1)
+        raise KeyError
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["check", "grid-4x4", "--rule", "box"], ["feedback (", "verification of the evidence ("]),
+        (["check", "grid-4x4", "--rule", "all"], ["rule box: feedback (", "rule ellipse: feedback ("]),
+        (["partition", "grid-4x4", "--rule", "box"], ["cells of rule box ("]),
+        (["derive", "grid-4x4", "--only", "theorem"], ["feedback ("]),
+    ],
+)
+def test_commands_name_their_steps_on_a_terminal_only(arguments: list[str], named: list[str]) -> None:
+    leader, follower = os.openpty()
+    with subprocess.Popen(
+        [sys.executable, "-c", HASTY, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=follower,
+        env={**os.environ, "TERM": "xterm"},
+    ) as process:
+        os.close(follower)
+        shown = terminal_text(leader)
+        written = process.stdout.read() if process.stdout is not None else b""
+    os.close(leader)
+    piped = subprocess.run([sys.executable, "-c", HASTY, *arguments], capture_output=True, check=False)
+    assert all(step in shown for step in named)
+    assert shown.endswith(CLEAR_LINE)
+    assert (piped.stdout, piped.stderr) == (written, b"")
+
+
+def terminal_text(leader: int) -> str:
+    """All that is written to a pseudo-terminal until its other side is closed."""
+    shown = b""
+    while True:
+        try:
+            block = os.read(leader, 100_000)
+        except OSError:  # Linux: the other side is closed
+            return shown.decode()
+        if not block:
+            return shown.decode()
+        shown += block

@@ -1,0 +1,80 @@
+"""The notebooks: stored without outputs, they run without a warning, and as pages they show what they promise."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+from nbconvert import HTMLExporter
+
+ROOT = Path(__file__).resolve().parents[1]
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+# Every warning is an error, but for those of the kernel about itself.
+STRICT = """
+import warnings
+
+warnings.simplefilter("error")
+warnings.filterwarnings("ignore", module=".*(ipykernel|matplotlib_inline)")
+"""
+SECONDS = 60  # for a whole notebook: a student waits for it
+FORMULA, PICTURE, TABLE = "text/latex", "image/svg+xml", "text/html"
+
+every_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+
+
+def outputs(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:
+    return [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+
+
+def shown(notebook: nbformat.NotebookNode, kind: str) -> list[str]:
+    """All outputs of one MIME type."""
+    return [output.data[kind] for output in outputs(notebook) if kind in output.get("data", {})]
+
+
+def test_there_is_a_notebook() -> None:
+    assert [path.name for path in NOTEBOOKS] == ["from-one-wheel-to-theorem-4.ipynb"]
+
+
+@every_notebook
+def test_notebook_is_stored_as_a_source(path: Path) -> None:
+    """Valid, without outputs and counts, one spelling of the JSON, and identifiers that stay."""
+    text = path.read_text(encoding="utf-8")
+    notebook = nbformat.reads(text, nbformat.NO_CONVERT)
+    nbformat.validate(notebook)
+    assert outputs(notebook) == []
+    assert all(cell.get("execution_count") is None and not cell.metadata for cell in notebook.cells)
+    assert text == json.dumps(json.loads(text), indent=1, ensure_ascii=False) + "\n"
+    names = [cell.id for cell in notebook.cells]
+    assert len(set(names)) == len(names)
+    assert all(re.fullmatch("[a-z][a-z0-9-]+", name) for name in names)
+    assert sorted(notebook.metadata) == ["kernelspec", "language_info"]
+
+
+@every_notebook
+def test_notebook_runs_and_renders(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("IPYTHONDIR", "JUPYTER_CONFIG_DIR", "JUPYTER_RUNTIME_DIR"):
+        monkeypatch.setenv(name, str(tmp_path))
+    notebook = nbformat.read(path, nbformat.NO_CONVERT)
+    cells = len(notebook.cells)
+    notebook.cells.insert(0, nbformat.v4.new_code_cell(STRICT))
+    NotebookClient(
+        notebook, timeout=SECONDS, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    del notebook.cells[0]
+    assert len(notebook.cells) == cells
+    assert [output for output in outputs(notebook) if output.output_type == "error"] == []
+    assert [output.text for output in outputs(notebook) if output.get("name") == "stderr"] == []
+    assert len(shown(notebook, FORMULA)) >= 10
+    assert len(shown(notebook, PICTURE)) >= 8
+    assert sum(table.startswith("<table>") for table in shown(notebook, TABLE)) >= 6
+
+    page, _ = HTMLExporter().from_notebook_node(notebook)
+    assert all(formula in page for formula in (r"\begin{aligned}", r"\left[\begin{matrix}", r"\dot c \in F(c)"))
+    assert "MathJax" in page
+    assert page.count("<svg") + page.count("image/svg+xml") >= len(shown(notebook, PICTURE))
+    assert all(words in page for words in ("asymptotically stable", "can be held", "hypotheses not met"))
+    assert "Traceback" not in page
