@@ -82,31 +82,41 @@ class _StepLine:
         self._started = time.monotonic()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._show, daemon=True)
+        self._writing = threading.Lock()  # two threads write: the one that works, and the one that counts seconds
+        self._written = False
 
     def start(self) -> None:
         """Begin to wait."""
         self._thread.start()
 
     def name(self, step: str) -> None:
-        """Another step is under way."""
+        """Another step is under way.  Once patience is over it is shown at once, however short it is."""
         self._step = step
+        if time.monotonic() - self._started >= PATIENCE:
+            self._write_step()
 
     def stop(self) -> None:
         """End, and clear the line."""
         self._ended.set()
         self._thread.join()
+        if self._written:
+            self._write("")
 
     def _show(self) -> None:
         """Write until the end, once patience is over."""
-        if self._ended.wait(PATIENCE):
-            return
-        while True:
-            text = f"{self._step} ({time.monotonic() - self._started:.0f} s)"
-            self._write(CLEAR_LINE + text[: shutil.get_terminal_size().columns - 1])
-            if self._ended.wait(TICK):
-                self._write(CLEAR_LINE)
-                return
+        waited = PATIENCE
+        while not self._ended.wait(waited):
+            self._write_step()
+            waited = TICK
+
+    def _write_step(self) -> None:
+        """Name the step, and the whole seconds since the start."""
+        text = f"{self._step} ({time.monotonic() - self._started:.0f} s)"
+        self._write(text[: shutil.get_terminal_size().columns - 1])
 
     def _write(self, text: str) -> None:
-        self._stream.write(text)
-        self._stream.flush()
+        """Replace the line."""
+        with self._writing:
+            self._written = True
+            self._stream.write(CLEAR_LINE + text)
+            self._stream.flush()

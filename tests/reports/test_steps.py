@@ -12,7 +12,7 @@ import pytest
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.progress import CLEAR_LINE, steps
 
-HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = progress.TICK = 0.001; cli.main()"
+HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = 0.0; cli.main()"
 
 
 def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
@@ -66,10 +66,10 @@ def failing_step() -> None:
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
-        (["check", "grid-4x4", "--rule", "box"], ["feedback (", "verification of the evidence ("]),
-        (["check", "grid-4x4", "--rule", "all"], ["rule box: feedback (", "rule ellipse: feedback ("]),
-        (["partition", "grid-4x4", "--rule", "box"], ["cells of rule box ("]),
-        (["derive", "grid-4x4", "--only", "theorem"], ["feedback ("]),
+        (["check", "four-wheel", "--rule", "box"], ["feedback (", "verification of the evidence ("]),
+        (["check", "four-wheel", "--rule", "all"], ["rule box: feedback (", "rule ellipse: feedback ("]),
+        (["partition", "four-wheel", "--rule", "box"], ["cells of rule box ("]),
+        (["derive", "four-wheel", "--only", "theorem"], ["feedback ("]),
     ],
 )
 def test_commands_name_their_steps_on_a_terminal_only(arguments: list[str], named: list[str]) -> None:
