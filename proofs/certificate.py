@@ -32,9 +32,11 @@ from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
+from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
@@ -64,6 +66,8 @@ def build_certificate(result: CellCheck | SmoothCheck) -> Record:
         raise CertificateError(
             f'certificate: required contact.rule {names}, received "{rule}": the stand-alone checker {why}'
         )
+    if result.scene.body is not None:  # a certificate knows no outline: it speaks of the wheels under it
+        result = check_cells(alone(result.scene))
     certificate = encode(_document(result))
     claim = check_certificate(certificate)
     if claim and rule_of(result.scene).keeps_rows and _rows_left_out(result.scene):

@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.certificate import scene_record
+from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.scene import Scene
 
 Record: TypeAlias = dict[str, Any]
@@ -27,7 +28,7 @@ def find_difference(certificate: Record, scene: Scene) -> str:
         certificate: parsed JSON that :func:`nonsmooth.proofs.checker.check_certificate` accepted.
         scene: the array, with the rule, the point and the square that were checked.
     """
-    own = scene_record(scene)
+    own = scene_record(alone(scene))
     names = _renamed_generators(own["field"], certificate["field"])
     for key in ("rule", "at", "radius", "loads"):
         if _value(certificate[key], None) != _value(own[key], names):

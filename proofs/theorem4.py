@@ -15,6 +15,7 @@ from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck, conclude
+from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
@@ -35,10 +36,14 @@ def check_theorem4(scene: Scene, *, prune: bool = True, announce: Announce = unh
         prune: leave out what no verdict needs; without, everything is computed, with the same verdicts.
         announce: hears the name of each step before it begins.
 
+    With a body the array is that of the wheels that carry it at the checked pose.
+
     Raises:
         RefusalError: where the motion is not determined (loads that do not exist, frictionless wheels), and where the
             exact arithmetic would take too long.
+        SceneError: where a body has a wheel exactly under its edge; a :class:`TipsError` where it tips.
     """
+    scene = standing(scene)
     with affordable(scene, CHECK_UNITS, "all clauses"):
         return _check(Workspace(scene, prune=prune, announce=announce))
 

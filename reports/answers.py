@@ -13,6 +13,7 @@ from rich.text import Text
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.answers import Answers
+from nonsmooth.proofs.answers.contact import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check
@@ -20,9 +21,11 @@ from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record, fact_record
 from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destination, Destinations
+    from nonsmooth.symbolic.scene import Scene
 
 MOST_SHOWN = 8  # destinations on a terminal
 PLACE_DIGITS = 4
@@ -31,13 +34,9 @@ THEOREM = "the position is attracted, the heading is not, feedback holds both"
 
 def answers_view(result: Check, answers: Answers) -> RenderableType:
     """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
-    table = Table(box=box.ROUNDED, show_header=False, show_lines=True)
-    table.add_column(no_wrap=True)
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold", ratio=1)
-    for answer in answers.answers:
-        table.add_row(Text(answer.name, "bold"), verdict_text(answer.verdict, bold=True), Text(answer.sentence))
-    parts: list[RenderableType] = [table]
+    table = _answers_table(answers.answers)
+    contact = "; ".join(fact.words for fact in contact_facts(result) if fact.words)
+    parts: list[RenderableType] = [Text(contact), table]
     if answers.destinations is not None:
         parts.append(_destinations_table(answers.destinations))
     rule = rule_of(result.scene)
@@ -49,6 +48,23 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     theorem = Text(f"Theorem 4 ({THEOREM}): ")
     parts.append(theorem.append_text(verdict_text(result.verdict, bold=True)))
     return Group(*parts)
+
+
+def tipped_view(scene: Scene, answers: Sequence[Answer]) -> RenderableType:
+    """The answers about a body that does not stand on the wheels."""
+    head = Text(one_line(scene.name), "bold").append(f": {len(scene.wheels)} wheels", "not bold")
+    return Group(head, _answers_table(answers))
+
+
+def _answers_table(answers: Sequence[Answer]) -> Table:
+    """Question, answer, and how far, how fast, on what conditions."""
+    table = Table(box=box.ROUNDED, show_header=False, show_lines=True)
+    table.add_column(no_wrap=True)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold", ratio=1)
+    for answer in answers:
+        table.add_row(Text(answer.name, "bold"), verdict_text(answer.verdict, bold=True), Text(answer.sentence))
+    return table
 
 
 def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:

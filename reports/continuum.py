@@ -12,6 +12,7 @@ from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotatio
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.body import outline_text
 from nonsmooth.symbolic.continuum import ContinuousField, Disc
 from nonsmooth.symbolic.number_text import float_text, short_text
 from nonsmooth.symbolic.scene import Scene
@@ -82,7 +83,7 @@ def field_text(field: ContinuousField) -> str:
 
 
 def _objects_text(scene: Scene) -> str:
-    return "" if _is_given(scene) else "; no [object] in the scene: objects that just cover the wheels"
+    return "" if _is_given(scene) else "; no [body] in the scene: objects that just cover the wheels"
 
 
 def _is_given(scene: Scene) -> bool:
@@ -94,13 +95,7 @@ def _row(prediction: Prediction) -> Row:
 
 
 def _object_text(prediction: Prediction) -> str:
-    footprint = prediction.footprint
-    if isinstance(footprint, Disc):
-        return f"disc of radius {short_text(footprint.radius)} on the field"
-    if footprint.name == "rectangle":
-        a, b = footprint.vertices[2]
-        return f"rectangle {short_text(2 * a)} x {short_text(2 * b)} on the field"
-    return f"polygon of {len(footprint.vertices)} sides on the field"
+    return f"{outline_text(prediction.footprint)} on the field"
 
 
 def _position_text(prediction: Prediction) -> str:

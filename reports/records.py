@@ -8,6 +8,7 @@ from typing import Any
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answers import Answers, answers_of
+from nonsmooth.proofs.answers.contact import contact_facts
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.answers import answers_record
@@ -38,6 +39,7 @@ def check_record(result: Check, answered: Answers | None = None, continuum: Reco
         "wheels": len(scene.wheels),
         "rule": str(scene.contact.rule),
         **with_exact({"radius": scene.check.radius, "length": scene.field(scene.check.length)}),
+        "contact_set": fact_record(contact_facts(result)),
         "answers": answers_record(answers_of(result), answered),
         "contact_states": _census_record(result),
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},

@@ -16,12 +16,14 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.console import BAD_INPUT, UNDECIDED
 from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.interface.tipped_result import TippedResult
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.records import CHECK_SCHEMA, check_record
 from nonsmooth.reports.system_views import system_record
 from nonsmooth.reports.terminal import header_table, verdict_text
+from nonsmooth.symbolic.contact_set import TipsError
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 COLUMNS = ("scene", "rule", "position", "heading", "pose", "Theorem 4")
@@ -79,7 +81,11 @@ def _array_line(scene: Scene, required: Sequence[str], *, prune: bool, records: 
     rule = str(scene.contact.rule)
     try:
         result = verified(check_theorem4(scene, prune=prune))
-    except RefusalError as error:
+    except TipsError as tipping:
+        tipped = TippedResult(scene, tipping)
+        tips = (str(tipped.position.verdict), *(NONE,) * 2)
+        return Line(scene.origin, rule, tips, tipped.theorem4, "", tipped.exit_status(required), tipped.to_dict())
+    except (RefusalError, SceneError) as error:
         refusal = one_line(str(error))
         record: Record = {"schema": CHECK_SCHEMA, "scene": scene.name, "rule": rule, "refused": refusal}
         return Line(scene.origin, rule, (REFUSED,), NONE, refusal, BAD_INPUT, record)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
+from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.notebook import ShortRepr
@@ -93,7 +94,7 @@ class CheckedSquare:
     ``lyapunov`` is the V that an audit judges, a formula in the displacement ``(x, y)`` from ``c*``, if the scene
     names one; the clauses of Theorem 4 find their own.  ``length`` is the l of ``V = |c - c*|^2 + l^2 theta^2``, by
     which feedback weighs headings against places; ``has_default_length`` says that it follows the point (module
-    ``characteristic_length``).
+    ``characteristic_length``), ``has_default_radius`` that the radius follows the wheels that carry the body.
     """
 
     equilibrium: Vector
@@ -101,6 +102,7 @@ class CheckedSquare:
     lyapunov: PiecewiseExpression | None = None
     length: Fraction = Fraction(1)
     has_default_length: bool = dataclasses.field(default=False, compare=False)
+    has_default_radius: bool = dataclasses.field(default=False, compare=False)
 
     @property
     def named_lyapunov(self) -> str | None:
@@ -114,6 +116,8 @@ class Scene(ShortRepr):
 
     ``source`` names where it came from (a file or a built-in name) for messages and reports; ``continuum`` is the
     field that the array stands for, where its file gives one; ``units`` are labels, which no result depends on.
+    ``body`` is what lies on the array, None where every wheel carries at every pose; ``idle`` are the wheels that do
+    not carry it at the checked pose, where they were set apart (:func:`nonsmooth.symbolic.contact_set.standing`).
     """
 
     name: str
@@ -124,11 +128,18 @@ class Scene(ShortRepr):
     source: str = ""
     continuum: ContinuousField | None = None
     units: Units = dataclasses.field(default=Units(), compare=False)
+    body: Body | None = None
+    idle: tuple[Wheel, ...] = ()
 
     @property
     def origin(self) -> str:
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name
+
+    @cached_property
+    def places(self) -> dict[int, int]:
+        """Where each wheel stands in ``wheels``, by its number: a body leaves some out."""
+        return {wheel.index: k for k, wheel in enumerate(self.wheels)}
 
     def checked_at(self, point: Vector, radius: Number) -> Scene:
         """The same array, checked at another point; a length that is not stated follows it."""
@@ -145,7 +156,10 @@ class Scene(ShortRepr):
         x, y = self.check.equilibrium
         if not x and not y:
             return self
-        wheels = tuple(replace(w, position=(w.position[0] - x, w.position[1] - y)) for w in self.wheels)
+        wheels, idle = (
+            tuple(replace(w, position=(w.position[0] - x, w.position[1] - y)) for w in group)
+            for group in (self.wheels, self.idle)
+        )
         loads = self.contact.loads
         if loads is not None:
             rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
@@ -156,6 +170,7 @@ class Scene(ShortRepr):
         return replace(
             self,
             wheels=wheels,
+            idle=idle,
             continuum=continuum,
             contact=replace(self.contact, loads=loads),
             check=replace(self.check, equilibrium=(zero, zero)),

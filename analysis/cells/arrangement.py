@@ -85,7 +85,7 @@ class Arrangement:
         self.scene = scene
         self.region = region
         self.rows = scene_rows(scene)
-        self.weights = [_weight(row, region.forces[row.wheel.index - 1]) for row in self.rows]
+        self.weights = [_weight(row, region.forces[scene.places[row.wheel.index]]) for row in self.rows]
         self.moments = [
             [tuple(b * entry for b in weight) for entry in row.normal]
             for row, weight in zip(self.rows, self.weights, strict=True)

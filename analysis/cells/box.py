@@ -82,7 +82,7 @@ class _Walk:
     """
 
     def __init__(self, scene: Scene, region: LoadRegion, known: tuple[Twist, ...] = ()) -> None:
-        rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[row.wheel.index - 1]))
+        rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[scene.places[row.wheel.index]]))
         require_rank(rows, "contact.loads: required loaded rows")
         self.scene = scene
         self.region = region

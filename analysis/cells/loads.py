@@ -37,7 +37,7 @@ class LoadRegion:
     Attributes:
         polygon: part of the checked square.
         forces: one affine form per wheel, total weight 1.
-        loaded: indices of the wheels that carry load.
+        loaded: numbers of the wheels that carry load.
     """
 
     polygon: Polygon
@@ -141,7 +141,7 @@ def _elastic_regions(scene: Scene, domain: Polygon, holding: Point | None) -> tu
         active = waiting.pop()
         if active in found:
             continue
-        found[active] = region = _region(moments, active, domain)
+        found[active] = region = _region(scene, moments, active, domain)
         if region is not None:
             waiting += [active ^ {i} for i in _crossings(region.polygon, holding)]
     return tuple(region for region in found.values() if region is not None)
@@ -170,7 +170,7 @@ def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) 
         active = active | {max(contact, key=lambda i: values[i])}
 
 
-def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> LoadRegion | None:
+def _region(scene: Scene, moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> LoadRegion | None:
     """The polygon on which exactly ``active`` carries load; None where it has no area."""
     forms = _forms(moments, active)
     zero = moments[0][0] - moments[0][0]
@@ -182,7 +182,7 @@ def _region(moments: Sequence[Triple], active: frozenset[int], domain: Polygon) 
             return None
         polygon = clipped
     forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
-    return LoadRegion(polygon, forces, frozenset(i + 1 for i in active))
+    return LoadRegion(polygon, forces, frozenset(scene.wheels[i].index for i in active))
 
 
 def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:

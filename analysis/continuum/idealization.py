@@ -10,7 +10,7 @@ import numpy as np
 from nonsmooth.analysis.continuum.prediction import Prediction, predict
 from nonsmooth.analysis.continuum.settling import directions
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint
-from nonsmooth.symbolic.files.object_table import rectangle
+from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.scene import Scene
 
@@ -49,11 +49,13 @@ def idealization(scene: Scene) -> ContinuousField:
 
 
 def footprints(scene: Scene) -> tuple[Footprint, ...]:
-    """The scene's object, or else a rectangle and a disc that just cover the wheels, at rest at the checked point.
+    """The scene's body, or else a rectangle and a disc that just cover the wheels, at rest at the checked point.
 
     Raises:
         NoIdealizationError: for lengths beyond the range of floats.
     """
+    if scene.body is not None and not scene.body.is_balanced:
+        raise NoIdealizationError("body.centre_of_mass: required the centroid for a continuous field, received another")
     if scene.continuum is not None and scene.continuum.footprint is not None:
         return (scene.continuum.footprint,)
     x, y = scene.check.equilibrium
@@ -80,7 +82,7 @@ def predictions(scene: Scene) -> tuple[Prediction, ...]:
 
 def _require_float(length: float) -> None:
     if not 1 / LARGEST <= length <= LARGEST:
-        raise NoIdealizationError(f"object: required a length from {1 / LARGEST:g} to {LARGEST:g}, received {length:g}")
+        raise NoIdealizationError(f"body: required a length from {1 / LARGEST:g} to {LARGEST:g}, received {length:g}")
 
 
 def _rounded_up(value: float) -> Fraction:

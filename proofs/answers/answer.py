@@ -23,6 +23,7 @@ class Position(StrEnum):
     COMES_HOME = "comes home"
     STAYS_NEAR = "stays near"
     LEAVES = "leaves"
+    TIPS = "tips"  # it does not lie on the wheels at the checked pose
     UNDECIDED = "undecided"
 
 

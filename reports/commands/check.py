@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.workspace import Announce
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
+    from nonsmooth.symbolic.contact_set import TipsError
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -50,8 +51,9 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
 ) -> int:
     """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table.
 
-    Exit status: 0 holds (or stable), 1 fails or hypotheses not met, 2 bad input, 3 undecided; of many the worst.
+    Exit status: 0 holds (or stable), 1 fails, hypotheses not met, or tips, 2 bad input, 3 undecided; of many the worst.
     """
+    from nonsmooth.symbolic.contact_set import TipsError
     from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -74,7 +76,26 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
         _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
-    return _check_array(arrays, path, required=required, best=best, prune=not no_prune, continuum=continuum, json=json)
+    try:
+        return _check_array(
+            arrays, path, required=required, best=best, prune=not no_prune, continuum=continuum, json=json
+        )
+    except TipsError as tipping:
+        return _answer_tipping(arrays[0], tipping, required, json=json)
+
+
+def _answer_tipping(scene: Scene, tipping: TipsError, required: Sequence[str], *, json: bool) -> int:
+    """A body that does not stand at the checked pose: that is the answer, under every contact rule."""
+    from nonsmooth.reports.interface.tipped_result import TippedResult
+
+    result = TippedResult(scene, tipping)
+    if json:
+        write_json(result.to_dict())
+    else:
+        from nonsmooth.reports.answers import tipped_view
+
+        write_views([tipped_view(result.scene, [result.position, result.heading, result.pose])])
+    return result.exit_status(required)
 
 
 def _at_best_point(scene: Scene | SwitchedSystem) -> Scene | SwitchedSystem:

@@ -48,11 +48,12 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     from nonsmooth.reports.files import output_path
     from nonsmooth.reports.progress import steps
     from nonsmooth.reports.subject import Invocation
+    from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.text_files import OUTSIDE_OPTION
 
     parts = _parts(only, without)
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
     path = None if output is None else output_path(output, REPORT_FORMATS)
     options = _given({"--rule": rule, "--radius": radius, "--at": at})
     options += (OUTSIDE_OPTION,) if allow_outside else ()

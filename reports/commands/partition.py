@@ -40,13 +40,14 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     """
     from nonsmooth.analysis.cells.contact_partition import build_partition
     from nonsmooth.reports.progress import steps
+    from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if output is None:
         refuse_given(context, ("show",), "-o FILE, which it draws", "none")
     if compare:
         refuse_given(context, ("show",), "a picture of one contact rule", "--compare")
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
     path = None
     if output is not None:
         from nonsmooth.reports.files import PICTURES, output_path, write_whole

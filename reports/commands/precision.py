@@ -49,6 +49,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     from nonsmooth.reports.measurements import Precision
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.shown import show
+    from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if runs < 1:
@@ -57,7 +58,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         raise RefusedError(f"--time-limit: required a positive number of seconds, received {time_limit}")
     studies = _studies(study)
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
-    loaded = load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
     with progress() as report:
         run = measure(loaded, studies, Limits(runs, time_limit), report)
     show(Precision(run), path, json=json)

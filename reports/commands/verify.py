@@ -53,10 +53,11 @@ def verify(
 
 def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:
     """The scene to compare with; options that would replace something of it need one."""
+    from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
 
     if scene is not None:
-        return load_scene(scene, rule=rule, radius=radius, at=at)
+        return standing(load_scene(scene, rule=rule, radius=radius, at=at))
     for option, given in (("--rule", rule), ("--radius", radius), ("--at", at)):
         if given is not None:
             raise RefusedError(f"{option}: required a scene to compare the certificate with, received none")

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.reports.interface.tipped_result import TippedResult
     from nonsmooth.symbolic.scene import Scene
 
 AUTO = "auto"  # the best rest point of the square
@@ -34,7 +35,7 @@ _PLACES = {
     "length": ("check",),
     "lyapunov": ("check",),
     "field": (),
-    "object": (),
+    "body": (),
     "units": (),
 }
 _KEYS = {"at": "equilibrium"}
@@ -126,7 +127,7 @@ class Array:
         """Another array in which some keys are changed.
 
         Args:
-            **changes: name, mu_roll, mu_side, rule, loads, at, radius, lyapunov, length; field, object and units as
+            **changes: name, mu_roll, mu_side, rule, loads, at, radius, lyapunov, length; field, body and units as
                 tables.
 
         Raises:
@@ -155,8 +156,9 @@ class Array:
             RefusalError: where the motion is not determined, and under a rule without cells.
         """
         from nonsmooth.analysis.cells.contact_partition import build_partition
+        from nonsmooth.symbolic.contact_set import standing
 
-        return build_partition(self.scene)
+        return build_partition(standing(self.scene))
 
     def __repr__(self) -> str:
         from nonsmooth.symbolic.number_text import short_text
@@ -173,8 +175,10 @@ class Array:
 
     # ---- asking ----------------------------------------------------------------------------------
 
-    def check(self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any) -> CheckResult:
-        """Position, heading and pose, with the clauses of Theorem 4 behind them.
+    def check(
+        self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any
+    ) -> CheckResult | TippedResult:
+        """Position, heading and pose, with the clauses of Theorem 4 behind them; of a body that tips, only that.
 
         Args:
             at: another point to check; ``"auto"`` for the best rest point of the square.
@@ -186,11 +190,17 @@ class Array:
             RefusalError: where the motion is not determined.
         """
         from nonsmooth.reports.interface.check_result import check_scene
+        from nonsmooth.symbolic.contact_set import TipsError
 
         array = self.with_(**changes) if changes else self
         if at is not None and at != AUTO:
             array = array.with_(at=at)
-        return check_scene(array.scene, prune=prune, best=at == AUTO)
+        try:
+            return check_scene(array.scene, prune=prune, best=at == AUTO)
+        except TipsError as tipping:
+            from nonsmooth.reports.interface.tipped_result import TippedResult
+
+            return TippedResult(array.scene, tipping)
 
     def simulate(
         self,

@@ -16,6 +16,7 @@ from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.records import check_record
+from nonsmooth.symbolic.contact_set import ContactSet, contact_set, standing
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import short_text
 
@@ -66,6 +67,11 @@ class CheckResult(Tabular):
         """The point that was checked."""
         x, y = self.evidence.scene.check.equilibrium
         return float(x), float(y)
+
+    @property
+    def contact_set(self) -> ContactSet:
+        """The wheels that carry the body at the checked pose, and how far it may move before that changes."""
+        return contact_set(self.evidence.scene)
 
     @cached_property
     def answers(self) -> Answers:
@@ -130,10 +136,12 @@ def check_scene(
 
     Raises:
         RefusalError: where the motion is not determined.
+        TipsError: where the body does not stand at the checked pose.
+        SceneError: where a wheel lies exactly under its edge.
     """
     if best:
         announce("the best rest point of the square")
-        scene = at_best_point(scene)
+        scene = at_best_point(standing(scene))
     found = check_theorem4(scene, prune=prune, announce=announce)
     announce("verification of the evidence")
     return CheckResult(verified(found), ask_others)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.contact import contact_facts
 from nonsmooth.proofs.answers.destinations import Destination, Destinations
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
@@ -40,10 +41,12 @@ def _items(subject: Subject) -> Bullets:
     rule, verdict = rule_of(subject.scene), subject.result.verdict
     theorem = Verdict(str(verdict), _TONES[verdict.exit_status])
     remark = rule.remark(subject.scene)
+    contact = "; ".join(fact.words for fact in contact_facts(subject.result) if fact.words)
     return Bullets(
         (
             (f"Contact rule {rule.name}: {rule.summary}.",),
             *([(f"Note: {remark}.",)] if remark else []),
+            (f"Contact: {contact}.",),
             *(_other_rule(other) for other in subject.answers.others),
             (f"Theorem 4 ({THEOREM}): ", theorem, "."),
         )

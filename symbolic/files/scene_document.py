@@ -7,8 +7,8 @@ from typing import Annotated, TypeAlias
 
 from pydantic import PlainValidator, StrictStr
 
+from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
-from nonsmooth.symbolic.files.object_table import ObjectTable
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
     AngleUnit,
@@ -139,6 +139,6 @@ class Document(Table):
     grid: Grid | None = None
     wheels: WheelFile | None = None
     field: AnyField | None = None
-    object: ObjectTable | None = None
+    body: BodyTable | None = None
     contact: ContactTable = ContactTable()
     check: CheckTable = CheckTable()

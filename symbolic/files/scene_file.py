@@ -15,10 +15,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
+from nonsmooth.symbolic.files.body_table import build_body
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
-from nonsmooth.symbolic.files.object_table import build_footprint
 from nonsmooth.symbolic.files.scene_document import Document, StatedUnits
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angle_remarks, angles, field_of
@@ -198,6 +199,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
     layout = _layout(document, file, path, allow_outside=allow_outside)
     numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
     wheels = WheelBuilder(document, numbers).build(layout.places(numbers))
+    body = None if document.body is None else build_body(document.body, numbers)
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,
@@ -205,8 +207,9 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
         contact=_contact(document, numbers, len(wheels)),
         check=_check(document, numbers, wheels),
         source=file,
-        continuum=_continuum(document, numbers, wheels),
+        continuum=_continuum(document, numbers, wheels, body),
         units=document.units.labels,
+        body=body,
     )
 
 
@@ -241,7 +244,7 @@ def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -
 
 def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
-    for table in (document.friction, document.field, document.object, document.contact, document.check):
+    for table in (document.friction, document.field, document.body, document.contact, document.check):
         yield from angles(table)
 
 
@@ -270,10 +273,10 @@ def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
     return Contact(table.rule, LoadTable(exact))
 
 
-def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> ContinuousField:
+def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None) -> ContinuousField:
     """The field that the wheels stand for."""
     field, zero, one = document.field, numbers.field.zero, numbers.field.one
-    footprint = None if document.object is None else build_footprint(document.object, numbers)
+    footprint = None if body is None else body.outline
     if field is None:  # inward or outward, as the first wheel is, at its speed
         first = wheels[0]
         outward = dot(first.direction, first.position).sign() > 0
@@ -294,10 +297,12 @@ def _check(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> C
         radius = default_radius([wheel.position for wheel in wheels], (x, y))
     else:
         radius = numbers.positive(table.radius, "check.radius")
+    defaults = {"has_default_radius": table.radius is None, "has_default_length": table.length is None}
     if table.length is not None:
-        return CheckedSquare((x, y), radius, table.lyapunov, _stated_length(table.length, numbers))
-    length = default_length([wheel.position for wheel in wheels], (x, y))
-    return CheckedSquare((x, y), radius, table.lyapunov, length, has_default_length=True)
+        length = _stated_length(table.length, numbers)
+    else:
+        length = default_length([wheel.position for wheel in wheels], (x, y))
+    return CheckedSquare((x, y), radius, table.lyapunov, length, **defaults)
 
 
 def _stated_length(value: Exact, numbers: Numbers) -> Fraction:

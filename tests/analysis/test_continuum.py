@@ -16,7 +16,7 @@ from nonsmooth.analysis.continuum.moments import moments
 from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotation, predict
 from nonsmooth.analysis.continuum.unit_fields import Floats, disc_stiffness, polygon_wrench
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, PolygonShape
-from nonsmooth.symbolic.files.object_table import rectangle
+from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -341,7 +341,7 @@ def test_the_field_stays_where_it_is_when_a_scene_is_recentred() -> None:
 def test_only_directions_matter(tmp_path: Path) -> None:
     """Numbers beyond the range of floats cancel: a field of constant size is the same for all multiples of A and s."""
     law = '[field]\nkind = "elliptic"\na = 1e350\nb = 2e350\nspeed = 1e350\n'
-    box = '[object]\nshape = "rectangle"\nwidth = 2\nheight = 1\n'
+    box = '[body]\nshape = "rectangle"\nwidth = 2\nheight = 1\n'
     (found,) = predictions(scene_of(tmp_path, f"{law}{box}"))
     assert found.headings == predict(field(ELLIPTIC), rectangle(FIELD(1), FIELD(Fraction(1, 2)))).headings
 
@@ -353,7 +353,7 @@ def test_outward_wheels_drive_away() -> None:
 
 def test_an_object_of_the_scene_is_used(tmp_path: Path) -> None:
     law = '[field]\nkind = "elliptic"\nb = 2\nspeed = "magnitude"\n'
-    (found,) = predictions(scene_of(tmp_path, f'{law}[object]\nshape = "rectangle"\nwidth = 3\nheight = 1\n'))
+    (found,) = predictions(scene_of(tmp_path, f'{law}[body]\nshape = "rectangle"\nwidth = 3\nheight = 1\n'))
     assert isinstance(found.footprint, PolygonShape)
     assert floats(found.footprint).tolist() == [[-1.5, -0.5], [1.5, -0.5], [1.5, 0.5], [-1.5, 0.5]]
     assert found.headings == (Heading(0.0, True), Heading(math.pi / 2, False))

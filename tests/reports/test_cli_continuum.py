@@ -70,7 +70,7 @@ def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[st
     file = tmp_path / "my.toml"
     wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 4\ncolumns = 4\n'
     law = '[field]\nkind = "elliptic"\na = 2\nb = 1\nspeed = "magnitude"\n'
-    file.write_text(f'{wheels}{law}[object]\nshape = "polygon"\nvertices = [[0, 0], [3, 0], [0, 1]]\n')
+    file.write_text(f'{wheels}{law}[body]\nshape = "polygon"\nvertices = [[0, 0], [3, 0], [0, 1]]\n')
     _, record = printed(capsys, str(file), "--continuum")
     (triangle,) = record["continuum"]["objects"]
     assert record["continuum"]["given"] is True

@@ -124,10 +124,10 @@ def _stationary(scene: Scene, loads: list[arb], guess: Floats) -> Exact | None:
 def _weighted_rows(scene: Scene, loads: list[arb]) -> list[Group]:
     """For each loaded wheel the matrix A (2, 3) and the vector b (2, 1) of ``w = A xi - b``."""
     forms = []
-    for wheel, rows in zip(scene.wheels, zip(*[iter(scene_rows(scene))] * 2, strict=True), strict=True):
-        load = loads[wheel.index - 1] / wheel.length.ball()
+    for wheel, carried, rows in zip(scene.wheels, loads, zip(*[iter(scene_rows(scene))] * 2, strict=True), strict=True):
+        load = carried / wheel.length.ball()
         weights = [load * mu.ball() for mu in (wheel.friction.roll, wheel.friction.side)]
-        if loads[wheel.index - 1] > 0:
+        if carried > 0:
             matrix = [[w * entry.ball() for entry in row.normal] for w, row in zip(weights, rows, strict=True)]
             forms.append((arb_mat(matrix), arb_mat([[w * r.rhs.ball()] for w, r in zip(weights, rows, strict=True)])))
     return forms

@@ -186,7 +186,7 @@ def _smooth_point(
 def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
     """The twist that satisfies every row with friction of every wheel, where the wheels loaded at the point fix it."""
     rows = [row for row in scene_rows(scene) if row.friction]
-    loaded = [row for row in rows if region.forces[row.wheel.index - 1][0]]
+    loaded = [row for row in rows if region.forces[scene.places[row.wheel.index]][0]]
     basis = independent([row.normal for row in loaded])
     if len(basis) < 3:
         return None

@@ -124,7 +124,7 @@ def rim_speeds(scene: Scene, imposed: ImposedTwist) -> tuple[float, ...]:
     """
     speeds = {wheel.index: float(inner(roll_row(wheel).unit_normal, imposed.twist)) for wheel in scene.wheels}
     for index, ratio in imposed.slip_ratios.items():
-        wheel = scene.wheels[index - 1]
+        wheel = scene.wheels[scene.places[index]]
         across = float(inner(side_row(wheel).unit_normal, imposed.twist))
         speeds[index] -= float(wheel.friction.side / wheel.friction.roll) * across * ratio
     return tuple(speeds.values())

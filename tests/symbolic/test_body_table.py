@@ -1,4 +1,4 @@
-"""``[object]``: footprints from their centroid, and what is refused."""
+"""``[body]``: footprints from their centroid, and what is refused."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene_error import SceneError
 
-HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[object]\n'
+HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[body]\n'
 
 
 def footprint(folder: Path, text: str) -> Footprint:
@@ -65,18 +65,18 @@ FLAT = "[[0, 0], [1, 0], [2, 0]]"
 @pytest.mark.parametrize(
     ("text", "key"),
     [
-        ('shape = "disc"\n', "object.radius"),
-        ('shape = "disc"\nradius = 0\n', "object.radius"),
-        ('shape = "disc"\nradius = 1\nwidth = 1\n', "object.width"),
-        ('shape = "rectangle"\nwidth = 1\n', "object.height"),
-        ('shape = "rectangle"\nwidth = 1\nheight = -1\n', "object.height"),
-        ('shape = "star"\n', "object.shape"),
-        ("radius = 1\n", "object.shape"),
-        ('shape = "disc"\nradios = 1\n', "object.radios"),
-        ('shape = "polygon"\nvertices = [[0, 0], [1, 0]]\n', "object.vertices"),
-        ('shape = "polygon"\nvertices = [[0, 0], [1, 0], [0, "x"]]\n', "object.vertices"),
+        ('shape = "disc"\n', "body.radius"),
+        ('shape = "disc"\nradius = 0\n', "body.radius"),
+        ('shape = "disc"\nradius = 1\nwidth = 1\n', "body.width"),
+        ('shape = "rectangle"\nwidth = 1\n', "body.height"),
+        ('shape = "rectangle"\nwidth = 1\nheight = -1\n', "body.height"),
+        ('shape = "star"\n', "body.shape"),
+        ("radius = 1\n", "body.shape"),
+        ('shape = "disc"\nradios = 1\n', "body.radios"),
+        ('shape = "polygon"\nvertices = [[0, 0], [1, 0]]\n', "body.vertices"),
+        ('shape = "polygon"\nvertices = [[0, 0], [1, 0], [0, "x"]]\n', "body.vertices"),
         *(
-            (f'shape = "polygon"\nvertices = {bad}\n', "object.vertices")
+            (f'shape = "polygon"\nvertices = {bad}\n', "body.vertices")
             for bad in (CROSSED, TOUCHING, FOLDED, OVERLAPPING, REPEATED, FLAT)
         ),
     ],

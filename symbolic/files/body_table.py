@@ -1,16 +1,18 @@
-"""``[object]`` of a scene file: the footprint of the body, for the continuous idealization of the array."""
+"""``[body]`` of a scene file: outline, heading and centre of mass of the body on the array."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import combinations
 from typing import Annotated, Literal
 
 from pydantic import PlainValidator
 
+from nonsmooth.symbolic.body import Body, is_convex
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
-from nonsmooth.symbolic.files.scene_values import Exact, Numbers, OptionalExact, Table, read_pair
+from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, Table, read_pair
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, around, cross, minus, same_direction
+from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus, same_direction
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
@@ -28,34 +30,65 @@ def read_vertices(value: object) -> tuple[tuple[Exact, Exact], ...]:
     return tuple(read_pair(point) for point in value)
 
 
-class ObjectTable(Table):
-    """``[object]``: a disc, a rectangle (width along x at heading zero) or a polygon."""
+class BodyTable(Table):
+    """``[body]``: a disc, a rectangle (width along its own x axis) or a convex polygon.
+
+    ``heading`` is the angle of the body's own frame at the checked pose, ``centre_of_mass`` a point of that frame: the
+    centroid unless it is stated.
+    """
 
     shape: Literal["disc", "rectangle", "polygon"]
     radius: OptionalExact = None
     width: OptionalExact = None
     height: OptionalExact = None
     vertices: Annotated[tuple[tuple[Exact, Exact], ...] | None, PlainValidator(read_vertices)] = None
+    heading: AngleField = Angle(Fraction(0))
+    centre_of_mass: Annotated[tuple[Exact, Exact] | None, PlainValidator(read_pair)] = None
 
 
-def build_footprint(table: ObjectTable, numbers: Numbers) -> Footprint:
-    """The footprint, measured from its centroid.
+def build_body(table: BodyTable, numbers: Numbers) -> Body:
+    """The body of a scene.
 
     Raises:
-        SceneError: for keys that do not fit the shape, and polygons that are not simple.
+        SceneError: for keys that do not fit the shape, polygons that are not convex, and a centre of mass that is not
+            strictly inside the outline.
     """
+    outline, centroid = _outline(table, numbers)
+    centre = numbers.field.zero, numbers.field.zero
+    if table.centre_of_mass is not None:
+        key = "body.centre_of_mass"
+        mass = numbers(table.centre_of_mass[0], key), numbers(table.centre_of_mass[1], key)
+        centre = minus(centroid, mass)
+    body = Body(outline, centre, numbers.direction(table.heading))
+    if not _holds_its_centre_of_mass(body):
+        raise SceneError(
+            numbers.file, "body.centre_of_mass", "a point strictly inside the outline", StatedFact("another")
+        )
+    return body
+
+
+def _holds_its_centre_of_mass(body: Body) -> bool:
+    """Whether the centre of mass lies strictly inside the outline."""
+    if isinstance(body.outline, Disc):
+        return (body.outline.radius * body.outline.radius - dot(body.centre, body.centre)).sign() > 0
+    return all(cross(a, b).sign() > 0 for a, b in around(body.vertices))
+
+
+def _outline(table: BodyTable, numbers: Numbers) -> tuple[Footprint, Vector]:
+    """The outline about its centroid, and the centroid in the frame of the file."""
+    origin = numbers.field.zero, numbers.field.zero
     for key in ("radius", "width", "height", "vertices"):
         wanted, given = key in _KEYS[table.shape], getattr(table, key) is not None
         if wanted != given:
             expected = f"{'a value' if wanted else 'no value'} for shape {table.shape}"
-            raise SceneError(numbers.file, f"object.{key}", expected, StatedFact("one" if given else "nothing"))
+            raise SceneError(numbers.file, f"body.{key}", expected, StatedFact("one" if given else "nothing"))
     if table.radius is not None:
-        return Disc(numbers.positive(table.radius, "object.radius"))
+        return Disc(numbers.positive(table.radius, "body.radius")), origin
     if table.width is not None and table.height is not None:
-        width = numbers.positive(table.width, "object.width")
-        return rectangle(width / 2, numbers.positive(table.height, "object.height") / 2)
+        width = numbers.positive(table.width, "body.width")
+        return rectangle(width / 2, numbers.positive(table.height, "body.height") / 2), origin
     vertices = [
-        (numbers(x, f"object.vertices[{k}]"), numbers(y, f"object.vertices[{k}]"))
+        (numbers(x, f"body.vertices[{k}]"), numbers(y, f"body.vertices[{k}]"))
         for k, (x, y) in enumerate(table.vertices or (), 1)
     ]
     return _polygon(vertices, numbers.file)
@@ -67,10 +100,10 @@ def rectangle(half_width: Number, half_height: Number) -> PolygonShape:
     return PolygonShape(((-a, -b), (a, -b), (a, b), (-a, b)), "rectangle")
 
 
-def _polygon(vertices: list[Vector], file: str) -> PolygonShape:
+def _polygon(vertices: list[Vector], file: str) -> tuple[PolygonShape, Vector]:
     if not _is_simple(vertices):
         expected = "a polygon whose sides meet at its vertices only"
-        raise SceneError(file, "object.vertices", expected, StatedFact("sides that cross or touch"))
+        raise SceneError(file, "body.vertices", expected, StatedFact("sides that cross or touch"))
     sides = around(vertices)
     crosses = [cross(a, b) for a, b in sides]
     twice = sum(crosses[1:], crosses[0])
@@ -79,7 +112,10 @@ def _polygon(vertices: list[Vector], file: str) -> PolygonShape:
         for k in (0, 1)
     )
     ordered = vertices if twice.sign() > 0 else vertices[::-1]
-    return PolygonShape(tuple((a - x, b - y) for a, b in ordered))
+    outline = PolygonShape(tuple((a - x, b - y) for a, b in ordered))
+    if not is_convex(outline):
+        raise SceneError(file, "body.vertices", "a convex polygon", StatedFact("one with a corner that turns inward"))
+    return outline, (x, y)
 
 
 def _is_simple(vertices: list[Vector]) -> bool:

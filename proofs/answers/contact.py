@@ -1,0 +1,55 @@
+"""Which wheels carry the body, and how far the answers hold: only while no wheel enters or leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from nonsmooth.proofs.answers.bounds import at_least
+from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.verdicts import Rotation
+from nonsmooth.symbolic.contact_set import contact_set
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+ALL_CARRY = "all wheels carry the body, at every pose: the scene names no [body]"
+
+
+def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
+    """The contact set of a check, under the keys ``wheels``, ``margin``, ``angle`` and ``keeps_wheels_within``."""
+    return tuple(_facts(check))
+
+
+def _facts(check: Theorem4Result) -> Iterator[Fact]:
+    scene = check.scene
+    found, unit = contact_set(scene), of_length(scene)
+    if scene.body is None or found.margin is None:
+        yield Fact("wheels", list(found.wheels), ALL_CARRY)
+        yield from (Fact(key, Quantity(None)) for key in ("margin", "angle", "keeps_wheels_within"))
+        return
+    count = len(scene.wheels) + len(scene.idle)
+    words = f"{scene.body.words}: wheels {numbers_text(found.wheels)} of {count} carry it"
+    if not scene.idle:
+        words = f"{scene.body.words}: all {count} wheels carry it"
+    yield Fact("wheels", list(found.wheels), words)
+    words = (
+        f"the answers hold while no wheel enters or leaves: for certain within {at_least(found.margin)}{unit} of here"
+    )
+    if found.angle is not None:
+        words += f", or {at_least(found.angle)} rad of this heading (of both: shares that add up to 1)"
+    yield Fact("margin", Quantity(found.margin), words)
+    yield Fact("angle", Quantity(found.angle))
+    turn = check.rotation.rotation_per_distance if check.rotation.verdict is Rotation.NEUTRAL else None
+    keeps = None if turn is None else found.start_that_keeps(turn)
+    said = "" if keeps is None else f"from within {at_least(keeps)}{unit} it keeps its wheels all the way home"
+    yield Fact("keeps_wheels_within", Quantity(keeps), said)
+
+
+def numbers_text(numbers: tuple[int, ...]) -> str:
+    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened."""
+    breaks = [k for k, (a, b) in enumerate(pairwise(numbers), 1) if b != a + 1]
+    runs = [numbers[start:end] for start, end in pairwise([0, *breaks, len(numbers)])]
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs if run)

@@ -1,0 +1,282 @@
+"""Which wheels carry a body at the checked pose, and how far it may move before that changes.
+
+A wheel carries iff it lies strictly under the outline.  For wheel i at ``q_i = p_i - c`` let ``d_i`` be its distance
+from the outline's border.  A displacement of c by r and a turn by phi move the wheel in the body's frame by at most
+``r + |q_i| phi``, so no wheel enters or leaves while ``r + |q_i| phi < d_i`` for all of them; with ``margin = min d_i``
+and ``angle = min d_i/|q_i|`` that holds while ``r/margin + phi/angle < 1``.  At a fixed heading the largest square
+about c with that property is exact for polygons: convex polygons are apart iff a normal of one of their sides says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import isqrt
+
+from flint import arb, fmpq
+
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.characteristic_length import default_length
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_below
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus
+from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.support_polygon import default_radius, outer_positions, support_polygon
+
+BELOW_ROOT_HALF = Fraction(7071, 10_000)  # a square of that half-width lies in the unit disc
+SHORT_BITS = 24  # of a margin, which is rounded down
+
+
+class TipsError(SceneError):
+    """A body that does not stand at the checked pose.
+
+    Attributes:
+        carrying: numbers of the wheels under it.
+        why: in words, for people.
+    """
+
+    def __init__(self, scene: Scene, carrying: tuple[int, ...], why: str) -> None:
+        super().__init__(scene.origin, "body", "a body that stands at the checked pose", StatedFact(why))
+        self.carrying, self.why = carrying, why
+
+
+@dataclass(frozen=True)
+class ContactSet:
+    """The wheels that carry a body at the checked pose, and how far it may move before that changes.
+
+    Attributes:
+        wheels: their numbers, ascending.
+        margin: displacement of c (length) below which, at the checked heading, no wheel enters or leaves; a lower
+            bound.  None without a body: nothing ever changes.
+        angle: turn (radian) below which, at the checked place, none does; a lower bound.  None where no turn matters.
+    """
+
+    wheels: tuple[int, ...]
+    margin: Fraction | None = None
+    angle: Fraction | None = None
+
+    def start_that_keeps(self, turn_per_distance: Number | Fraction) -> Number | Fraction | None:
+        """Distance from the point within which a body starts and comes home, while no wheel enters or leaves.
+
+        Args:
+            turn_per_distance: bound tau on its whole turn, for each 1 of distance, where the distance never grows:
+                ``r/margin + tau r/angle < 1``.
+        """
+        if self.margin is None:
+            return None
+        inverse = 1 / self.margin if self.angle is None else 1 / self.margin + turn_per_distance / self.angle
+        return 1 / inverse
+
+
+def contact_set(scene: Scene) -> ContactSet:
+    """The wheels that carry at the checked pose; all of them without a body."""
+    numbers = tuple(wheel.index for wheel in scene.wheels)
+    if scene.body is None:
+        return ContactSet(numbers)
+    body, at = scene.body, scene.check.equilibrium
+    places = [minus(wheel.position, at) for wheel in (*scene.wheels, *scene.idle)]
+    margin = min(_distance_below(body, place) for place in places)
+    return ContactSet(numbers, margin, None if body.is_round else _angle(body, places, margin))
+
+
+def standing(scene: Scene) -> Scene:
+    """The array of the wheels that carry at the checked pose, in a square where no wheel enters or leaves.
+
+    The others are kept as ``idle``.  Without a body the scene itself.
+
+    Raises:
+        TipsError: where fewer than three wheels carry, or the centre of mass is not strictly inside their hull.
+        SceneError: where a wheel lies exactly under the edge, and for a table of loads of wheels that do not all carry.
+    """
+    if scene.body is None:
+        return scene
+    point = scene.check.equilibrium
+    wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
+    carrying = tuple(wheel for wheel in wheels if _carries(scene, scene.body, wheel, point))
+    idle = tuple(wheel for wheel in wheels if wheel not in carrying)
+    _require_standing(scene, carrying, point)
+    if idle and scene.contact.loads is not None:
+        expected = "elastic loads, or a body that covers every wheel"
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
+    positions = [wheel.position for wheel in carrying]
+    check = scene.check
+    if check.has_default_radius:
+        check = replace(check, radius=default_radius(positions, point))
+    if check.has_default_length:
+        check = replace(check, length=default_length(positions, point))
+    widest = _half_width(scene.body, [minus(wheel.position, point) for wheel in wheels], scene)
+    if widest < check.radius:
+        check = replace(check, radius=widest)
+    return replace(scene, wheels=carrying, idle=idle, check=check)
+
+
+def alone(scene: Scene) -> Scene:
+    """The wheels that carry the body as an array of their own, numbered anew: what certificates speak of."""
+    if scene.body is None:
+        return scene
+    stands = standing(scene)
+    wheels = tuple(replace(wheel, index=number) for number, wheel in enumerate(stands.wheels, 1))
+    return replace(stands, wheels=wheels, idle=(), body=None)
+
+
+def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:
+    """Whether a wheel lies strictly under the body.
+
+    Raises:
+        SceneError: where it lies exactly under the edge.
+    """
+    place = minus(wheel.position, point)
+    side = _side(body, place)
+    if side:
+        return side > 0
+    x, y = (short_text(value) for value in _outward(body, place))
+    found = StatedFact(
+        f"wheel {wheel.index} under its edge: a small shift along ({x}, {y}) puts it under the body, against it beside"
+    )
+    raise SceneError(scene.origin, "body", "a pose with every wheel under the body or beside it", found)
+
+
+def _require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> None:
+    numbers = tuple(wheel.index for wheel in carrying)
+    if len(carrying) < 3:
+        which = " and ".join(map(str, numbers))
+        held = {0: "no wheel under it", 1: f"wheel {which} alone under it"}.get(
+            len(numbers), f"wheels {which} alone under it"
+        )
+        raise TipsError(scene, numbers, f"{held}: it tips")
+    hull = support_polygon(outer_positions([wheel.position for wheel in carrying]))
+    if len(hull) < 3:
+        raise TipsError(scene, numbers, f"all {len(numbers)} wheels under it on one line: it tips")
+    for corner, following in around(hull):
+        if cross(minus(following, corner), minus(point, corner)).sign() <= 0:
+            edge = f"wheels {_number_at(carrying, corner)} and {_number_at(carrying, following)}"
+            raise TipsError(scene, numbers, f"its centre of mass not inside the line through {edge}: it tips over it")
+
+
+def _number_at(wheels: Sequence[Wheel], place: Vector) -> int:
+    return next(wheel.index for wheel in wheels if wheel.position == place)
+
+
+# ---- a place and an outline ----------------------------------------------------------------------
+
+
+def _side(body: Body, place: Vector) -> int:
+    """1 strictly inside the outline, 0 on it, -1 outside; the place is measured from the centre of mass."""
+    if isinstance(body.outline, Disc):
+        away = minus(place, body.centroid)
+        return (body.outline.radius * body.outline.radius - dot(away, away)).sign()
+    signs = [cross(minus(b, a), minus(place, a)).sign() for a, b in around(body.vertices)]
+    return min(signs)
+
+
+def _outward(body: Body, place: Vector) -> Vector:
+    """A direction out of the body at a place on its edge."""
+    if isinstance(body.outline, Disc):
+        return minus(place, body.centroid)
+    for a, b in around(body.vertices):
+        if not cross(minus(b, a), minus(place, a)):
+            return b[1] - a[1], a[0] - b[0]
+    raise ValueError("required a place on the edge")
+
+
+def _distance_below(body: Body, place: Vector) -> Fraction:
+    """A lower bound of the distance of a place from the outline's border; the distance itself where it is rational."""
+    if isinstance(body.outline, Disc):
+        gap = body.outline.radius.accurate_ball(PRECISION) - _length(minus(place, body.centroid))
+        return _short(rational_below(abs(gap)))
+    return _root_below(_squared_gap(body, place))
+
+
+def _squared_gap(body: Body, place: Vector) -> Number:
+    """Squared distance of a place from the border of a polygon."""
+    return min(_squared_distance(a, b, place) for a, b in around(body.vertices))
+
+
+def _squared_distance(a: Vector, b: Vector, p: Vector) -> Number:
+    """Squared distance of p from the segment."""
+    along, away = minus(b, a), minus(p, a)
+    ahead, whole = dot(along, away), dot(along, along)
+    if ahead.sign() <= 0:
+        return dot(away, away)
+    if (ahead - whole).sign() >= 0:
+        past = minus(p, b)
+        return dot(past, past)
+    area = cross(along, away)
+    return area * area / whole
+
+
+def _angle(body: Body, places: Sequence[Vector], margin: Fraction) -> Fraction | None:
+    """``min d_i/|q_i|``; wheels that no turn brings nearer to the body than the margin do not count."""
+    if isinstance(body.outline, Disc):
+        reach = body.outline.radius.accurate_ball(PRECISION) + _length(body.centroid)
+    else:
+        reach = max(dot(corner, corner) for corner in body.vertices).accurate_ball(PRECISION).sqrt()
+    far = reach + arb(fmpq(margin.numerator, margin.denominator))
+    turned = [place for place in places if any(place) and not _length(place) > far]
+    return min((_turn_below(body, place) for place in turned), default=None)
+
+
+def _turn_below(body: Body, place: Vector) -> Fraction:
+    """A lower bound of ``d/|q|``."""
+    if isinstance(body.outline, Disc):
+        return _short(_distance_below(body, place) / -rational_below(-_length(place)))
+    return _root_below(_squared_gap(body, place) / dot(place, place))
+
+
+def _length(vector: Vector) -> arb:
+    """The length of a vector, as a ball."""
+    return dot(vector, vector).accurate_ball(PRECISION).sqrt() if any(vector) else arb(0)
+
+
+def _root_below(squared: Number) -> Fraction:
+    """The root of a positive number where it is rational, else a short fraction just below."""
+    rational = squared.as_rational()
+    if rational is not None:
+        above, below = isqrt(int(rational.p)), isqrt(int(rational.q))
+        if above * above == rational.p and below * below == rational.q:
+            return Fraction(above, below)
+    return _short(rational_below(squared.accurate_ball(PRECISION).sqrt()))
+
+
+def _short(value: Fraction) -> Fraction:
+    """A short fraction just below a positive number."""
+    exponent = SHORT_BITS - (value.numerator.bit_length() - value.denominator.bit_length())
+    scale = Fraction(2) ** exponent
+    return Fraction((value * scale).__floor__()) / scale
+
+
+def _half_width(body: Body, places: Sequence[Vector], scene: Scene) -> Number:
+    """Half-width of the largest square of c in which, at the checked heading, no wheel enters or leaves."""
+    if isinstance(body.outline, Disc):
+        return scene.field.rational(_short(min(_distance_below(body, place) for place in places) * BELOW_ROOT_HALF))
+    return min(_half_width_of(body.vertices, place) for place in places)
+
+
+def _half_width_of(corners: Sequence[Vector], place: Vector) -> Number:
+    """How far a square may reach until it brings one wheel across the border of a convex polygon.
+
+    For a side with outward normal m through a: inside, ``m . (place - a) <= -r (|m_x| + |m_y|)`` for every side;
+    outside, ``>= r (|m_x| + |m_y|)`` for one of the sides, or of the sides of the square.
+    """
+    slacks = list(_slacks(corners, place))
+    if all(slack.sign() < 0 for slack in slacks):
+        return -max(slacks)
+    x, y = place
+    apart = [
+        x - max(corner[0] for corner in corners),
+        min(corner[0] for corner in corners) - x,
+        y - max(corner[1] for corner in corners),
+        min(corner[1] for corner in corners) - y,
+    ]
+    return max(*slacks, *apart)
+
+
+def _slacks(corners: Sequence[Vector], place: Vector) -> Iterator[Number]:
+    """``m . (place - a)/(|m_x| + |m_y|)`` of every side."""
+    for a, b in around(corners):
+        along = minus(b, a)
+        yield -cross(along, minus(place, a)) / (abs(along[0]) + abs(along[1]))

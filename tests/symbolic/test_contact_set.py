@@ -1,0 +1,159 @@
+"""The wheels that carry a body, and how far it may move: against places turned and shifted one by one, in floats."""
+
+from __future__ import annotations
+
+import math
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from nonsmooth.symbolic.contact_set import TipsError, alone, contact_set, standing
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+
+GRID = "[friction]\nmu_roll = 1\nmu_side = 0.5\n[grid]\nrows = 6\ncolumns = 6\npitch = 1\n"
+BOX = '[body]\nshape = "rectangle"\nwidth = 2.6\nheight = 1.6\n'
+
+
+def scene_of(folder: Path, text: str, at: str = "0,0") -> Scene:
+    file = folder / "scene.toml"
+    file.write_text(GRID + text)
+    return load_scene(file, at=at)
+
+
+def covered(scene: Scene, shift: tuple[float, float], turn: float) -> set[int]:
+    """The wheels under a moved body, by the definition, in floats: the hull of its turned corners, or the disc."""
+    body = scene.body
+    assert body is not None
+    c, s = (float(entry) for entry in body.heading)
+    heading = np.array([[c, -s], [s, c]])
+    spin = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    at = np.array([float(entry) for entry in scene.check.equilibrium]) + shift
+    middle = at + spin @ heading @ np.array([float(entry) for entry in body.centre])
+    places = {w.index: np.array([float(x) for x in w.position]) for w in (*scene.wheels, *scene.idle)}
+    radius = getattr(body.outline, "radius", None)
+    if radius is not None:
+        return {index for index, place in places.items() if np.hypot(*(place - middle)) < float(radius)}
+    corners = np.array([[float(x) for x in v] for v in body.outline.vertices]) @ (spin @ heading).T + middle
+    sides = ConvexHull(corners).equations
+    return {index for index, place in places.items() if (sides[:, :2] @ place + sides[:, 2] < 0).all()}
+
+
+SHAPES = [
+    BOX,
+    f"{BOX}heading = 30\n",
+    f"{BOX}centre_of_mass = [0.3, -0.2]\nheading = 77\n",
+    '[body]\nshape = "disc"\nradius = 1.3\n',
+    '[body]\nshape = "disc"\nradius = 1.7\ncentre_of_mass = ["1/4", "-1/3"]\n',
+    '[body]\nshape = "polygon"\nvertices = [[-1, -1], [2, -1.25], [1.5, 1], [0, 1.75]]\nheading = 10\n',
+]
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_wheels_under_a_body_and_its_margins(shape: str, tmp_path: Path) -> None:
+    draw = random.Random(3)
+    seen = 0
+    tipping: TipsError | None
+    for _ in range(12):
+        at = f"{draw.randint(-199, 199)}/101,{draw.randint(-199, 199)}/101"
+        scene = scene_of(tmp_path, shape, at)
+        try:
+            stands = standing(scene)
+        except TipsError as error:
+            tipping = error
+        else:
+            tipping = None
+            seen += 1
+        if tipping is not None:
+            assert set(tipping.carrying) == covered(scene, (0, 0), 0)
+            continue
+        found, here = contact_set(stands), covered(stands, (0, 0), 0)
+        assert set(found.wheels) == here == {wheel.index for wheel in stands.wheels}
+        assert len(stands.wheels) + len(stands.idle) == 36
+        assert found.margin is not None
+        width = float(stands.check.radius)
+        for _ in range(60):
+            share, angle = draw.uniform(0, 0.999), draw.uniform(0, 2 * math.pi)
+            r = share * float(found.margin)
+            turn = 0.0 if found.angle is None else (0.999 - share) * float(found.angle) * draw.choice((-1, 1))
+            assert covered(stands, (r * math.cos(angle), r * math.sin(angle)), turn) == here
+            square = draw.uniform(-0.999, 0.999) * width, draw.uniform(-0.999, 0.999) * width
+            assert covered(stands, square, 0) == here
+    assert seen >= 6
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_margin_is_the_largest(shape: str, tmp_path: Path) -> None:
+    stands = standing(scene_of(tmp_path, shape, "0.05,0.07"))
+    found, here = contact_set(stands), covered(stands, (0, 0), 0)
+    assert found.margin is not None
+    r = 1.001 * float(found.margin)
+    turns = np.linspace(0, 2 * math.pi, 2000)
+    assert any(covered(stands, (r * math.cos(a), r * math.sin(a)), 0) != here for a in turns)
+
+
+def test_the_square_of_a_stated_radius_is_cut_where_a_wheel_enters(tmp_path: Path) -> None:
+    stands = standing(scene_of(tmp_path, f"{BOX}[check]\nradius = 1\n"))
+    assert str(stands.check.radius) == "1/5"
+    assert str(contact_set(stands).margin) == "1/5"
+    assert str(standing(scene_of(tmp_path, f'{BOX}[check]\nradius = "1/9"\n')).check.radius) == "1/9"
+
+
+def test_a_wheel_under_the_edge_is_named_with_the_way_out(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=r"wheel 17 under its edge: a small shift along \(8/5, 0\)"):
+        standing(scene_of(tmp_path, BOX, "0.2,0"))
+
+
+@pytest.mark.parametrize(
+    ("at", "why"),
+    [
+        ("2.9,2.9", "wheel 36 alone under it"),
+        ("3,0", "wheels 18 and 24 alone under it"),
+        ("5,5", "no wheel under it"),
+        ("2.6,0.05", "line through wheels 18 and 24"),
+    ],
+)
+def test_bodies_that_tip(at: str, why: str, tmp_path: Path) -> None:
+    with pytest.raises(TipsError, match=why):
+        standing(scene_of(tmp_path, BOX, at))
+
+
+def test_wheels_on_one_line(tmp_path: Path) -> None:
+    with pytest.raises(TipsError, match="all 4 wheels under it on one line"):
+        standing(scene_of(tmp_path, '[body]\nshape = "rectangle"\nwidth = 3.6\nheight = 0.4\n', "0,0.5"))
+
+
+def test_tables_of_loads_ask_for_all_wheels(tmp_path: Path) -> None:
+    table = "[contact]\nloads = [" + ", ".join(['["1/36", 0, 0]'] * 36) + "]\n"
+    with pytest.raises(SceneError, match=r"contact\.loads"):
+        standing(scene_of(tmp_path, BOX + table))
+
+
+def test_an_array_of_its_own_is_numbered_anew(tmp_path: Path) -> None:
+    own = alone(scene_of(tmp_path, BOX))
+    assert [wheel.index for wheel in own.wheels] == [1, 2, 3, 4]
+    assert own.body is None
+    assert standing(own) == own == alone(own)
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("heading = true\n", "body.heading"),
+        ("centre_of_mass = [1.3, 0]\n", "body.centre_of_mass"),
+        ("centre_of_mass = [1, 2, 3]\n", "body.centre_of_mass"),
+        ("mass = 2\n", "body.mass"),
+    ],
+)
+def test_bad_bodies(text: str, key: str, tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=f"{key}: required"):
+        scene_of(tmp_path, BOX + text)
+
+
+def test_polygons_with_a_corner_that_turns_inward(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=r"body.vertices: required a convex polygon"):
+        scene_of(tmp_path, '[body]\nshape = "polygon"\nvertices = [[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]\n')
