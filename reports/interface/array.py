@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.path_result import PathResult
-    from nonsmooth.reports.interface.tipped_result import TippedResult
     from nonsmooth.symbolic.scene import Scene
 
 AUTO = "auto"  # the best rest point of the square
@@ -175,10 +174,8 @@ class Array:
 
     # ---- asking ----------------------------------------------------------------------------------
 
-    def check(
-        self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any
-    ) -> CheckResult | TippedResult:
-        """Position, heading and pose, with the clauses of Theorem 4 behind them; of a body that tips, only that.
+    def check(self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any) -> CheckResult:
+        """Position, heading and pose, with the clauses of Theorem 4 behind them.
 
         Args:
             at: another point to check; ``"auto"`` for the best rest point of the square.
@@ -186,21 +183,15 @@ class Array:
             **changes: as for :meth:`with_`, such as ``rule="ellipse"``.
 
         Raises:
-            SceneError: for whatever cannot be used.
+            SceneError: for whatever cannot be used; a ``TipsError`` for a body that does not stand at the point.
             RefusalError: where the motion is not determined.
         """
         from nonsmooth.reports.interface.check_result import check_scene
-        from nonsmooth.symbolic.contact_set import TipsError
 
         array = self.with_(**changes) if changes else self
         if at is not None and at != AUTO:
             array = array.with_(at=at)
-        try:
-            return check_scene(array.scene, prune=prune, best=at == AUTO)
-        except TipsError as tipping:
-            from nonsmooth.reports.interface.tipped_result import TippedResult
-
-            return TippedResult(array.scene, tipping)
+        return check_scene(array.scene, prune=prune, best=at == AUTO)
 
     def simulate(
         self,

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from nonsmooth.symbolic.contact_set import TipsError, alone, contact_set, standing
+from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
@@ -35,9 +36,9 @@ def covered(scene: Scene, shift: tuple[float, float], turn: float) -> set[int]:
     at = np.array([float(entry) for entry in scene.check.equilibrium]) + shift
     middle = at + spin @ heading @ np.array([float(entry) for entry in body.centre])
     places = {w.index: np.array([float(x) for x in w.position]) for w in (*scene.wheels, *scene.idle)}
-    radius = getattr(body.outline, "radius", None)
-    if radius is not None:
-        return {index for index, place in places.items() if np.hypot(*(place - middle)) < float(radius)}
+    if isinstance(body.outline, Disc):
+        radius = float(body.outline.radius)
+        return {index for index, place in places.items() if np.hypot(*(place - middle)) < radius}
     corners = np.array([[float(x) for x in v] for v in body.outline.vertices]) @ (spin @ heading).T + middle
     sides = ConvexHull(corners).equations
     return {index for index, place in places.items() if (sides[:, :2] @ place + sides[:, 2] < 0).all()}
