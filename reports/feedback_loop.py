@@ -55,12 +55,14 @@ class FeedbackLoop:
         feedback: what the feedback clause says of them.
         law: which law, by its own name.
         kinematics: exact pose or leading order.
+        gain: k (1/time).
     """
 
     partition: Partition
     feedback: FeedbackResult
     law: LawName
     kinematics: Kinematics
+    gain: float = GAIN
 
     @property
     def is_certified(self) -> bool:
@@ -125,19 +127,28 @@ class FeedbackLoop:
 
     @cached_property
     def speeds(self) -> StateLaw:
-        """The speeds in every cell, with gain one."""
+        """The speeds in every cell."""
         if self.law in _PAPER_LAWS:
-            return _PAPER_LAWS[self.law](GAIN, float(self.partition.scene.check.length))
+            return _PAPER_LAWS[self.law](self.gain, float(self.partition.scene.check.length))
         if self.law is LawName.GRADIENT:
             (e, f), weight = self.feedback.lyapunov.shape, self.feedback.lyapunov.weight
-            return gradient_law(GAIN, (float(e), float(f)), float(weight))
+            return gradient_law(self.gain, (float(e), float(f)), float(weight))
         if self.cascade.descent is Descent.SLOW_TURNS:
-            return tangential_law(GAIN, self.turning_length)
+            return tangential_law(self.gain, self.turning_length)
         signs = zip(self.cascade.wheels, self.cascade.signs, strict=True)
-        return cascade_law(GAIN, {wheel.index: side for wheel, side in signs})
+        return cascade_law(self.gain, {wheel.index: side for wheel, side in signs})
 
     def field(self, partition: Partition) -> CellwiseField:
         """The field of the loop on the same cells in the scene's own coordinates."""
+        return feedback_field(partition, self._law_in(partition), self.kinematics)
+
+    def inputs(self, partition: Partition) -> list[Speeds]:
+        """The speeds from the pose in each of the same cells, in the scene's own coordinates."""
+        law = self._law_in(partition)
+        return [law(cell.states[0]) for cell in partition.cells]
+
+    def _law_in(self, partition: Partition) -> StateLaw:
+        """The law of poses in the scene's own coordinates."""
         centre = np.array([*map(float, partition.scene.check.equilibrium), 0.0])
         centred = {state.name: state for cell in self.partition.cells for state in cell.states}
 
@@ -149,7 +160,7 @@ class FeedbackLoop:
 
             return shifted
 
-        return feedback_field(partition, law, self.kinematics)
+        return law
 
     @property
     def theta_decays(self) -> bool:
@@ -212,7 +223,11 @@ def uncertified_kinematics(feedback: FeedbackResult, kinematics: Kinematics) -> 
 
 
 def build_loop(
-    partition: Partition, law: LawName, kinematics: Kinematics, feedback: FeedbackResult | None = None
+    partition: Partition,
+    law: LawName,
+    kinematics: Kinematics,
+    feedback: FeedbackResult | None = None,
+    gain: float = GAIN,
 ) -> FeedbackLoop:
     """The loop under a law by name, or under the one that the feedback clause certifies.
 
@@ -221,6 +236,7 @@ def build_loop(
         law: its name, or ``certified``.
         kinematics: exact pose or leading order.
         feedback: the verdict on the centred partition, where it is known already.
+        gain: k (1/time).
 
     Raises:
         ValueError: for another rule than ``nearest``, and where no law is certified.
@@ -232,11 +248,11 @@ def build_loop(
     feedback = verified(decide_feedback(centred)) if feedback is None else feedback
     own = certified_law(feedback)
     if law is not LawName.CERTIFIED:
-        return FeedbackLoop(centred, feedback, law, kinematics)
+        return FeedbackLoop(centred, feedback, law, kinematics, gain)
     required = "--feedback: required an array with a certified law, or one named by --law"
     if own is None:
         raise ValueError(f"{required}; the feedback clause says {feedback.verdict}: {feedback.reason}")
     lacking = uncertified_kinematics(feedback, kinematics)
     if lacking:
         raise ValueError(f"{required}, received --kinematics {kinematics}: {lacking}")
-    return FeedbackLoop(centred, feedback, own, kinematics)
+    return FeedbackLoop(centred, feedback, own, kinematics, gain)

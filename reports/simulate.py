@@ -16,6 +16,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.reports.animation.output import FILMS, film_bytes
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns
@@ -37,6 +38,7 @@ class PathRun:
         method: see :class:`Method`.
         law: feedback law, ``certified`` for that of the feedback clause; None for the scene's own speeds.
         width: of the hysteresis or of the smoothing.
+        gain: of the law (1/time).
     """
 
     start: tuple[float, float, float]
@@ -45,6 +47,7 @@ class PathRun:
     method: Method
     law: LawName | None
     width: float
+    gain: float = GAIN
 
 
 def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
@@ -58,7 +61,7 @@ def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None 
     Raises:
         ValueError: where no such law applies.
     """
-    return None if run.law is None else build_loop(partition, run.law, run.kinematics, feedback)
+    return None if run.law is None else build_loop(partition, run.law, run.kinematics, feedback, run.gain)
 
 
 def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None) -> Trajectory:
@@ -117,7 +120,11 @@ class ShownTrajectory:
         return sample_lines(self.trajectory, POSE)
 
     def picture(self, suffix: str) -> bytes:
-        """The pose over time and the path over the cells."""
+        """The pose over time and the path over the cells; or the motion itself."""
+        if suffix in FILMS:
+            from nonsmooth.reports.animation.film import build_film
+
+            return film_bytes(build_film(self.partition.scene, self.trajectory, self.partition, self.loop), suffix)
         from nonsmooth.reports.figures.trajectory import trajectory_figure
 
         return trajectory_figure(self.partition, self.trajectory, suffix, "" if self.loop is None else self.loop.title)
@@ -149,7 +156,7 @@ def law_record(loop: FeedbackLoop, starts_inside: bool | None) -> dict[str, Any]
     return {
         "name": str(loop.law),
         "formula": loop.formula,
-        "gain": GAIN,
+        "gain": loop.gain,
         "certified": loop.is_certified,
         "status": loop.status,
         "region": None if loop.region is None else str(loop.region),
@@ -159,7 +166,7 @@ def law_record(loop: FeedbackLoop, starts_inside: bool | None) -> dict[str, Any]
 
 def law_lines(loop: FeedbackLoop, starts_inside: bool | None) -> list[str]:
     """The same for a terminal."""
-    lines = [f"feedback: {loop.title}, k = {GAIN:g}", loop.formula]
+    lines = [f"feedback: {loop.title}, k = {loop.gain:g}", loop.formula]
     if not loop.is_certified:
         return lines
     if loop.region is None:

@@ -9,10 +9,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.reports.animation.output import FILMS
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError, refusals_named
 
@@ -26,7 +28,7 @@ UNTIL = 2.0  # last time of a single path, where none is given
 MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
 
 # Parameters of the command by the mode they belong to.
-OF_LOOPS = ("feedback", "law")
+OF_LOOPS = ("feedback", "law", "gain")
 OF_MAPS = ("grid", "heading")
 OF_BODIES = ("mass", "inertia", "compare_masses")
 OF_SCENES = ("rule", "radius", "at")
@@ -45,6 +47,7 @@ class Options:
         kinematics: exact pose or leading order.
         method, width: how a path is followed.
         law: feedback law; None for the open loop.
+        gain: of the law.
         mass, inertia, compare_masses: of a body with mass.
         refuse: refuses parameters that were given on the command line.
     """
@@ -57,6 +60,7 @@ class Options:
     method: Method
     width: float
     law: LawName | None
+    gain: float
     mass: float | None
     inertia: float | None
     compare_masses: bool
@@ -71,6 +75,7 @@ class Options:
         if self.until is not None:
             _require_positive("--until", self.until)
         _require_positive("--width", self.width)
+        _require_positive("--gain", self.gain)
         if self.method not in (Method.HYSTERESIS, Method.SMOOTHED):
             self.refuse(("width",), "--method hysteresis or smoothed", f"--method {self.method}")
 
@@ -86,6 +91,30 @@ class SimulationMode(ABC):
             RefusedError: naming the option and what it is for.
         """
 
+    def refuse_film(self, options: Options, path: Path | None) -> None:
+        """Refuse a moving picture where there is none of this, or where it cannot be written on this machine.
+
+        Raises:
+            RefusedError: naming the file and what is missing.
+        """
+        suffix = "" if path is None else path.suffix.lower()
+        if suffix not in FILMS:
+            return
+        if not self.moves(options):
+            raise RefusedError(f"{path}: required one path of an array for {suffix}, received {self.what}")
+        from nonsmooth.reports.animation.movie import MissingWriterError, require_writer
+
+        try:
+            require_writer(suffix)
+        except MissingWriterError as error:
+            raise RefusedError(f"{path}: {error}") from None
+
+    what = "something else"  # what this is, in a message
+
+    def moves(self, options: Options) -> bool:
+        """Whether there is one path of an array to be seen."""
+        return False
+
     @abstractmethod
     def shown(self, options: Options) -> Shown:
         """Compute.
@@ -97,6 +126,8 @@ class SimulationMode(ABC):
 
 class SystemPathMode(SimulationMode):
     """One path of a plain switched system in any number of states."""
+
+    what = "a plain switched system"
 
     def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
         self._load = load
@@ -134,6 +165,8 @@ class ArrayMode(SimulationMode):
 class StartsMap(ArrayMode):
     """Where N x N starts end, in the open loop by events."""
 
+    what = "--grid"
+
     def refuse_others(self, options: Options) -> None:
         """All that is for one path."""
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
@@ -160,6 +193,10 @@ class StartsMap(ArrayMode):
 class ArrayPath(ArrayMode):
     """One path of an array, in the open or the closed loop."""
 
+    def moves(self, options: Options) -> bool:
+        """Always."""
+        return True
+
     def refuse_others(self, options: Options) -> None:
         """All that is for maps and bodies with mass, and laws of the open loop."""
         _refuse_map_options(options)
@@ -184,6 +221,12 @@ class ArrayPath(ArrayMode):
 
 class BodyPath(ArrayMode):
     """A body with mass under full dynamics, or its distance from the path of every contact rule."""
+
+    what = "--compare-masses"
+
+    def moves(self, options: Options) -> bool:
+        """One path does."""
+        return not options.compare_masses
 
     def refuse_others(self, options: Options) -> None:
         """Maps, feedback, and anything but the exact pose."""
@@ -258,7 +301,7 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
 def _refuse_map_options(options: Options) -> None:
     options.refuse(("heading",), "--grid", "none")
     if options.law is None:
-        options.refuse(("law",), "--feedback", "none")
+        options.refuse(("law", "gain"), "--feedback", "none")
 
 
 def _pose_run(options: Options) -> PathRun:
@@ -266,7 +309,8 @@ def _pose_run(options: Options) -> PathRun:
 
     x, y, theta = read_start(options.start, POSE, angle="theta")
     until = options.until or UNTIL
-    return PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
+    run = PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
+    return replace(run, gain=options.gain)
 
 
 def _outside(scene: Scene, start: Sequence[float]) -> str:

@@ -199,6 +199,7 @@ class Array:
         *,
         feedback: bool | str = False,
         method: str = "events",
+        gain: float = 1.0,
         **changes: Any,
     ) -> PathResult:
         """The path of a body from ``(x, y, theta)``, in the coordinates of the array.
@@ -208,6 +209,7 @@ class Array:
             until: last time.
             feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
             method: ``events``, ``hysteresis`` or ``smoothed``.
+            gain: of the law (1/time).
             **changes: as for :meth:`with_`.
 
         Raises:
@@ -217,7 +219,7 @@ class Array:
         from nonsmooth.reports.interface.path_result import follow_array
 
         array = self.with_(**changes) if changes else self
-        return follow_array(array.scene, start, until, feedback=feedback, method=method)
+        return follow_array(array.scene, start, until, feedback=feedback, method=method, gain=gain)
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.
