@@ -25,7 +25,9 @@ from nonsmooth.analysis.fields.feedback_laws import (
     tangential_law,
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.limited_law import limited_law
 from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.motion.saturation import with_saturation
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, gradient_text
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
@@ -127,7 +129,17 @@ class FeedbackLoop:
 
     @cached_property
     def speeds(self) -> StateLaw:
-        """The speeds in every cell."""
+        """The speeds in every cell, within the limits of the wheels."""
+        return limited_law(self.wanted, self.limits)
+
+    @cached_property
+    def limits(self) -> dict[int, float]:
+        """The largest speeds of the wheels that have one."""
+        return {index: float(limit) for index, limit in self.partition.scene.speed_limits.items()}
+
+    @cached_property
+    def wanted(self) -> StateLaw:
+        """The speeds in every cell that the law asks for."""
         if self.law in _PAPER_LAWS:
             return _PAPER_LAWS[self.law](self.gain, float(self.partition.scene.check.length))
         if self.law is LawName.GRADIENT:
@@ -140,20 +152,26 @@ class FeedbackLoop:
 
     def field(self, partition: Partition) -> CellwiseField:
         """The field of the loop on the same cells in the scene's own coordinates."""
-        return feedback_field(partition, self._law_in(partition), self.kinematics)
+        return feedback_field(partition, self._law_in(partition, self.speeds), self.kinematics)
 
     def inputs(self, partition: Partition) -> list[Speeds]:
         """The speeds from the pose in each of the same cells, in the scene's own coordinates."""
-        law = self._law_in(partition)
+        law = self._law_in(partition, self.speeds)
         return [law(cell.states[0]) for cell in partition.cells]
 
-    def _law_in(self, partition: Partition) -> StateLaw:
-        """The law of poses in the scene's own coordinates."""
+    def with_saturation(self, partition: Partition, path: Trajectory) -> Trajectory:
+        """The path with the times at which wheels reach their largest speeds, and no longer run at them."""
+        law = self._law_in(partition, self.wanted)
+        wanted = {f"cell {cell.index}": law(cell.states[0]) for cell in partition.cells} if self.limits else {}
+        return with_saturation(path, wanted, self.limits)
+
+    def _law_in(self, partition: Partition, own: StateLaw) -> StateLaw:
+        """A law of poses in the scene's own coordinates."""
         centre = np.array([*map(float, partition.scene.check.equilibrium), 0.0])
         centred = {state.name: state for cell in self.partition.cells for state in cell.states}
 
         def law(state: ContactState) -> Speeds:
-            speeds = self.speeds(centred[state.name])
+            speeds = own(centred[state.name])
 
             def shifted(pose: Vector) -> Mapping[int, float]:
                 return speeds(np.asarray(pose, dtype=float) - centre)

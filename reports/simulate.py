@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Group, RenderableType
 from rich.text import Text
 
@@ -84,7 +87,7 @@ def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None)
     if run.method is Method.EVENTS:
         at = partition.scene.check.equilibrium
         loop.refuse_contradiction(path, (float(at[0]), float(at[1])))
-    return path
+    return loop.with_saturation(partition, path)
 
 
 def _by_method(field: Any, run: PathRun) -> Trajectory:
@@ -113,11 +116,23 @@ class ShownTrajectory:
             "feedback": None if self.loop is None else str(self.loop.law),
             "law": None if self.loop is None else law_record(self.loop, self._starts_inside),
             **self.trajectory.record(),
+            "speeds": None if self._inputs is None else [[_known(u) for u in row] for row in self._inputs.tolist()],
         }
 
     def lines(self) -> Iterable[Iterable[Any]]:
-        """Time and pose of every sample."""
-        return sample_lines(self.trajectory, POSE)
+        """Time and pose of every sample, and in a closed loop the speeds of the wheels, empty where it gives none."""
+        if self._inputs is None:
+            yield from sample_lines(self.trajectory, POSE)
+            return
+        header, *lines = sample_lines(self.trajectory, POSE)
+        yield (*header, *(f"u_{wheel.index}" for wheel in self.partition.scene.wheels))
+        for line, row in zip(lines, self._inputs.tolist(), strict=True):
+            yield (*line, *("" if math.isnan(u) else repr(u) for u in row))
+
+    @cached_property
+    def _inputs(self) -> NDArray[np.float64] | None:
+        """The speeds of the wheels at every sample (m, n); nan where a law gives none; None in the open loop."""
+        return None if self.loop is None else loop_speeds(self.partition, self.trajectory, self.loop)
 
     def picture(self, suffix: str) -> bytes:
         """The pose over time and the path over the cells; or the motion itself."""
@@ -125,9 +140,13 @@ class ShownTrajectory:
             from nonsmooth.reports.animation.film import build_film
 
             return film_bytes(build_film(self.partition.scene, self.trajectory, self.partition, self.loop), suffix)
-        from nonsmooth.reports.figures.trajectory import trajectory_figure
+        from nonsmooth.reports.figures.trajectory import SpeedCurves, dense_times, trajectory_figure
 
-        return trajectory_figure(self.partition, self.trajectory, suffix, "" if self.loop is None else self.loop.title)
+        if self.loop is None:
+            return trajectory_figure(self.partition, self.trajectory, suffix)
+        times = dense_times(self.trajectory)
+        curves = SpeedCurves(times, loop_speeds(self.partition, self.trajectory, self.loop, times), self.loop.limits)
+        return trajectory_figure(self.partition, self.trajectory, suffix, self.loop.title, curves)
 
     def summary(self) -> str:
         """How many events, how it ends, and under which law."""
@@ -149,6 +168,26 @@ class ShownTrajectory:
         x, y, theta = self.run.start
         centre = self.partition.scene.check.equilibrium
         return self.loop.region.contains((x - float(centre[0]), y - float(centre[1]), theta))
+
+
+def loop_speeds(
+    partition: Partition, trajectory: Trajectory, loop: FeedbackLoop, times: Iterable[float] | None = None
+) -> NDArray[np.float64]:
+    """The speeds of all wheels in a closed loop at times, those of its samples unless given (m, n).
+
+    At a switch they are those of the motion that begins there; nan where a wheel does not act and is given none.
+    """
+    from nonsmooth.analysis.motion.frames import build_frames
+
+    at = [float(time) for time in (trajectory.times if times is None else times)]
+    leading = trajectory.kinematics != Kinematics.EXACT
+    pivot = [float(x) for x in partition.scene.check.equilibrium] if leading else None
+    inputs = loop.inputs(partition)
+    return build_frames(partition.scene, trajectory, at, partition=partition, inputs=inputs, pivot=pivot).speeds
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
 
 
 def law_record(loop: FeedbackLoop, starts_inside: bool | None) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from nonsmooth.symbolic.scene import Scene
 
 STICKS = 1e-6  # slip over the largest speed: above the error of a difference along a path (1e-8)
 LOADED = 1e-9  # of the weight: a smaller load is rounding of none
+MIXED = 1e-6  # smaller weights of a cell's motion are rounding of none, as where an edge is crossed
 ON_EDGE = 1e-9  # of the square's size: the distance within which a path keeps to an edge it slides along
 
 
@@ -128,20 +129,17 @@ class _CellsAt:
         self.cells = partition.cells
         self.count = len(partition.scene.wheels)
         self.slack = ON_EDGE * partition.size
-        self.sides = [
-            (np.array([[float(x) for x in side.normal] for side in cell.polygon.sides]), cell.polygon.sides)
-            for cell in partition.cells
-        ]
-        self.offsets = [np.array([float(side.offset) for side in sides]) for _, sides in self.sides]
+        sides = [side for cell in partition.cells for side in cell.polygon.sides]
+        normals = np.array([[float(x) for x in side.normal] for side in sides])
+        sizes = np.hypot(*normals.T)
+        self.normals = normals / sizes[:, None]
+        self.offsets = np.array([float(side.offset) for side in sides]) / sizes
+        self.starts = np.cumsum([0, *(len(cell.polygon.sides) for cell in partition.cells[:-1])])
 
     def holding(self, pose: Floats) -> list[int]:
         """Positions of the cells that hold the pose's point, or are nearest to it."""
-        gaps = [
-            float(((offset - normals @ pose[:2]) / np.hypot(*normals.T)).min())
-            for (normals, _), offset in zip(self.sides, self.offsets, strict=True)
-        ]
-        near = [k for k, gap in enumerate(gaps) if gap >= -self.slack]
-        return near or [int(np.argmax(gaps))]
+        gaps = np.minimum.reduceat(self.offsets - self.normals @ pose[:2], self.starts)
+        return np.flatnonzero(gaps >= -self.slack).tolist() or [int(np.argmax(gaps))]
 
     def carrying(self, held: Sequence[int]) -> NDArray[np.bool_]:
         """Which wheels keep rows in some cells."""
@@ -159,6 +157,8 @@ class _CellsAt:
         motions = np.array([self._motion(k, row) for k, row in zip(held, given, strict=True)])
         weights = convex_fit(motions, twist)
         stacked = np.array(given)
+        weights = np.where(weights > MIXED, weights, 0.0)
+        weights /= weights.sum()
         unknown = np.isnan(stacked[weights > 0]).all(axis=0)
         mean: Floats = weights @ np.nan_to_num(stacked)
         mean[unknown] = np.nan

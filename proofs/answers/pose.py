@@ -11,7 +11,7 @@ from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, lower_text
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
 
@@ -27,7 +27,7 @@ def pose_answer(scene: Scene, results: Results) -> Answer:
     found = cast("AnyFeedback", results["feedback"])
     if found.verdict is Feedback.NOT_APPLICABLE and not rule_of(scene).keeps_rows:
         found = _beyond_the_theorem(scene) or found
-    return Answer("pose", _verdict(found), tuple(_facts(found)))
+    return Answer("pose", _verdict(found), tuple(_facts(found, scene)))
 
 
 @lru_cache(maxsize=8)  # one answer is asked for by the terminal, JSON and the exit status
@@ -50,12 +50,12 @@ def _verdict(found: AnyFeedback) -> Pose:
     return Pose.UNDECIDED if found.obstruction is None else Pose.CANNOT_BE_HELD
 
 
-def _facts(found: AnyFeedback) -> Iterator[Fact]:
+def _facts(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     """What the law must know, how fast it is, and how much it may misjudge."""
     held = found.verdict is Feedback.STABILIZABLE
     yield Fact("law", found.law)
     yield Fact("must_know", list(found.must_know) if held else None, _knowing(found) if held else "")
-    yield from _rate(found)
+    yield from _rate(found, scene)
     error = found.position_error if held else None
     yield Fact("position_error", error, "" if error is None else _misjudging(error))
     if not held:
@@ -73,14 +73,21 @@ def _misjudging(error: float) -> str:
     return f"it may misjudge the position by {float_text(error, 4)} of the distance"
 
 
-def _rate(found: AnyFeedback) -> Iterator[Fact]:
-    """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``."""
+def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
+    """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``; slower where speeds end."""
     kappa = found.certified_kappa
     if kappa is None:
         yield Fact("rate", Quantity(None))
         return
     words = f"with gain k the error halves at least every {half_life(kappa)}/k s"
     yield Fact("rate", Quantity(kappa), words)
+    if scene.speed_limits:
+        limited = getattr(found, "limited", None)
+        speed = None if limited is None else limited.speed
+        how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} per s or faster"
+        yield Fact("speed", Quantity(speed), f"farther away, where speeds are limited, it falls {how}")
+    else:
+        yield Fact("speed", Quantity(None))
 
 
 def _why_not(found: AnyFeedback) -> str:

@@ -27,6 +27,7 @@ _PLACES = {
     "name": (),
     "mu_roll": ("friction",),
     "mu_side": ("friction",),
+    "speed_limit": ("drive",),
     "rule": ("contact",),
     "loads": ("contact",),
     "at": ("check",),
@@ -126,8 +127,8 @@ class Array:
         """Another array in which some keys are changed.
 
         Args:
-            **changes: name, mu_roll, mu_side, rule, loads, at, radius, lyapunov, length; field, object and units as
-                tables.
+            **changes: name, mu_roll, mu_side, speed_limit, rule, loads, at, radius, lyapunov, length; field, object and
+                units as tables.
 
         Raises:
             SceneError: for whatever cannot be used.
