@@ -2,10 +2,10 @@
 
 ``sigma = min(1, min_w limit_w/|u_w|)`` over the wheels that act, and the law gives ``sigma u`` instead of u.
 Under rule ``nearest`` the twist is linear in the inputs, ``xi = sum_w g_w u_w``, and nothing moves the body without
-them; so the velocity of each cell is multiplied by ``sigma > 0`` and keeps its direction.  On an edge or at a corner the hull of
-the scaled velocities spans the same cone as that of the others, hence every Filippov solution of the limited loop runs
-along one of the unlimited loop, more slowly, and the other way round: the same V falls along it, the same sets are
-not left, the same edges are slid along.  (Scaling only the inputs that are too large would turn the velocity.)
+them; so the velocity of each cell is multiplied by ``sigma > 0`` and keeps its direction.  On an edge or at a corner
+the scaled velocities span the same cone as the others, hence every Filippov solution of the limited loop runs along one
+of the unlimited loop, more slowly, and the other way round: the same V falls along it, the same sets are not left, the
+same edges are slid along.  (Scaling only the inputs that are too large would turn the velocity.)
 """
 
 from __future__ import annotations
