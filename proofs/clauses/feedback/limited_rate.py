@@ -110,7 +110,7 @@ def build_limited_rate(
         free=rounded_down(min(_proposed_free(*entry, lyapunov) for entry in _inputs(near, limits))),
         held=rounded_down(size * size / float(rate.kappa)),
         speed=rounded_down(size * float(rate.kappa) ** 0.5),
-        level=level,
+        level=rounded_down(float(level)),
         radius=radius,
     )
     for _ in range(_TRIES):
