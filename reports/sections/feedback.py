@@ -93,7 +93,7 @@ def _limited_blocks(limited: LimitedRate, *, gains_below_one: bool) -> list[Bloc
         "every velocity keeps its direction, so the paths are those without limits, more slowly."
     )
     inside = "Certified where {}: no wheel is at its limit while {}{}, and the rate holds while {}; beyond that {}."
-    falls = Math(rf"rac{{d}}{{dt}} \sqrt{{V}} \le -{decimal_latex(speed)}", f"d/dt sqrt(V) <= -{speed}")
+    falls = Math(rf"\frac{{d}}{{dt}} \sqrt{{V}} \le -{decimal_latex(speed)}", f"d/dt sqrt(V) <= -{speed}")
     shown = [
         Math(rf"{left} {sign} {decimal_latex(value)}", f"{plain} {plain_sign} {value}")
         for left, sign, value, plain, plain_sign in (
