@@ -203,13 +203,23 @@ class ArrayPath(ArrayMode):
         options.refuse(OF_BODIES, "--method dynamics", f"--method {options.method}")
 
     def shown(self, options: Options) -> Shown:
-        """By events, hysteresis or smoothing, through the cells of the contact rule."""
+        """By events, hysteresis or smoothing through the cells of the contact rule; where it has none, by itself."""
         from nonsmooth.analysis.cells.contact_partition import build_partition
+        from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
         from nonsmooth.analysis.trajectories.result import TrajectoryError
         from nonsmooth.reports.simulate import ShownTrajectory, follow, loop_of
+        from nonsmooth.reports.smooth_paths import follow_smooth_rule
 
         run = _pose_run(options)
         scene = self._load()
+        rule = rule_of(scene)
+        is_plain = (run.method, run.kinematics, run.law) == (Method.EVENTS, Kinematics.EXACT, None)
+        if isinstance(rule, SmoothRule) and is_plain:
+            try:
+                with refusals_named(scene):
+                    return follow_smooth_rule(scene, rule, run)
+            except (ValueError, TrajectoryError) as error:
+                raise RefusedError(f"{scene.origin}: {error}") from None
         with refusals_named(scene):
             partition = build_partition(scene)
         try:

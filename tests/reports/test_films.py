@@ -163,3 +163,25 @@ def test_a_large_array_shows_the_wheels_near_the_path(tmp_path: Path) -> None:
     page = array.simulate((0.2, 0.3, 0), until=1).animate(tmp_path / "path.html").read_text(encoding="utf-8")
     assert len(data_of(page)["wheels"]) == 150
     assert "150 of 256 wheels are drawn" in page
+
+
+def test_a_rule_without_cells_moves_on_the_command_line_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    simulate = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0.1,0.2,0", "--until", "1")
+    assert run(app, (*simulate, "--json")) == 0
+    record = json.loads(capsys.readouterr().out)
+    array = ns.load("ring-6")
+    assert isinstance(array, ns.Array)
+    path = array.simulate((0.1, 0.2, 0.0), until=1.0, rule="ellipse")
+    assert record["state"] == path.to_dict()["state"]
+    assert (record["schema"], record["law"], record["speeds"]) == ("nonsmooth-trajectory/1", None, None)
+    for suffix in (".html", ".svg", ".csv"):
+        assert run(app, (*simulate, "-o", str(tmp_path / f"path{suffix}"))) == 0
+    assert 0 not in data_of((tmp_path / "path.html").read_text(encoding="utf-8"))["contacts"][0]  # all six carry
+    capsys.readouterr()
+    assert run(app, simulate) == 0
+    assert "ring-6: exact kinematics, method minimizer (rule ellipse)" in capsys.readouterr().out
+    for refused in (("--method", "smoothed"), ("--kinematics", "leading"), ("--feedback",)):
+        assert run(app, (*simulate, *refused)) == BAD_INPUT
+        assert "ring-6: contact.rule: required" in capsys.readouterr().err
+    assert run(app, (*simulate[:5], "3,0,0")) == BAD_INPUT
+    assert capsys.readouterr().err.count("\n") == 1
