@@ -10,11 +10,9 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.animation.output import FILMS
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError, refusals_named
 
@@ -91,30 +89,6 @@ class SimulationMode(ABC):
             RefusedError: naming the option and what it is for.
         """
 
-    def refuse_film(self, options: Options, path: Path | None) -> None:
-        """Refuse a moving picture where there is none of this, or where it cannot be written on this machine.
-
-        Raises:
-            RefusedError: naming the file and what is missing.
-        """
-        suffix = "" if path is None else path.suffix.lower()
-        if suffix not in FILMS:
-            return
-        if not self.moves(options):
-            raise RefusedError(f"{path}: required one path of an array for {suffix}, received {self.what}")
-        from nonsmooth.reports.animation.movie import MissingWriterError, require_writer
-
-        try:
-            require_writer(suffix)
-        except MissingWriterError as error:
-            raise RefusedError(f"{path}: {error}") from None
-
-    what = "something else"  # what this is, in a message
-
-    def moves(self, options: Options) -> bool:
-        """Whether there is one path of an array to be seen."""
-        return False
-
     @abstractmethod
     def shown(self, options: Options) -> Shown:
         """Compute.
@@ -126,8 +100,6 @@ class SimulationMode(ABC):
 
 class SystemPathMode(SimulationMode):
     """One path of a plain switched system in any number of states."""
-
-    what = "a plain switched system"
 
     def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
         self._load = load
@@ -165,8 +137,6 @@ class ArrayMode(SimulationMode):
 class StartsMap(ArrayMode):
     """Where N x N starts end, in the open loop by events."""
 
-    what = "--grid"
-
     def refuse_others(self, options: Options) -> None:
         """All that is for one path."""
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
@@ -192,10 +162,6 @@ class StartsMap(ArrayMode):
 
 class ArrayPath(ArrayMode):
     """One path of an array, in the open or the closed loop."""
-
-    def moves(self, options: Options) -> bool:
-        """Always."""
-        return True
 
     def refuse_others(self, options: Options) -> None:
         """All that is for maps and bodies with mass, and laws of the open loop."""
@@ -231,12 +197,6 @@ class ArrayPath(ArrayMode):
 
 class BodyPath(ArrayMode):
     """A body with mass under full dynamics, or its distance from the path of every contact rule."""
-
-    what = "--compare-masses"
-
-    def moves(self, options: Options) -> bool:
-        """One path does."""
-        return not options.compare_masses
 
     def refuse_others(self, options: Options) -> None:
         """Maps, feedback, and anything but the exact pose."""

@@ -145,7 +145,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.reports.animation.output import FILMS
+    from nonsmooth.reports.animation.output import FILMS, require_film
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.shown import show
     from nonsmooth.reports.simulation_modes import Options, SimulationMode, SystemPathMode, array_mode
@@ -167,7 +167,8 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         compare_masses=compare_masses,
         refuse=partial(refuse_given, context),
     )
-    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES, *FILMS))
+    films = () if grid is not None or compare_masses else FILMS
+    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES, *films))
     options.check()
     if holds_system(scene):
         mode: SimulationMode = SystemPathMode(partial(load_system, scene))
@@ -175,6 +176,6 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
         mode = array_mode(options, load)
     mode.refuse_others(options)
-    mode.refuse_film(options, path)
+    require_film(path, is_array=not holds_system(scene))
     show(mode.shown(options), path, json=json)
     return 0
