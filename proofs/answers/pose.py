@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.number_text import float_text, lower_text
@@ -76,18 +77,16 @@ def _misjudging(error: float) -> str:
 def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``; slower where speeds end."""
     kappa = found.certified_kappa
+    limited = found.limited if isinstance(found, FeedbackResult) else None
+    speed = None if limited is None else limited.speed
     if kappa is None:
-        yield Fact("rate", Quantity(None))
+        yield from (Fact("rate", Quantity(None)), Fact("speed", Quantity(None)))
         return
     words = f"with gain k the error halves at least every {half_life(kappa)}/k s"
     yield Fact("rate", Quantity(kappa), words)
-    if scene.speed_limits:
-        limited = getattr(found, "limited", None)
-        speed = None if limited is None else limited.speed
-        how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} per s or faster"
-        yield Fact("speed", Quantity(speed), f"farther away, where speeds are limited, it falls {how}")
-    else:
-        yield Fact("speed", Quantity(None))
+    how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} per s or faster"
+    slower = f"farther away, where speeds are limited, it falls {how}" if scene.speed_limits else ""
+    yield Fact("speed", Quantity(speed), slower)
 
 
 def _why_not(found: AnyFeedback) -> str:
