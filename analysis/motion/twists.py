@@ -8,6 +8,7 @@ body: also while it slides along an edge, where no cell's own twist is the motio
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,10 +30,7 @@ def last_time(trajectory: Trajectory) -> float:
 
 def poses_at(trajectory: Trajectory, times: Times) -> Floats:
     """States (m, 3) at times; between samples a straight line where the method keeps samples only."""
-    if trajectory.pieces:
-        return trajectory.sample(times.tolist())
-    own, states = np.array([float(t) for t in trajectory.times]), trajectory.array
-    return np.column_stack([np.interp(times, own, column) for column in states.T])
+    return _Path(trajectory).poses(np.asarray(times, float))
 
 
 def path_twists(trajectory: Trajectory, times: Times, pivot: Sequence[float] | None = None) -> Floats:
@@ -43,42 +41,62 @@ def path_twists(trajectory: Trajectory, times: Times, pivot: Sequence[float] | N
         times: within the path.
         pivot: q where it is fixed (leading-order kinematics); None for exact kinematics, where it is c.
     """
-    poses = poses_at(trajectory, times)
-    rates = np.array([_rate(trajectory, float(time)) for time in times]).reshape(-1, 3)
-    points = poses[:, :2] if pivot is None else np.broadcast_to(np.asarray(pivot, float), (len(times), 2))
+    path, at = _Path(trajectory), np.asarray(times, float)
+    rates = np.array([path.rate(float(time)) for time in at]).reshape(-1, 3)
+    points = path.poses(at)[:, :2] if pivot is None else np.broadcast_to(np.asarray(pivot, float), (len(at), 2))
     velocities = rates[:, :2] - rates[:, 2:] * turned(points)
     return np.column_stack([velocities, rates[:, 2]])
 
 
-def _rate(trajectory: Trajectory, time: float) -> Floats:
-    """The derivative of the pose within the smooth stretch that holds a time."""
-    start, end = _stretch(trajectory, time)
-    if not end > start:
-        return np.zeros(3)
-    if not trajectory.pieces:
-        first, second = poses_at(trajectory, np.array([start, end]))
-        return np.asarray((second - first) / (end - start))
-    step = STEP * (end - start)
-    middle = min(max(time, start), end)
-    if middle - step < start:
-        here, near, far = poses_at(trajectory, middle + step * np.arange(3.0))
-        return np.asarray((4 * near - far - 3 * here) / (2 * step))
-    if middle + step > end:
-        here, near, far = poses_at(trajectory, middle - step * np.arange(3.0))
-        return np.asarray((3 * here - 4 * near + far) / (2 * step))
-    before, after = poses_at(trajectory, middle + step * np.array([-1.0, 1.0]))
-    return np.asarray((after - before) / (2 * step))
+class _Path:
+    """A path whose smooth stretches are found by their times: its pieces, or else the lines between its samples."""
 
+    def __init__(self, trajectory: Trajectory) -> None:
+        last = last_time(trajectory)
+        spans = [(_span(piece, last), piece) for piece in trajectory.pieces]
+        self.pieces = [piece for (start, end), piece in spans if end > start]
+        self.spans = [span for span, _ in spans if span[1] > span[0]]
+        self.starts = np.array([start for start, _ in self.spans])
+        self.times = np.array([float(time) for time in trajectory.times])
+        self.states = trajectory.array
 
-def _stretch(trajectory: Trajectory, time: float) -> tuple[float, float]:
-    """Where the smooth stretch about a time begins and ends; the later one of two that meet, if there is one."""
-    last = last_time(trajectory)
-    if not trajectory.pieces:
-        own = np.array([float(t) for t in trajectory.times])
-        after = min(max(int(np.searchsorted(own, time, side="right")), 1), len(own) - 1)
-        return float(own[after - 1]), float(own[after])
-    spans = [span for span in (_span(piece, last) for piece in trajectory.pieces) if span[1] > span[0]]
-    return next((span for span in reversed(spans) if span[0] <= time), (time, time))
+    def poses(self, times: Floats) -> Floats:
+        """States (m, 3)."""
+        if not self.pieces:
+            return np.column_stack([np.interp(times, self.times, column) for column in self.states.T])
+        return np.array([self._pose(self._stretch(time), time) for time in times.tolist()]).reshape(-1, 3)
+
+    def rate(self, time: float) -> Floats:
+        """The derivative of the pose, by differences of second order within the stretch that holds a time."""
+        if not self.pieces:
+            return self._slope(time)
+        k = self._stretch(time)
+        start, end = self.spans[k]
+        step, middle = STEP * (end - start), min(max(time, start), end)
+        if middle - step < start:
+            here, near, far = (self._pose(k, middle + i * step) for i in range(3))
+            return np.asarray((4 * near - far - 3 * here) / (2 * step))
+        if middle + step > end:
+            here, near, far = (self._pose(k, middle - i * step) for i in range(3))
+            return np.asarray((3 * here - 4 * near + far) / (2 * step))
+        return np.asarray((self._pose(k, middle + step) - self._pose(k, middle - step)) / (2 * step))
+
+    def _stretch(self, time: float) -> int:
+        """The piece about a time; the later one of two that meet."""
+        return max(int(np.searchsorted(self.starts, time, side="right")) - 1, 0)
+
+    def _pose(self, k: int, time: float) -> Floats:
+        start, end = self.spans[k]
+        since = min(max(time, start), end) - start
+        exact = not isinstance(self.pieces[k].start, float)
+        return np.array([float(x) for x in self.pieces[k].state(Fraction(since) if exact else since)])
+
+    def _slope(self, time: float) -> Floats:
+        """Of the line between two samples; zero for a path of one."""
+        after = int(np.searchsorted(self.times, time, side="right"))
+        after = min(max(after, 1), len(self.times) - 1)
+        span = self.times[after] - self.times[after - 1] if after else 0.0
+        return (self.states[after] - self.states[after - 1]) / span if span > 0 else np.zeros(3)
 
 
 def _span(piece: Piece, last: float) -> tuple[float, float]:
