@@ -199,12 +199,10 @@ def test_paths_against_brute_force(name: str) -> None:
     gain, until = 3.0, 2.0
     path = array.simulate(tuple(start), until=until, feedback=True, gain=gain)
     size = math.sqrt(value(feedback.lyapunov, start))
-    errors = []
-    for steps in (4_000, 16_000):
-        gap = brute_force(array, start, gain, until, steps) - np.array(path.trajectory.end.state, float)
-        errors.append(math.sqrt(value(feedback.lyapunov, gap)) / size)
-    assert errors[1] < 2e-3
-    assert errors[1] < 0.6 * errors[0]
+    end = np.array(path.trajectory.end.state, float)
+    for steps in (4_000, 16_000):  # Euler's method passes switches late, so that errors fall but not evenly
+        gap = brute_force(array, start, gain, until, steps) - end
+        assert math.sqrt(value(feedback.lyapunov, gap)) < 5 / steps * size
 
 
 def test_a_cascade_keeps_its_orbits_and_its_heading_decays() -> None:
