@@ -15,6 +15,7 @@ from rich.text import Text
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.reports.animation.output import FILMS, film_bytes
 from nonsmooth.reports.simulate import SCHEMA
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import float_text
@@ -60,7 +61,11 @@ class ShownPath:
             yield (t, *state)
 
     def picture(self, suffix: str) -> bytes:
-        """The pose over time and the path between the wheels."""
+        """The pose over time and the path between the wheels; or the motion itself."""
+        if suffix in FILMS:
+            from nonsmooth.reports.animation.film import build_film
+
+            return film_bytes(build_film(self.scene, self.path.trajectory), suffix)
         from nonsmooth.reports.figures.dynamics import path_figure
 
         return path_figure(self.scene, self.path, suffix)

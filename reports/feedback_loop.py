@@ -25,7 +25,9 @@ from nonsmooth.analysis.fields.feedback_laws import (
     tangential_law,
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.limited_law import limited_law
 from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.motion.saturation import with_saturation
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, gradient_text
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
@@ -55,12 +57,14 @@ class FeedbackLoop:
         feedback: what the feedback clause says of them.
         law: which law, by its own name.
         kinematics: exact pose or leading order.
+        gain: k (1/time).
     """
 
     partition: Partition
     feedback: FeedbackResult
     law: LawName
     kinematics: Kinematics
+    gain: float = GAIN
 
     @property
     def is_certified(self) -> bool:
@@ -125,31 +129,56 @@ class FeedbackLoop:
 
     @cached_property
     def speeds(self) -> StateLaw:
-        """The speeds in every cell, with gain one."""
+        """The speeds in every cell, within the limits of the wheels."""
+        return limited_law(self.wanted, self.limits)
+
+    @cached_property
+    def limits(self) -> dict[int, float]:
+        """The largest speeds of the wheels that have one."""
+        return {index: float(limit) for index, limit in self.partition.scene.speed_limits.items()}
+
+    @cached_property
+    def wanted(self) -> StateLaw:
+        """The speeds in every cell that the law asks for."""
         if self.law in _PAPER_LAWS:
-            return _PAPER_LAWS[self.law](GAIN, float(self.partition.scene.check.length))
+            return _PAPER_LAWS[self.law](self.gain, float(self.partition.scene.check.length))
         if self.law is LawName.GRADIENT:
             (e, f), weight = self.feedback.lyapunov.shape, self.feedback.lyapunov.weight
-            return gradient_law(GAIN, (float(e), float(f)), float(weight))
+            return gradient_law(self.gain, (float(e), float(f)), float(weight))
         if self.cascade.descent is Descent.SLOW_TURNS:
-            return tangential_law(GAIN, self.turning_length)
+            return tangential_law(self.gain, self.turning_length)
         signs = zip(self.cascade.wheels, self.cascade.signs, strict=True)
-        return cascade_law(GAIN, {wheel.index: side for wheel, side in signs})
+        return cascade_law(self.gain, {wheel.index: side for wheel, side in signs})
 
     def field(self, partition: Partition) -> CellwiseField:
         """The field of the loop on the same cells in the scene's own coordinates."""
+        return feedback_field(partition, self._law_in(partition, self.speeds), self.kinematics)
+
+    def inputs(self, partition: Partition) -> list[Speeds]:
+        """The speeds from the pose in each of the same cells, in the scene's own coordinates."""
+        law = self._law_in(partition, self.speeds)
+        return [law(cell.states[0]) for cell in partition.cells]
+
+    def with_saturation(self, partition: Partition, path: Trajectory) -> Trajectory:
+        """The path with the times at which wheels reach their largest speeds, and no longer run at them."""
+        law = self._law_in(partition, self.wanted)
+        wanted = {f"cell {cell.index}": law(cell.states[0]) for cell in partition.cells} if self.limits else {}
+        return with_saturation(path, wanted, self.limits)
+
+    def _law_in(self, partition: Partition, own: StateLaw) -> StateLaw:
+        """A law of poses in the scene's own coordinates."""
         centre = np.array([*map(float, partition.scene.check.equilibrium), 0.0])
         centred = {state.name: state for cell in self.partition.cells for state in cell.states}
 
         def law(state: ContactState) -> Speeds:
-            speeds = self.speeds(centred[state.name])
+            speeds = own(centred[state.name])
 
             def shifted(pose: Vector) -> Mapping[int, float]:
                 return speeds(np.asarray(pose, dtype=float) - centre)
 
             return shifted
 
-        return feedback_field(partition, law, self.kinematics)
+        return law
 
     @property
     def theta_decays(self) -> bool:
@@ -212,7 +241,11 @@ def uncertified_kinematics(feedback: FeedbackResult, kinematics: Kinematics) -> 
 
 
 def build_loop(
-    partition: Partition, law: LawName, kinematics: Kinematics, feedback: FeedbackResult | None = None
+    partition: Partition,
+    law: LawName,
+    kinematics: Kinematics,
+    feedback: FeedbackResult | None = None,
+    gain: float = GAIN,
 ) -> FeedbackLoop:
     """The loop under a law by name, or under the one that the feedback clause certifies.
 
@@ -221,6 +254,7 @@ def build_loop(
         law: its name, or ``certified``.
         kinematics: exact pose or leading order.
         feedback: the verdict on the centred partition, where it is known already.
+        gain: k (1/time).
 
     Raises:
         ValueError: for another rule than ``nearest``, and where no law is certified.
@@ -232,11 +266,11 @@ def build_loop(
     feedback = verified(decide_feedback(centred)) if feedback is None else feedback
     own = certified_law(feedback)
     if law is not LawName.CERTIFIED:
-        return FeedbackLoop(centred, feedback, law, kinematics)
+        return FeedbackLoop(centred, feedback, law, kinematics, gain)
     required = "--feedback: required an array with a certified law, or one named by --law"
     if own is None:
         raise ValueError(f"{required}; the feedback clause says {feedback.verdict}: {feedback.reason}")
     lacking = uncertified_kinematics(feedback, kinematics)
     if lacking:
         raise ValueError(f"{required}, received --kinematics {kinematics}: {lacking}")
-    return FeedbackLoop(centred, feedback, own, kinematics)
+    return FeedbackLoop(centred, feedback, own, kinematics, gain)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Group, RenderableType
 from rich.text import Text
 
@@ -16,6 +19,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.reports.animation.output import FILMS, film_bytes
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns
@@ -37,6 +41,7 @@ class PathRun:
         method: see :class:`Method`.
         law: feedback law, ``certified`` for that of the feedback clause; None for the scene's own speeds.
         width: of the hysteresis or of the smoothing.
+        gain: of the law (1/time).
     """
 
     start: tuple[float, float, float]
@@ -45,6 +50,7 @@ class PathRun:
     method: Method
     law: LawName | None
     width: float
+    gain: float = GAIN
 
 
 def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
@@ -58,7 +64,7 @@ def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None 
     Raises:
         ValueError: where no such law applies.
     """
-    return None if run.law is None else build_loop(partition, run.law, run.kinematics, feedback)
+    return None if run.law is None else build_loop(partition, run.law, run.kinematics, feedback, run.gain)
 
 
 def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None) -> Trajectory:
@@ -81,7 +87,7 @@ def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None)
     if run.method is Method.EVENTS:
         at = partition.scene.check.equilibrium
         loop.refuse_contradiction(path, (float(at[0]), float(at[1])))
-    return path
+    return loop.with_saturation(partition, path)
 
 
 def _by_method(field: Any, run: PathRun) -> Trajectory:
@@ -110,17 +116,37 @@ class ShownTrajectory:
             "feedback": None if self.loop is None else str(self.loop.law),
             "law": None if self.loop is None else law_record(self.loop, self._starts_inside),
             **self.trajectory.record(),
+            "speeds": None if self._inputs is None else [[_known(u) for u in row] for row in self._inputs.tolist()],
         }
 
     def lines(self) -> Iterable[Iterable[Any]]:
-        """Time and pose of every sample."""
-        return sample_lines(self.trajectory, POSE)
+        """Time and pose of every sample, and in a closed loop the speeds of the wheels, empty where it gives none."""
+        if self._inputs is None:
+            yield from sample_lines(self.trajectory, POSE)
+            return
+        header, *lines = sample_lines(self.trajectory, POSE)
+        yield (*header, *(f"u_{wheel.index}" for wheel in self.partition.scene.wheels))
+        for line, row in zip(lines, self._inputs.tolist(), strict=True):
+            yield (*line, *("" if math.isnan(u) else repr(u) for u in row))
+
+    @cached_property
+    def _inputs(self) -> NDArray[np.float64] | None:
+        """The speeds of the wheels at every sample (m, n); nan where a law gives none; None in the open loop."""
+        return None if self.loop is None else loop_speeds(self.partition, self.trajectory, self.loop)
 
     def picture(self, suffix: str) -> bytes:
-        """The pose over time and the path over the cells."""
-        from nonsmooth.reports.figures.trajectory import trajectory_figure
+        """The pose over time and the path over the cells; or the motion itself."""
+        if suffix in FILMS:
+            from nonsmooth.reports.animation.film import build_film
 
-        return trajectory_figure(self.partition, self.trajectory, suffix, "" if self.loop is None else self.loop.title)
+            return film_bytes(build_film(self.partition.scene, self.trajectory, self.partition, self.loop), suffix)
+        from nonsmooth.reports.figures.trajectory import SpeedCurves, dense_times, trajectory_figure
+
+        if self.loop is None:
+            return trajectory_figure(self.partition, self.trajectory, suffix)
+        times = dense_times(self.trajectory)
+        curves = SpeedCurves(times, loop_speeds(self.partition, self.trajectory, self.loop, times), self.loop.limits)
+        return trajectory_figure(self.partition, self.trajectory, suffix, self.loop.title, curves)
 
     def summary(self) -> str:
         """How many events, how it ends, and under which law."""
@@ -144,12 +170,32 @@ class ShownTrajectory:
         return self.loop.region.contains((x - float(centre[0]), y - float(centre[1]), theta))
 
 
+def loop_speeds(
+    partition: Partition, trajectory: Trajectory, loop: FeedbackLoop, times: Iterable[float] | None = None
+) -> NDArray[np.float64]:
+    """The speeds of all wheels in a closed loop at times, those of its samples unless given (m, n).
+
+    At a switch they are those of the motion that begins there; nan where a wheel does not act and is given none.
+    """
+    from nonsmooth.analysis.motion.frames import build_frames
+
+    at = [float(time) for time in (trajectory.times if times is None else times)]
+    leading = trajectory.kinematics != Kinematics.EXACT
+    pivot = [float(x) for x in partition.scene.check.equilibrium] if leading else None
+    inputs = loop.inputs(partition)
+    return build_frames(partition.scene, trajectory, at, partition=partition, inputs=inputs, pivot=pivot).speeds
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
 def law_record(loop: FeedbackLoop, starts_inside: bool | None) -> dict[str, Any]:
     """The law of a closed loop, whether it is certified, and from where."""
     return {
         "name": str(loop.law),
         "formula": loop.formula,
-        "gain": GAIN,
+        "gain": loop.gain,
         "certified": loop.is_certified,
         "status": loop.status,
         "region": None if loop.region is None else str(loop.region),
@@ -159,7 +205,7 @@ def law_record(loop: FeedbackLoop, starts_inside: bool | None) -> dict[str, Any]
 
 def law_lines(loop: FeedbackLoop, starts_inside: bool | None) -> list[str]:
     """The same for a terminal."""
-    lines = [f"feedback: {loop.title}, k = {GAIN:g}", loop.formula]
+    lines = [f"feedback: {loop.title}, k = {loop.gain:g}", loop.formula]
     if not loop.is_certified:
         return lines
     if loop.region is None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -26,7 +26,7 @@ UNTIL = 2.0  # last time of a single path, where none is given
 MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
 
 # Parameters of the command by the mode they belong to.
-OF_LOOPS = ("feedback", "law")
+OF_LOOPS = ("feedback", "law", "gain")
 OF_MAPS = ("grid", "heading")
 OF_BODIES = ("mass", "inertia", "compare_masses")
 OF_SCENES = ("rule", "radius", "at")
@@ -45,6 +45,7 @@ class Options:
         kinematics: exact pose or leading order.
         method, width: how a path is followed.
         law: feedback law; None for the open loop.
+        gain: of the law.
         mass, inertia, compare_masses: of a body with mass.
         refuse: refuses parameters that were given on the command line.
     """
@@ -57,6 +58,7 @@ class Options:
     method: Method
     width: float
     law: LawName | None
+    gain: float
     mass: float | None
     inertia: float | None
     compare_masses: bool
@@ -71,6 +73,7 @@ class Options:
         if self.until is not None:
             _require_positive("--until", self.until)
         _require_positive("--width", self.width)
+        _require_positive("--gain", self.gain)
         if self.method not in (Method.HYSTERESIS, Method.SMOOTHED):
             self.refuse(("width",), "--method hysteresis or smoothed", f"--method {self.method}")
 
@@ -166,13 +169,23 @@ class ArrayPath(ArrayMode):
         options.refuse(OF_BODIES, "--method dynamics", f"--method {options.method}")
 
     def shown(self, options: Options) -> Shown:
-        """By events, hysteresis or smoothing, through the cells of the contact rule."""
+        """By events, hysteresis or smoothing through the cells of the contact rule; where it has none, by itself."""
         from nonsmooth.analysis.cells.contact_partition import build_partition
+        from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
         from nonsmooth.analysis.trajectories.result import TrajectoryError
         from nonsmooth.reports.simulate import ShownTrajectory, follow, loop_of
+        from nonsmooth.reports.smooth_paths import follow_smooth_rule
 
         run = _pose_run(options)
         scene = self._load()
+        rule = rule_of(scene)
+        is_plain = (run.method, run.kinematics, run.law) == (Method.EVENTS, Kinematics.EXACT, None)
+        if isinstance(rule, SmoothRule) and is_plain:
+            try:
+                with refusals_named(scene):
+                    return follow_smooth_rule(scene, rule, run)
+            except (ValueError, TrajectoryError) as error:
+                raise RefusedError(f"{scene.origin}: {error}") from None
         with refusals_named(scene):
             partition = build_partition(scene)
         try:
@@ -258,7 +271,7 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
 def _refuse_map_options(options: Options) -> None:
     options.refuse(("heading",), "--grid", "none")
     if options.law is None:
-        options.refuse(("law",), "--feedback", "none")
+        options.refuse(("law", "gain"), "--feedback", "none")
 
 
 def _pose_run(options: Options) -> PathRun:
@@ -266,7 +279,8 @@ def _pose_run(options: Options) -> PathRun:
 
     x, y, theta = read_start(options.start, POSE, angle="theta")
     until = options.until or UNTIL
-    return PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
+    run = PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
+    return replace(run, gain=options.gain)
 
 
 def _outside(scene: Scene, start: Sequence[float]) -> str:

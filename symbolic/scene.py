@@ -41,6 +41,7 @@ class Wheel:
         direction: ``D_i``, the rim direction, of any nonzero length.
         given_speed: ``u_i`` along the rim (length/time); None means the magnitude ``|D_i|`` of a velocity field.
         friction: coefficients of this wheel.
+        speed_limit: the largest ``|u_i|`` that its drive can do (length/time); None where that is not stated.
     """
 
     index: int
@@ -48,6 +49,7 @@ class Wheel:
     direction: Vector
     given_speed: Number | None
     friction: Friction
+    speed_limit: Number | None = None
 
     @cached_property
     def length(self) -> Number:
@@ -130,6 +132,11 @@ class Scene(ShortRepr):
     units: Units = dataclasses.field(default=Units(), compare=False)
     body: Body | None = None
     idle: tuple[Wheel, ...] = ()
+
+    @property
+    def speed_limits(self) -> dict[int, Number]:
+        """The limits of the wheels that have one, by index."""
+        return {wheel.index: wheel.speed_limit for wheel in self.wheels if wheel.speed_limit is not None}
 
     @property
     def origin(self) -> str:

@@ -30,6 +30,8 @@ class EventKind(StrEnum):
     LEAVE = "leave"
     REST = "rest"
     NONUNIQUE = "nonunique"
+    LIMIT = "limit"
+    FREE = "free"
 
 
 class EndReason(StrEnum):

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, cast
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, lower_text
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
 
@@ -27,7 +28,7 @@ def pose_answer(scene: Scene, results: Results) -> Answer:
     found = cast("AnyFeedback", results["feedback"])
     if found.verdict is Feedback.NOT_APPLICABLE and not rule_of(scene).keeps_rows:
         found = _beyond_the_theorem(scene) or found
-    return Answer("pose", _verdict(found), tuple(_facts(found)))
+    return Answer("pose", _verdict(found), tuple(_facts(found, scene)))
 
 
 @lru_cache(maxsize=8)  # one answer is asked for by the terminal, JSON and the exit status
@@ -50,12 +51,12 @@ def _verdict(found: AnyFeedback) -> Pose:
     return Pose.UNDECIDED if found.obstruction is None else Pose.CANNOT_BE_HELD
 
 
-def _facts(found: AnyFeedback) -> Iterator[Fact]:
+def _facts(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     """What the law must know, how fast it is, and how much it may misjudge."""
     held = found.verdict is Feedback.STABILIZABLE
     yield Fact("law", found.law)
     yield Fact("must_know", list(found.must_know) if held else None, _knowing(found) if held else "")
-    yield from _rate(found)
+    yield from _rate(found, scene)
     error = found.position_error if held else None
     yield Fact("position_error", error, "" if error is None else _misjudging(error))
     if not held:
@@ -73,14 +74,19 @@ def _misjudging(error: float) -> str:
     return f"it may misjudge the position by {float_text(error, 4)} of the distance"
 
 
-def _rate(found: AnyFeedback) -> Iterator[Fact]:
-    """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``."""
+def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
+    """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``; slower where speeds end."""
     kappa = found.certified_kappa
+    limited = found.limited if isinstance(found, FeedbackResult) else None
+    speed = None if limited is None else limited.speed
     if kappa is None:
-        yield Fact("rate", Quantity(None))
+        yield from (Fact("rate", Quantity(None)), Fact("speed", Quantity(None)))
         return
     words = f"with gain k the error halves at least every {half_life(kappa)}/k s"
     yield Fact("rate", Quantity(kappa), words)
+    how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} per s or faster"
+    slower = f"farther away, where speeds are limited, it falls {how}" if scene.speed_limits else ""
+    yield Fact("speed", Quantity(speed), slower)
 
 
 def _why_not(found: AnyFeedback) -> str:

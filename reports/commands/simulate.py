@@ -27,6 +27,10 @@ From = Annotated[
         help="Start in world coordinates, such as 0.2,sqrt(2)/4,pi/6: one number per state.",
     ),
 ]
+Gain = Annotated[
+    float,
+    typer.Option("--gain", rich_help_panel=LOOP, metavar="K", help="Gain of the law, with --feedback (1/time)."),
+]
 GridOption = Annotated[
     int | None,
     typer.Option(
@@ -64,7 +68,7 @@ FeedbackOption = Annotated[
     typer.Option(
         "--feedback",
         rich_help_panel=LOOP,
-        help="Close the loop with gain 1 by the law that check certifies (rule nearest).",
+        help="Close the loop by the law that check certifies (rule nearest).",
     ),
 ]
 LawOption = Annotated[
@@ -104,7 +108,13 @@ CompareMasses = Annotated[
 ]
 Output = Annotated[
     str | None,
-    typer.Option("-o", "--output", metavar="FILE", help="Samples: .csv or .json; picture: .svg, .png or .pdf."),
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="Samples: .csv or .json; picture: .svg, .png or .pdf; of one path of an array also the motion itself: "
+        ".html (a page with a slider), .gif or .mp4 (needs ffmpeg).",
+    ),
 ]
 
 
@@ -120,6 +130,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     width: Width = 1e-3,
     feedback: FeedbackOption = False,
     law: LawOption = LawName.CERTIFIED,
+    gain: Gain = 1.0,
     mass: Mass = None,
     inertia: Inertia = None,
     compare_masses: CompareMasses = False,
@@ -134,6 +145,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
 
     Exit status: 0 done, 2 bad input.
     """
+    from nonsmooth.reports.animation.output import FILMS, require_film
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.shown import show
     from nonsmooth.reports.simulation_modes import Options, SimulationMode, SystemPathMode, array_mode
@@ -149,12 +161,14 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         method=method,
         width=width,
         law=law if feedback else None,
+        gain=gain,
         mass=mass,
         inertia=inertia,
         compare_masses=compare_masses,
         refuse=partial(refuse_given, context),
     )
-    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES))
+    films = () if grid is not None or compare_masses else FILMS
+    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES, *films))
     options.check()
     if holds_system(scene):
         mode: SimulationMode = SystemPathMode(partial(load_system, scene))
@@ -162,5 +176,6 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
         mode = array_mode(options, load)
     mode.refuse_others(options)
+    require_film(path, is_array=not holds_system(scene))
     show(mode.shown(options), path, json=json)
     return 0

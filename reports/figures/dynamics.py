@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -41,8 +42,22 @@ def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
     return figure_bytes(lambda: build_path_figure(title, model, (path.trajectory, rule), scene.units), suffix)
 
 
-def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, Trajectory], units: Units) -> Figure:
-    """The picture as a Matplotlib figure; the paths are those of full dynamics and of rule ellipse."""
+def rule_path_figure(scene: Scene, path: Trajectory, suffix: str) -> bytes:
+    """The same of a path under a rule without cells, alone."""
+    title = f"{one_line(scene.name)}: rule {scene.contact.rule}, {path.kinematics} kinematics"
+    style = {**RULE, "label": f"rule {scene.contact.rule}", "linestyle": "-"}
+    model = contact_model(scene)
+    return figure_bytes(lambda: build_path_figure(title, model, (path,), scene.units, (style,)), suffix)
+
+
+def build_path_figure(
+    title: str,
+    model: ContactModel,
+    paths: Sequence[Trajectory],
+    units: Units,
+    styles: Sequence[dict[str, Any]] = (BODY, RULE),
+) -> Figure:
+    """The picture as a Matplotlib figure; unless told the paths are those of full dynamics and of rule ellipse."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, layout="constrained")
@@ -56,7 +71,7 @@ def build_path_figure(title: str, model: ContactModel, paths: tuple[Trajectory, 
         axes.sharex(curves[0])
         axes.tick_params(labelbottom=axes is curves[-1])
     curves[-1].set_xlabel(time_label("t", units))
-    for path, style in zip(paths, (BODY, RULE), strict=True):
+    for path, style in zip(paths, styles, strict=True):
         times = np.linspace(0.0, float(path.end.t), SAMPLES)
         states = path.sample(times)
         for k, axes in enumerate(curves):

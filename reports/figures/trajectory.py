@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,13 +22,18 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 SIZE = (8.0, 4.6)  # inches
+TALL = (8.0, 7.0)  # with the speeds of a closed loop
 PATH = "#0072B2"
+LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#222222", "#999999")  # Okabe and Ito
+MOST_NAMED = 8  # wheels up to which the lines of their speeds are told apart
 MARKERS = {  # a form for every kind, so that color is not needed to tell them apart
     EventKind.CROSS: "|",
     EventKind.SLIDE: "s",
     EventKind.LEAVE: "^",
     EventKind.REST: "o",
     EventKind.NONUNIQUE: "D",
+    EventKind.LIMIT: "v",
+    EventKind.FREE: "P",
 }
 SAMPLES = 400  # times at which the curves are drawn
 SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged
@@ -35,29 +41,72 @@ MARGIN = 1.3  # half-width of the enlarged view in units of the path's extent
 MOST_MARKS = 60  # events that are marked, evenly among all: accumulating switches would cover the curve
 
 
-def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
+@dataclass(frozen=True, eq=False)
+class SpeedCurves:
+    """The speeds of the wheels in a closed loop.
+
+    Attributes:
+        times: shape (m,).
+        speeds: shape (m, n); nan where a law gives a wheel none.
+        limits: the largest speeds, by the number of the wheel.
+    """
+
+    times: NDArray[np.float64]
+    speeds: NDArray[np.float64]
+    limits: Mapping[int, float]
+
+
+def trajectory_figure(
+    partition: Partition, trajectory: Trajectory, suffix: str, law: str = "", speeds: SpeedCurves | None = None
+) -> bytes:
     """The picture as the bytes of a file; ``suffix`` as for the cell map, ``law`` names that of a closed loop."""
     require_drawable(partition)
-    return figure_bytes(lambda: build_figure(partition, trajectory, law), suffix)
+    return figure_bytes(lambda: build_figure(partition, trajectory, law, speeds), suffix)
 
 
-def build_figure(partition: Partition, trajectory: Trajectory, law: str = "") -> Figure:
-    """The picture as a Matplotlib figure."""
+def build_figure(
+    partition: Partition, trajectory: Trajectory, law: str = "", speeds: SpeedCurves | None = None
+) -> Figure:
+    """The picture as a Matplotlib figure: the pose over time, the path, and under both the speeds of a closed loop."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE, layout="constrained")
-    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
+    rows = 3 if speeds is None else 5
+    figure = Figure(figsize=SIZE if speeds is None else TALL, layout="constrained")
+    grid = figure.add_gridspec(rows, 2, width_ratios=(1, 1.1))
     curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
     units = partition.scene.units
+    if speeds is not None:
+        _draw_speeds(figure.add_subplot(grid[3:, :]), speeds, partition)
     home = (*(float(x) for x in partition.scene.check.equilibrium), 0.0)
     draw_curves(curves, trajectory, pose_labels(units), time_label("t", units), home)
-    _draw_path(figure.add_subplot(grid[:, 1]), partition, trajectory)
+    _draw_path(figure.add_subplot(grid[:3, 1]), partition, trajectory)
     name = one_line(partition.scene.name)
     title = f"{name}: rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
     title = f"{title}\n{law}" if law else title
     figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
     explain(figure, trajectory)
     return figure
+
+
+def _draw_speeds(axes: Axes, curves: SpeedCurves, partition: Partition) -> None:
+    """The speeds over time, a line for each wheel that acts at some time, and dashed lines at their limits."""
+    units = partition.scene.units
+    acting = [k for k in range(curves.speeds.shape[1]) if np.isfinite(curves.speeds[:, k]).any()]
+    axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+    for number, k in enumerate(acting):
+        color = LINES[number % len(LINES)]
+        axes.plot(curves.times, curves.speeds[:, k], color=color, linewidth=1.4, label=f"u_{k + 1}")
+        axes.plot(curves.times, curves.speeds[:, k], ".", color=color, markersize=1.5)
+    shown = curves.speeds[:, acting]
+    largest = float(np.nanmax(np.abs(shown), initial=0.0))
+    for limit in sorted({curves.limits[k + 1] for k in acting if k + 1 in curves.limits}):
+        if limit <= 1.2 * largest:
+            for side in (-limit, limit):
+                axes.axhline(side, color=INK, linewidth=0.9, linestyle="--")
+    axes.set(xlabel=time_label("t", units), ylabel=f"speeds u_i [{units.speed or 'speed'}]")
+    axes.margins(x=0.02, y=0.12)
+    if 0 < len(acting) <= MOST_NAMED:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
 
 
 def draw_curves(
@@ -88,6 +137,11 @@ def marked(events: Sequence[Event]) -> Sequence[Event]:
     if len(events) <= MOST_MARKS:
         return events
     return [events[round(k * (len(events) - 1) / (MOST_MARKS - 1))] for k in range(MOST_MARKS)]
+
+
+def dense_times(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Times close enough together that curves look round."""
+    return _dense(trajectory)[0]
 
 
 def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

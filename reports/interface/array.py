@@ -27,6 +27,7 @@ _PLACES = {
     "name": (),
     "mu_roll": ("friction",),
     "mu_side": ("friction",),
+    "speed_limit": ("drive",),
     "rule": ("contact",),
     "loads": ("contact",),
     "at": ("check",),
@@ -126,8 +127,8 @@ class Array:
         """Another array in which some keys are changed.
 
         Args:
-            **changes: name, mu_roll, mu_side, rule, loads, at, radius, lyapunov, length; field, body and units as
-                tables.
+            **changes: name, mu_roll, mu_side, speed_limit, rule, loads, at, radius, lyapunov, length; field, body and
+                units as tables.
 
         Raises:
             SceneError: for whatever cannot be used.
@@ -200,6 +201,7 @@ class Array:
         *,
         feedback: bool | str = False,
         method: str = "events",
+        gain: float = 1.0,
         **changes: Any,
     ) -> PathResult:
         """The path of a body from ``(x, y, theta)``, in the coordinates of the array.
@@ -209,6 +211,7 @@ class Array:
             until: last time.
             feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
             method: ``events``, ``hysteresis`` or ``smoothed``.
+            gain: of the law (1/time).
             **changes: as for :meth:`with_`.
 
         Raises:
@@ -218,7 +221,7 @@ class Array:
         from nonsmooth.reports.interface.path_result import follow_array
 
         array = self.with_(**changes) if changes else self
-        return follow_array(array.scene, start, until, feedback=feedback, method=method)
+        return follow_array(array.scene, start, until, feedback=feedback, method=method, gain=gain)
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.

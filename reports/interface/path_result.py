@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.feedback_loop import FeedbackLoop
     from nonsmooth.symbolic.scene import Scene
 
 WIDTH = 1e-3  # of hysteresis and smoothing
@@ -36,12 +39,16 @@ class PathResult(Tabular):
         states: names of the states.
         trajectory: samples, events, pieces, end, and whether the solution is unique.
         partition: the cells it goes through; None for systems and rules without cells.
+        scene: the array; None for systems.
+        loop: the closed loop, where a law sets the speeds.
     """
 
     name: str
     states: tuple[str, ...]
     trajectory: Trajectory
     partition: Partition | None = None
+    scene: Scene | None = None
+    loop: FeedbackLoop | None = None
 
     @property
     def t(self) -> NDArray[np.float64]:
@@ -73,6 +80,24 @@ class PathResult(Tabular):
 
         return plot_path(self, ax)
 
+    def animate(self, file: str | Path) -> Path:
+        """Write the motion of the body over the wheels: .html (a page with a slider), .gif or .mp4 (needs ffmpeg).
+
+        Raises:
+            OutputError: for another suffix, or a file that cannot be written.
+            ValueError: for the path of a plain system; for .mp4 without ffmpeg.
+        """
+        from nonsmooth.reports.animation.film import build_film
+        from nonsmooth.reports.animation.output import FILMS, film_bytes
+        from nonsmooth.reports.files import output_path, write_whole
+
+        path = output_path(str(file), FILMS)
+        if self.scene is None:
+            raise ValueError("required a path of an array, received one of a plain system")
+        film = build_film(self.scene, self.trajectory, self.partition, self.loop)
+        write_whole(path, film_bytes(film, path.suffix.lower()))
+        return path
+
     def __repr__(self) -> str:
         end, path = self.trajectory.end, self.trajectory
         unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
@@ -85,7 +110,13 @@ class PathResult(Tabular):
 
 
 def follow_array(
-    scene: Scene, start: Sequence[float], until: float, *, feedback: bool | str = False, method: str = "events"
+    scene: Scene,
+    start: Sequence[float],
+    until: float,
+    *,
+    feedback: bool | str = False,
+    method: str = "events",
+    gain: float = 1.0,
 ) -> PathResult:
     """The path of a body over an array; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
 
@@ -96,8 +127,11 @@ def follow_array(
     x, y, theta = (float(value) for value in start)
     rule = rule_of(scene)
     if isinstance(rule, SmoothRule) and not feedback:
-        return PathResult(scene.name, POSE, rule.path(scene, (x, y, theta), until))
+        return PathResult(scene.name, POSE, rule.path(scene, (x, y, theta), until), scene=scene)
     law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
-    run = PathRun((x, y, theta), until, Kinematics.EXACT, Method(method), law, WIDTH)
+    if not (math.isfinite(gain) and gain > 0):
+        raise ValueError(f"gain: required a positive number, received {gain}")
+    run = PathRun((x, y, theta), until, Kinematics.EXACT, Method(method), law, WIDTH, gain)
     partition = build_partition(scene)
-    return PathResult(scene.name, POSE, follow(partition, run, loop_of(partition, run)), partition)
+    loop = loop_of(partition, run)
+    return PathResult(scene.name, POSE, follow(partition, run, loop), partition, scene, loop)

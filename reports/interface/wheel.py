@@ -19,6 +19,7 @@ class Wheel:
         speed: of the rim (length/second); None for 1, or for the array's field.
         mu_roll: friction along the rim; None for the array's.
         mu_side: friction across it; None for the array's.
+        speed_limit: the largest speed of its drive (length/second); None for the array's.
     """
 
     position: Sequence[Any]
@@ -26,6 +27,7 @@ class Wheel:
     speed: Any = None
     mu_roll: Any = None
     mu_side: Any = None
+    speed_limit: Any = None
 
     def table(self) -> dict[str, Any]:
         """The ``[[wheel]]`` table of a scene file."""

@@ -17,6 +17,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
+from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate
 from nonsmooth.reports.document import (
     Block,
     Entry,
@@ -69,6 +70,8 @@ def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
         bound = f"-{lower_text(2 * kappa, 4)}"
         formula = Math(rf"\dot V \le {bound}\, k V", f"V' <= {bound} k V")
         blocks.append(paragraph("Certified on every closed cone at the equilibrium: {}.", formula))
+    if feedback.limited is not None:
+        blocks += _limited_blocks(feedback.limited, gains_below_one=feedback.lyapunov.length is not None)
     if feedback.margin is not None:
         blocks += _margin_blocks(feedback.margin)
     if feedback.cells:
@@ -77,6 +80,29 @@ def _sign_blocks(feedback: FeedbackResult) -> list[Block]:
     if failing:
         blocks.append(paragraph("The paper's `u_j = -k theta` (sec. 3.3) has the wrong sign in the cells {}.", failing))
     return blocks
+
+
+def _limited_blocks(limited: LimitedRate, *, gains_below_one: bool) -> list[Block]:
+    """What limits of speed leave of the rate."""
+    free, held, speed, level = (
+        lower_text(value, 4) for value in (limited.free, limited.held, limited.speed, limited.level)
+    )
+    gain = "" if gains_below_one else " (for a gain of at least one)"
+    scaled = (
+        "Where an input would exceed the largest speed of its wheel, all inputs of the cell are scaled by one factor: "
+        "every velocity keeps its direction, so the paths are those without limits, more slowly."
+    )
+    inside = "Certified where {}: no wheel is at its limit while {}{}, and the rate holds while {}; beyond that {}."
+    falls = Math(rf"\frac{{d}}{{dt}} \sqrt{{V}} \le -{decimal_latex(speed)}", f"d/dt sqrt(V) <= -{speed}")
+    shown = [
+        Math(rf"{left} {sign} {decimal_latex(value)}", f"{plain} {plain_sign} {value}")
+        for left, sign, value, plain, plain_sign in (
+            ("V", "<", level, "V", "<"),
+            ("k^2 V", r"\le", free, "k^2 V", "<="),
+            ("k^2 V", r"\le", held, "k^2 V", "<="),
+        )
+    ]
+    return [paragraph(scaled), paragraph(inside, shown[0], shown[1], gain, shown[2], falls)]
 
 
 def _margin_blocks(margin: InputMargin) -> list[Block]:

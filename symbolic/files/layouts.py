@@ -35,6 +35,7 @@ class Own(NamedTuple):
     speed: Exact | None = None
     mu_roll: Exact | None = None
     mu_side: Exact | None = None
+    speed_limit: Exact | None = None
 
 
 class Place(NamedTuple):
@@ -63,11 +64,12 @@ class WheelTable(Table):
     speed: OptionalExact = None
     mu_roll: OptionalExact = None
     mu_side: OptionalExact = None
+    speed_limit: OptionalExact = None
 
     def place(self, numbers: Numbers, key: str) -> Place:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
-        return Place(key, (x, y), Own(self.heading, self.speed, self.mu_roll, self.mu_side))
+        return Place(key, (x, y), Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit))
 
 
 class WheelList(NamedTuple):

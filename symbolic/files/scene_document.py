@@ -100,6 +100,12 @@ class FrictionTable(Table):
     mu_side: OptionalExact = None
 
 
+class DriveTable(Table):
+    """``[drive]``: the largest speed of every wheel that names none; without it speeds are not limited."""
+
+    speed_limit: OptionalExact = None
+
+
 class WheelFile(Table):
     """``[wheels]``: a CSV table, its path relative to the scene file and in the scene's folder or below it."""
 
@@ -134,6 +140,7 @@ class Document(Table):
     description: Name = None
     units: UnitsTable = UnitsTable()
     friction: FrictionTable = FrictionTable()
+    drive: DriveTable = DriveTable()
     wheel: list[WheelTable] | None = None
     ring: Ring | None = None
     grid: Grid | None = None

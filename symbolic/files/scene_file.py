@@ -244,7 +244,7 @@ def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -
 
 def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
-    for table in (document.friction, document.field, document.body, document.contact, document.check):
+    for table in (document.friction, document.drive, document.field, document.body, document.contact, document.check):
         yield from angles(table)
 
 

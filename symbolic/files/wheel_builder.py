@@ -24,12 +24,14 @@ class WheelBuilder:
         self._unit_speed = unit_speed(document, numbers)
         self._field_speed = speed_of_field(document, numbers)
         self._frictions: dict[tuple[Exact | None, Exact | None], Friction] = {}
+        self._limits: dict[Exact | None, Number | None] = {}
 
     def build(self, places: Iterable[Place]) -> tuple[Wheel, ...]:
         """Wheels numbered from 1.
 
         Raises:
-            SceneError: for fewer than two wheels, two wheels at one place, no heading, bad friction.
+            SceneError: for fewer than two wheels, two wheels at one place, no heading, bad friction, and a speed above
+                its limit.
         """
         wheels: list[Wheel] = []
         taken: dict[Vector, int] = {}
@@ -50,7 +52,36 @@ class WheelBuilder:
         else:
             speed = self._field_speed if own.heading is None else self._unit_speed
         friction = self._friction(index, place)
-        return Wheel(index, place.position, self._direction(index, place), speed, friction)
+        limit = self._limit(place)
+        wheel = Wheel(index, place.position, self._direction(index, place), speed, friction, limit)
+        if limit is not None:
+            self._refuse_above(limit, wheel, place)
+        return wheel
+
+    def _limit(self, place: Place) -> Number | None:
+        """The largest speed of a wheel in lengths per second; equal limits are one shared number."""
+        own = place.own.speed_limit
+        if own not in self._limits:
+            value = self._document.drive.speed_limit if own is None else own
+            key = "drive.speed_limit" if own is None else f"{place.key}.speed_limit"
+            self._limits[own] = None if value is None else self._converted(self._numbers.positive(value, key))
+        return self._limits[own]
+
+    def _refuse_above(self, limit: Number, wheel: Wheel, place: Place) -> None:
+        """Refuse a wheel whose own speed is above its limit.
+
+        Raises:
+            SceneError: naming the speed.
+        """
+        x, y = wheel.direction
+        excess = x * x + y * y - limit * limit if wheel.given_speed is None else abs(wheel.given_speed) - limit
+        if excess.sign() <= 0:
+            return
+        of_field = place.own.speed is None and place.own.heading is None
+        key = "field.speed" if of_field else f"{place.key}.speed"
+        unit = f" {self._document.units.labels.speed}".rstrip()
+        required = f"at wheel {wheel.index} a speed within its speed_limit {short_text(limit)}{unit}"
+        raise self._error(key, required, StatedFact(f"{short_text(wheel.speed)}{unit}"))
 
     def _direction(self, index: int, place: Place) -> Vector:
         heading, key = place.own.heading, "field"

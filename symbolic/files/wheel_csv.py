@@ -1,4 +1,4 @@
-"""A CSV table of wheels: ``x,y`` and, where wanted, ``heading,speed,mu_roll,mu_side``, in any order.
+"""A CSV table of wheels: ``x,y`` and, where wanted, ``heading,speed,mu_roll,mu_side,speed_limit``, in any order.
 
 Cells are separated by commas, semicolons or tabs; lines that begin with ``#`` are comments; other columns are not read,
 and a note says so.  Empty cells name nothing.  Equal cells are read once, and plain decimals never reach the formula
@@ -20,7 +20,7 @@ from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, ang
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
-COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side")
+COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit")
 SEPARATORS = (",", ";", "\t")
 LIKENESS = 0.7  # of an unknown column to a missing one, above which it is taken for misspelt (difflib)
 MOST_SHOWN = 4  # columns that a note lists

@@ -41,6 +41,7 @@ from nonsmooth.proofs.clauses.feedback.level_region import (
     is_above,
     least_level,
 )
+from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate, build_limited_rate
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion, build_turn_region
 from nonsmooth.proofs.clauses.witness import Witness
@@ -82,6 +83,7 @@ class FeedbackResult:
         margin: how far the contact state may be in doubt (stabilizable).
         region: starts from which the law brings the body home, under exact kinematics (stabilizable); None where
             that is only known of starts near the equilibrium.
+        limited: how fast V falls where wheels have limits of speed (stabilizable, with a certified rate).
     """
 
     verdict: Feedback
@@ -96,6 +98,7 @@ class FeedbackResult:
     obstruction: Triple | None = None
     cascade: CascadeLaw | None = None
     region: LevelRegion | TurnRegion | None = None
+    limited: LimitedRate | None = None
 
     @property
     def law(self) -> str | None:
@@ -148,7 +151,7 @@ class FeedbackResult:
         if self.verdict is Feedback.STABILIZABLE:
             signs = all(data.lever is not None and data.demand.sign(self.lyapunov) for data in local)
             decreasing = signs and self.lyapunov.is_positive
-            sound = self.margin is None or self.margin.check(self.lyapunov)
+            sound = (self.margin is None or self.margin.check(self.lyapunov)) and self._limits_hold()
             return genuine and decreasing and sound and (self.rate is None or self.rate.check(self.lyapunov))
         if (
             not genuine
@@ -159,6 +162,14 @@ class FeedbackResult:
         return _obstructs(self.obstruction, local) and (
             not self.none_serves or not shape_regions([data.demand for data in local])
         )
+
+    def _limits_hold(self) -> bool:
+        """Whether what limits of speed leave of the rate, if there are any, verifies on these cells."""
+        if self.limited is None:
+            return True
+        local = frozenset(data.cell.index for data in self.cells if is_local(data.cell))
+        rate = self.rate
+        return rate is not None and self.limited.check(self.cells, local, rate, self.lyapunov)
 
     def _region_holds(self) -> bool:
         """Whether the region, if there is one, is about this law and verifies on these cells."""
@@ -221,8 +232,19 @@ def _gradient_result(
     """The law ``u = -k (a, b)`` by a V, with its margin and region."""
     margin = build_margin(build_fan(partition), lyapunov)
     region = _supported_region(partition, cells, local, lyapunov)
+    check = partition.scene.check
+    limited = build_limited_rate(cells, local, check.radius, rate, lyapunov, check.length)
     return FeedbackResult(
-        Feedback.STABILIZABLE, cells, local, None, reason, rate, lyapunov, margin=margin, region=region
+        Feedback.STABILIZABLE,
+        cells,
+        local,
+        None,
+        reason,
+        rate,
+        lyapunov,
+        margin=margin,
+        region=region,
+        limited=limited,
     )
 
 

@@ -25,12 +25,18 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
     from nonsmooth.proofs.theorem4_result import Theorem4Result
 
+LIMITED = (
+    "limited speeds: where a wheel would exceed its limit all are scaled alike, which keeps the paths of the law "
+    "and only slows them"
+)
+UNKNOWN_SPEED = "how fast the limited law is, is not known"
 MOST_CELLS = 12  # that are named in a sentence
 
 
 def row_facts(feedback: FeedbackResult | DrivenFeedback, check: Theorem4Result) -> Iterator[Fact]:
     """V, rate, region, margin, ranks of the inputs, and the signs that the cells need."""
     yield from _rate(feedback, check.scene)
+    yield from limit_facts(feedback, check.scene)
     rows = feedback if isinstance(feedback, FeedbackResult) else None
     yield Fact("lyapunov", _lyapunov_record(feedback, check.scene))
     yield from _region(rows)
@@ -69,6 +75,29 @@ def _rate(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Iterator[F
         where = "near c*" if reach is None else f"where |c| <= {decimal_text(reach, 3)}"
         yield said(f"{where}: V' <= -{lower_text(2 * kappa, 4)} k V (certified)", explained=True)
         yield said(f"V = {feedback.lyapunov}", explained=True)
+
+
+def limit_facts(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Iterator[Fact]:
+    """What limits of speed leave of the rate; nothing where no wheel has one."""
+    if not scene.speed_limits or feedback.law is None:
+        yield Fact("limited")
+        return
+    limited = feedback.limited if isinstance(feedback, FeedbackResult) else None
+    yield said(LIMITED, explained=True)
+    if limited is None:
+        yield said(UNKNOWN_SPEED, explained=True)
+        yield Fact("limited")
+        return
+    unit = f" {scene.units.speed}".rstrip()
+    gain = "" if feedback.lyapunov.length is not None else ", k >= 1"
+    level = lower_text(limited.level, 4)
+    words = f"where V < {level}: no wheel is at its limit while k^2 V <= {lower_text(limited.free, 4)}{gain}"
+    yield said(f"{words} (certified)", explained=True)
+    rate = f"the rate holds while k^2 V <= {lower_text(limited.held, 4)}"
+    speed = f"beyond, sqrt(V) falls at {lower_text(limited.speed, 4)}{unit} or faster (certified)"
+    yield said(f"{rate}; {speed}", explained=True)
+    keys = ("free", "held", "speed", "level")
+    yield Fact("limited", {key: Quantity(scene.field(getattr(limited, key))) for key in keys})
 
 
 def _lyapunov_record(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Record | None:

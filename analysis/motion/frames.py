@@ -1,0 +1,190 @@
+"""What is to be seen at a time of a path: pose, twist, speeds of the rims, slips, and which wheels carry the body.
+
+With the twist ``xi = (v, omega)`` of the body at a time, the body point over wheel i moves with
+``v(p_i) = v + omega J p_i``; the slip is ``(d_i . v(p_i) - u_i, n_i . v(p_i))``, along the rim and across it.
+
+The contact set: under a rule that keeps rows the wheels whose rows are kept in a cell whose closure holds the centre
+of mass (of both cells while the body slides along an edge), under others the wheels whose load is not zero.  A wheel
+sticks where its slip is zero to within :data:`STICKS`; floats tell no more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.contact_rule import contact_rule
+from nonsmooth.analysis.fields.cellwise_field import Speeds
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.motion.twists import path_twists, poses_at
+from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.symbolic.scene import Scene
+
+STICKS = 1e-6  # slip over the largest speed: above the error of a difference along a path (1e-8)
+LOADED = 1e-9  # of the weight: a smaller load is rounding of none
+MIXED = 1e-6  # smaller weights of a cell's motion are rounding of none, as where an edge is crossed
+ON_EDGE = 1e-9  # of the square's size: the distance within which a path keeps to an edge it slides along
+
+
+class Contact(IntEnum):
+    """What a wheel does."""
+
+    FREE = 0
+    SLIPS = 1
+    STICKS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """A path at m times, over n wheels.
+
+    Attributes:
+        times: shape (m,).
+        poses: ``(x, y, theta)``, shape (m, 3).
+        twists: ``(v_x, v_y, omega)``, shape (m, 3).
+        speeds: ``u_i``, shape (m, n); nan where a law gives a wheel none, as it does not act.
+        slips: along the rim and across it, shape (m, n, 2); that along the rim is nan where the speed is.
+        contacts: values of :class:`Contact`, shape (m, n).
+    """
+
+    times: Floats
+    poses: Floats
+    twists: Floats
+    speeds: Floats
+    slips: Floats
+    contacts: NDArray[np.int_]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+
+def build_frames(
+    scene: Scene,
+    trajectory: Trajectory,
+    times: ArrayLike,
+    *,
+    partition: Partition | None = None,
+    inputs: Sequence[Speeds] | None = None,
+    pivot: Sequence[float] | None = None,
+) -> Frames:
+    """The frames of a path.
+
+    Args:
+        scene: the array.
+        trajectory: of ``(x, y, theta)``.
+        times: at which.
+        partition: the cells it goes through; None under rules without cells, and for a body with mass.
+        inputs: under feedback, the speeds from the pose in each cell of the partition; None for the scene's own.
+        pivot: see :func:`nonsmooth.analysis.motion.twists.path_twists`.
+
+    Raises:
+        nonsmooth.analysis.cells.loads.LoadError: where loads decide and there are none.
+    """
+    at = np.asarray(times, float)
+    model = contact_model(scene)
+    poses, twists = poses_at(trajectory, at), path_twists(trajectory, at, pivot)
+    keeps_rows = partition is not None and contact_rule(partition.rule).keeps_rows
+    if partition is None or not keeps_rows:
+        carrying = loads_at(model, poses[:, :2]) > LOADED
+        speeds = np.broadcast_to(model.speeds, carrying.shape)
+    else:
+        cells = _CellsAt(partition)
+        held = [cells.holding(pose) for pose in poses]
+        carrying = np.array([cells.carrying(found) for found in held])
+        speeds = np.broadcast_to(model.speeds, carrying.shape)
+        if inputs is not None:
+            mixed = [
+                cells.mixed_speeds(found, inputs, pose, xi) for found, pose, xi in zip(held, poses, twists, strict=True)
+            ]
+            speeds = np.array(mixed)
+    slips = wheel_slips(model, twists, speeds)
+    contacts = np.where(carrying, np.where(_sticks(slips, twists, model, speeds), Contact.STICKS, Contact.SLIPS), 0)
+    return Frames(at, poses, twists, np.array(speeds), slips, contacts)
+
+
+def wheel_slips(model: ContactModel, twists: Floats, speeds: Floats) -> Floats:
+    """``(d_i . v(p_i) - u_i, n_i . v(p_i))`` for twists (m, 3) and speeds (m, n); shape (m, n, 2)."""
+    surface = np.stack([speeds, np.zeros_like(speeds)], axis=-1)
+    moving = (twists @ model.rows.T).reshape(*speeds.shape, 2)
+    return np.asarray(moving - surface)
+
+
+def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) -> NDArray[np.bool_]:
+    """Whether a slip is zero beside the largest speed of any rim or body point over a wheel, at each time."""
+    moving = np.abs(twists @ model.rows.T).max(axis=1)
+    largest = np.maximum(moving, np.nanmax(np.abs(speeds), axis=1, initial=0.0))
+    return np.asarray(np.nan_to_num(np.hypot(slips[..., 0], slips[..., 1]), nan=np.inf) <= STICKS * largest[:, None])
+
+
+class _CellsAt:
+    """The cells of a partition whose closure holds a point, in floats."""
+
+    def __init__(self, partition: Partition) -> None:
+        self.cells = partition.cells
+        self.count = len(partition.scene.wheels)
+        self.slack = ON_EDGE * partition.size
+        sides = [side for cell in partition.cells for side in cell.polygon.sides]
+        normals = np.array([[float(x) for x in side.normal] for side in sides])
+        sizes = np.hypot(*normals.T)
+        self.normals = normals / sizes[:, None]
+        self.offsets = np.array([float(side.offset) for side in sides]) / sizes
+        self.starts = np.cumsum([0, *(len(cell.polygon.sides) for cell in partition.cells[:-1])])
+
+    def holding(self, pose: Floats) -> list[int]:
+        """Positions of the cells that hold the pose's point, or are nearest to it."""
+        gaps = np.minimum.reduceat(self.offsets - self.normals @ pose[:2], self.starts)
+        return np.flatnonzero(gaps >= -self.slack).tolist() or [int(np.argmax(gaps))]
+
+    def carrying(self, held: Sequence[int]) -> NDArray[np.bool_]:
+        """Which wheels keep rows in some cells."""
+        found = np.zeros(self.count, dtype=bool)
+        for k in held:
+            for state in self.cells[k].states:
+                found[[row.wheel.index - 1 for row in state.rows]] = True
+        return found
+
+    def mixed_speeds(self, held: Sequence[int], inputs: Sequence[Speeds], pose: Floats, twist: Floats) -> Floats:
+        """The speeds of the cell; while the body slides the mean of its cells', mixed as their motions are."""
+        given = [_row(inputs[k](pose), self.count) for k in held]
+        if len(held) == 1:
+            return given[0]
+        motions = np.array([self._motion(k, row) for k, row in zip(held, given, strict=True)])
+        weights = convex_fit(motions, twist)
+        stacked = np.array(given)
+        weights = np.where(weights > MIXED, weights, 0.0)
+        weights /= weights.sum()
+        unknown = np.isnan(stacked[weights > 0]).all(axis=0)
+        mean: Floats = weights @ np.nan_to_num(stacked)
+        mean[unknown] = np.nan
+        return mean
+
+    def _motion(self, k: int, speeds: Floats) -> Floats:
+        """``sum_w g_w u_w`` with the control vector fields of a cell."""
+        motion = np.zeros(3)
+        for wheel, column in self.cells[k].states[0].control_fields.items():
+            motion += speeds[wheel - 1] * np.array([float(x) for x in column])
+        return motion
+
+
+def _row(speeds: Mapping[int, float], count: int) -> Floats:
+    row = np.full(count, np.nan)
+    for wheel, speed in speeds.items():
+        row[wheel - 1] = speed
+    return row
+
+
+def convex_fit(vectors: Floats, target: Floats) -> Floats:
+    """Convex weights of vectors (k, d) whose mean is nearest to a target: non-negative least squares."""
+    from scipy.optimize import nnls
+
+    scale = float(np.abs(vectors).max(initial=0.0)) or 1.0
+    system = np.vstack([vectors.T / scale, np.ones(len(vectors))])
+    weights, _ = nnls(system, np.append(target / scale, 1.0))
+    total = float(weights.sum())
+    return np.asarray(weights / total) if total > 0 else np.full(len(vectors), 1 / len(vectors))

@@ -1,0 +1,90 @@
+"""When a law begins and ends to be limited by the largest speeds of its wheels: events of a path.
+
+Where the law of a cell asks for more than a wheel can do, its inputs are scaled; the velocity of the cell has a kink
+there and no jump, so the integrator passes it by itself, with small steps.  Afterwards the times are found along the
+path: the demand ``max_w |u_w|/limit_w`` passes one.  It is looked at twice in every step of the integrator and at every
+switch, so what begins and ends within half a step is not seen.  While the body slides along an edge a wheel counts as
+limited where it is so in one of the cells beside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from nonsmooth.analysis.fields.cellwise_field import Speeds
+from nonsmooth.analysis.fields.limited_law import demand
+from nonsmooth.analysis.trajectories.result import Event, EventKind, Piece, State, Trajectory
+
+HALVINGS = 60  # of half a step, to the last bit of a time
+SAME_SHARE = 1 - 1e-12  # of the largest demand: wheels this near to it reach their limits together, but for rounding
+
+Demand = Callable[[float], float]
+
+
+def with_saturation(path: Trajectory, wanted: Mapping[str, Speeds], limits: Mapping[int, float]) -> Trajectory:
+    """The path with an event wherever a wheel reaches its limit, and where none is at its limit any more.
+
+    Args:
+        path: of the limited loop.
+        wanted: what the law asks for, from the pose, by the name of the cell.
+        limits: by the number of the wheel.
+    """
+    if not limits:
+        return path
+    found: list[Event] = []
+    is_limited = False
+    for piece in path.pieces:
+        speeds = [wanted[name] for name in piece.cells if name in wanted]
+        for event in _changes(piece, speeds, limits, is_limited=is_limited):
+            found.append(event)
+            is_limited = not is_limited
+    events = sorted([*path.events, *found], key=lambda event: float(event.t))
+    return replace(path, events=tuple(events))
+
+
+def _changes(piece: Piece, speeds: list[Speeds], limits: Mapping[int, float], *, is_limited: bool) -> Iterator[Event]:
+    """Events within a piece, and at its start, where a new cell may ask for more or less."""
+    start = float(piece.start)
+
+    def excess(since: float) -> float:
+        pose = np.array([float(value) for value in piece.state(since)])
+        return max((demand(own(pose), limits) for own in speeds), default=0.0) - 1
+
+    own = [float(time) - start for time in piece.times]
+    times = sorted({0.0, *own, *((a + b) / 2 for a, b in pairwise(own))})
+    before = 0.0
+    for since in times:
+        if (excess(since) > 0) is not is_limited:
+            at = since if not since else _passing(excess, before, since, is_limited=is_limited)
+            is_limited = not is_limited
+            yield _event(start + at, piece.state(at), _at_limit(piece, at, speeds, limits) if is_limited else ())
+        before = since
+
+
+def _passing(excess: Demand, low: float, high: float, *, is_limited: bool) -> float:
+    """The time at which the demand passes one, by bisection."""
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if not low < middle < high:
+            break
+        low, high = (middle, high) if (excess(middle) > 0) is is_limited else (low, middle)
+    return high
+
+
+def _at_limit(piece: Piece, at: float, speeds: list[Speeds], limits: Mapping[int, float]) -> tuple[int, ...]:
+    """The wheels that ask for the most of what they can do."""
+    pose = np.array([float(value) for value in piece.state(at)])
+    shares = [(abs(speed) / limits[w], w) for own in speeds for w, speed in own(pose).items() if w in limits]
+    most = max(shares)[0]
+    return tuple(sorted({wheel for share, wheel in shares if share >= most * SAME_SHARE}))
+
+
+def _event(time: float, state: State, wheels: tuple[int, ...]) -> Event:
+    if not wheels:
+        return Event(time, state, EventKind.FREE, "no wheel is at its largest speed")
+    named = ", ".join(map(str, wheels))
+    return Event(time, state, EventKind.LIMIT, f"wheel{'s' * (len(wheels) > 1)} {named} at the largest speed")

@@ -1,0 +1,199 @@
+"""A film as a .gif or .mp4 file: Matplotlib draws every frame, and its writers put them together."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nonsmooth.analysis.motion.frames import Contact
+from nonsmooth.reports.animation.film import RATE, Film
+from nonsmooth.reports.animation.outline import placed
+from nonsmooth.reports.figures.cell_map import INKED, LABEL
+from nonsmooth.reports.figures.labels import length_label, wrapped
+from nonsmooth.reports.figures.trajectory import MARKERS, PATH, marked
+from nonsmooth.reports.figures.wheels import INK
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIZE, DPI = (5.0, 5.6), 100  # inches, and pixels for each: an even number of pixels, as MPEG-4 asks
+SLIP, STICK, QUIET = "#D55E00", "#009E73", "0.65"  # of Okabe and Ito's palette, as in all figures
+RING = 2.4  # radius of the mark of a wheel that carries, in half-lengths of the rim
+HEADING = 7.0  # length of the heading's line in half-lengths of the rim
+FAINT = 0.3  # opacity of the slip of a wheel that carries nothing
+WIDTH = 0.0035  # of an arrow's shaft, of the view's width
+
+
+class MissingWriterError(ValueError):
+    """A format whose writer is not installed; ``str(error)`` is one line."""
+
+
+def require_writer(suffix: str) -> None:
+    """Refuse a format that cannot be written on this machine.
+
+    Raises:
+        MissingWriterError: for .mp4 without ffmpeg.
+    """
+    if suffix != ".mp4":
+        return
+    from matplotlib.animation import FFMpegWriter
+
+    if not FFMpegWriter.isAvailable():
+        raise MissingWriterError("required ffmpeg on the path for .mp4, received none; .gif and .html work without it")
+
+
+def movie_bytes(film: Film, suffix: str) -> bytes:
+    """The film as the bytes of a .gif or .mp4 file.
+
+    Raises:
+        MissingWriterError: for .mp4 without ffmpeg.
+    """
+    require_writer(suffix)
+    import matplotlib as mpl
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-pix_fmt", "yuv420p"]
+    with tempfile.TemporaryDirectory() as folder, mpl.rc_context({"font.size": LABEL} | INKED):
+        file = Path(folder) / f"film{suffix}"
+        writer: Any = PillowWriter(fps=RATE) if suffix == ".gif" else FFMpegWriter(fps=RATE, extra_args=exact)
+        stage = Stage.build(film)
+        with writer.saving(stage.figure, str(file), DPI):
+            for k in range(len(film.frames)):
+                stage.show(k)
+                writer.grab_frame()
+        return file.read_bytes()
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The figure of a film, with the pieces that move."""
+
+    film: Film
+    figure: Figure
+    pieces: dict[str, Any]
+
+    @classmethod
+    def build(cls, film: Film) -> Stage:
+        """The still pieces as an image, and the moving ones over it as the first frame has them.
+
+        Drawing axes and legend takes a hundred times as long as the pieces that move, so it is done once.
+        """
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=SIZE, dpi=DPI)
+        figure.figimage(_still_picture(film), zorder=-1)
+        axes = _plane(figure, film)
+        axes.set_axis_off()
+        places = film.places[film.shown]
+        arrows: Any = {"angles": "xy", "scale_units": "xy", "scale": 1, "units": "width", "width": WIDTH}
+        zeros = np.zeros(len(places))
+        ring: Any = {"facecolor": "none", "zorder": 3}
+        pieces = {
+            "sticking": axes.scatter([], [], edgecolor=STICK, linewidth=2, **ring),
+            "slipping": axes.scatter([], [], edgecolor=SLIP, linewidth=1.4, linestyle=(0, (3, 2)), **ring),
+            "speeds": axes.quiver(*places.T, zeros, zeros, color=INK, zorder=5, **arrows),
+            "slips": axes.quiver(*places.T, zeros, zeros, color=SLIP, zorder=6, **arrows),
+            "idle": axes.quiver(*places.T, zeros, zeros, color=SLIP, alpha=FAINT, zorder=3, **arrows),
+            "body": axes.fill([0, 0, 0], [0, 0, 0], facecolor=PATH, alpha=0.15, edgecolor=PATH, zorder=2)[0],
+            "heading": axes.plot([], [], color=PATH, linewidth=2.2, zorder=7)[0],
+            "point": axes.plot([], [], marker="o", color=PATH, markersize=6, zorder=7)[0],
+            "time": figure.text(0.13, 0.155, "", ha="left", va="center", fontsize="large"),
+            "done": _time_axes(figure, film).plot([], [], color=PATH, linewidth=3)[0],
+        }
+        stage = cls(film, figure, pieces)
+        stage.show(0)
+        return stage
+
+    def show(self, k: int) -> None:
+        """Move everything to frame k."""
+        film, pieces = self.film, self.pieces
+        pose, contacts = film.frames.poses[k], film.frames.contacts[k][film.shown]
+        places = film.places[film.shown]
+        size = self._points(RING * film.rim) ** 2
+        for name, kind in (("sticking", Contact.STICKS), ("slipping", Contact.SLIPS)):
+            pieces[name].set_offsets(places[contacts == kind].reshape(-1, 2))
+            pieces[name].set_sizes([size])
+        slips, idle = film.slip_arrows(k)[film.shown], (contacts == Contact.FREE)[:, None]
+        arrows = {"speeds": film.speed_arrows(k)[film.shown], "slips": slips * ~idle, "idle": slips * idle}
+        for name, vectors in arrows.items():
+            pieces[name].set_UVC(*np.nan_to_num(vectors).T)
+        tip = pose[:2] + HEADING * film.rim * np.array([np.cos(pose[2]), np.sin(pose[2])])
+        pieces["heading"].set_data([pose[0], tip[0]], [pose[1], tip[1]])
+        pieces["point"].set_data([pose[0]], [pose[1]])
+        if film.outline is not None:
+            pieces["body"].set_xy(placed(film.outline, pose))
+        time = float(film.frames.times[k])
+        pieces["time"].set_text(f"t = {time:#.4g}{' ' * bool(film.scene.units.time)}{film.scene.units.time}")
+        pieces["done"].set_data([0, time], [0, 0])
+
+    def _points(self, length: float) -> float:
+        """A length of the plane in points of the figure, as a diameter."""
+        left, right, low, high = self.film.view
+        pixels = min(0.84 * SIZE[0] / (right - left), 0.66 * SIZE[1] / (high - low))
+        return 2 * length * pixels * 72
+
+
+def _plane(figure: Figure, film: Film) -> Any:
+    """Axes of the plane, at the same place in every figure."""
+    axes = figure.add_axes((0.13, 0.25, 0.84, 0.66))
+    left, right, low, high = film.view
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal")
+    return axes
+
+
+def _time_axes(figure: Figure, film: Film) -> Any:
+    axes = figure.add_axes((0.37, 0.13, 0.6, 0.05))
+    axes.set(xlim=(0, film.duration or 1.0), ylim=(-1, 1))
+    axes.set_axis_off()
+    return axes
+
+
+def _still_picture(film: Film) -> Any:
+    """What does not move, as an image (rows, columns, 4)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, dpi=DPI)
+    axes, units = _plane(figure, film), film.scene.units
+    axes.set(xlabel=length_label("x", units), ylabel=length_label("y", units))
+    figure.text(0.5, 0.985, wrapped(film.title), ha="center", va="top", fontsize="medium", parse_math=False)
+    for k in film.shown:
+        (x, y), (dx, dy), half = film.places[k], film.rims[k], film.rim
+        axes.plot([x - half * dx, x + half * dx], [y - half * dy, y + half * dy], color=INK, linewidth=4, zorder=4)
+    axes.plot(*film.trail.T, color=PATH, linewidth=0.8, alpha=0.6, zorder=2)
+    _draw_time_line(figure, film)
+    _explain(figure, film)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())
+
+
+def _draw_time_line(figure: Figure, film: Film) -> None:
+    """The line of time with its events, below the picture."""
+    axes = _time_axes(figure, film)
+    axes.plot([0, film.duration], [0, 0], color=QUIET, linewidth=1.5)
+    for event in marked(film.events):
+        axes.plot([float(event.t)], [0], marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none")
+    words = f"{film.pace_text}{'; marks: events' * bool(film.events)}"
+    figure.text(0.97, 0.105, words, ha="right", va="center", fontsize="small")
+
+
+def _explain(figure: Figure, film: Film) -> None:
+    """The legend."""
+    from matplotlib.lines import Line2D
+
+    ring: Any = {"marker": "o", "linestyle": "none", "markerfacecolor": "none", "markersize": 9}
+    entries = [
+        Line2D([], [], label="carries, sticks", markeredgecolor=STICK, markeredgewidth=2, **ring),
+        Line2D([], [], label="carries, slips", markeredgecolor=SLIP, **ring),
+        Line2D([], [], label="slip", color=SLIP, marker=r"$\rightarrow$", linestyle="none", markersize=10),
+        Line2D([], [], label="speed of the rim", color=INK, marker=r"$\rightarrow$", linestyle="none", markersize=10),
+        Line2D([], [], label="body and heading", color=PATH, marker="o", linewidth=2),
+    ]
+    if len(film.shown) < len(film.places):
+        entries.append(Line2D([], [], linestyle="none", label=f"{len(film.shown)} of {len(film.places)} wheels"))
+    figure.legend(handles=entries, loc="lower center", ncols=3, frameon=False, fontsize="small")

@@ -1,0 +1,185 @@
+"""A film as one page: no server, no network, a play button and a slider; with scripts off it shows the start.
+
+The picture is an SVG whose still pieces are written here; the page's script moves the others frame by frame.  All
+coordinates are those of the picture, in units of its view box.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import math
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.analysis.motion.frames import Contact
+from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
+from nonsmooth.reports.animation.outline import Floats
+from nonsmooth.reports.figures.labels import length_label
+from nonsmooth.reports.figures.trajectory import marked
+from nonsmooth.symbolic.number_text import float_text
+
+WIDE = 1000.0  # width of the view box
+DIGITS = 1  # decimals of a coordinate in the picture
+MOST_ROWS = 24  # wheels up to which their numbers stand in a table
+RING, HEADING, BODY = 2.4, 7.0, 0.7  # radius of a ring, length of the heading's line, radius of the point, in rims
+CLASSES = ("", "slips", "sticks")  # of the ring of a wheel, by its contact
+CONTACTS = {Contact.FREE: "carries nothing", Contact.SLIPS: "slips", Contact.STICKS: "sticks"}
+
+
+def film_page(film: Film) -> str:
+    """The page, ending in a newline."""
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+
+    picture = _Picture(film)
+    script = _part("film.js")
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    return (
+        environment.from_string(_part("film.html.j2")).render(
+            film=film,
+            picture=picture,
+            style=Markup(_part("film.css")),
+            script=Markup(script),
+            script_hash="sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
+            data=Markup(json.dumps(picture.record(), separators=(",", ":")).replace("<", "\\u003c")),
+        )
+        + "\n"
+    )
+
+
+class _Picture:
+    """What the page draws, in the picture's coordinates."""
+
+    def __init__(self, film: Film) -> None:
+        self.film = film
+        self.left, right, low, self.high = film.view
+        self.scale = WIDE / (right - self.left)
+        self.height = round((self.high - low) * self.scale, DIGITS)
+        self.rim = film.rim * self.scale
+        self.has_table = len(film.shown) <= MOST_ROWS
+        self.size = f"{float_text(right - self.left, 3)} wide"
+        self.label = length_label("x, y", film.scene.units)
+
+    @property
+    def wide(self) -> float:
+        """Width of the view box."""
+        return WIDE
+
+    @property
+    def radii(self) -> dict[str, float]:
+        """Sizes of marks."""
+        return {name: round(size * self.rim, DIGITS) for name, size in (("ring", RING), ("body", BODY))}
+
+    @property
+    def wheels(self) -> list[dict[str, Any]]:
+        """Place, ends of the rim, number, and where that is written."""
+        rows = []
+        for k in self.film.shown:
+            place, rim = self._point(self.film.places[k]), self._vector(self.film.rims[k] * self.film.rim)
+            side = (place[0] - 3.4 * rim[1], place[1] + 3.4 * rim[0])
+            ends = [
+                round(v, DIGITS) for v in (place[0] - rim[0], place[1] - rim[1], place[0] + rim[0], place[1] + rim[1])
+            ]
+            contact = CLASSES[self.film.frames.contacts[0, k]]
+            rows.append(
+                {
+                    "index": k + 1,
+                    "contact": contact,
+                    "place": place,
+                    "ends": ends,
+                    "name": [round(v, DIGITS) for v in side],
+                }
+            )
+        return rows
+
+    @property
+    def start(self) -> str:
+        """Where the body is at the start, as a transformation."""
+        x, y, theta = self.film.frames.poses[0]
+        across, down = self._point(np.array([x, y]))
+        return f"translate({across} {down}) rotate({round(math.degrees(-theta), 2)})"
+
+    @property
+    def trail(self) -> str:
+        """The path as points of a line."""
+        return " ".join(",".join(map(str, self._point(point))) for point in self.film.trail)
+
+    @property
+    def outline(self) -> str:
+        """The body's outline about its reference point."""
+        corners = self.film.outline
+        return "" if corners is None else " ".join(",".join(map(str, self._vector(corner))) for corner in corners)
+
+    @property
+    def heading(self) -> float:
+        """Length of the heading's line."""
+        return round(HEADING * self.rim, DIGITS)
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """The events that are marked: when, as part of the duration, and what."""
+        duration = self.film.duration or 1.0
+        return [
+            {
+                "share": round(float(event.t) / duration, 5),
+                "t": float_text(float(event.t), 4),
+                "kind": str(event.kind),
+                "what": event.surface,
+            }
+            for event in marked(self.film.events)
+        ]
+
+    def record(self) -> dict[str, Any]:
+        """What the script needs: everything that moves."""
+        film, frames, shown = self.film, self.film.frames, self.film.shown
+        return {
+            "seconds": film.seconds,
+            "unit": film.scene.units.time,
+            "times": [float(f"{t:.6g}") for t in frames.times],
+            "poses": [[*self._point(pose[:2]), round(math.degrees(-pose[2]), 2)] for pose in frames.poses],
+            "contacts": frames.contacts[:, shown].tolist(),
+            "words": [CONTACTS[kind] for kind in Contact],
+            "wheels": [k + 1 for k in shown],
+            "slips": [self._vectors(film.slip_arrows(k)[shown]) for k in range(len(frames))],
+            "speeds": self._speeds(),
+            "values": [self._values(k) for k in range(len(frames))] if self.has_table else [],
+            "events": [event["share"] for event in self.events],
+            "head": round(0.9 * self.rim, DIGITS),
+            "longest": round(LONGEST_ARROW * self.rim, DIGITS),
+        }
+
+    def _speeds(self) -> list[list[list[float] | None]]:
+        """Arrows of the rims' speeds, frame by frame; one frame for all where they never change."""
+        count = len(self.film.frames) if self.film.is_closed else 1
+        return [self._vectors(self.film.speed_arrows(k)[self.film.shown]) for k in range(count)]
+
+    def _values(self, k: int) -> list[list[str]]:
+        """Speed, slip along and slip across of every wheel, as the table shows them."""
+        frames, shown = self.film.frames, self.film.shown
+        rows = np.column_stack([frames.speeds[k][shown], frames.slips[k][shown]])
+        return [[_number(value) for value in row] for row in rows]
+
+    def _point(self, point: Floats) -> list[float]:
+        x, y = (point[0] - self.left) * self.scale, (self.high - point[1]) * self.scale
+        return [round(float(x), DIGITS), round(float(y), DIGITS)]
+
+    def _vector(self, vector: Floats) -> list[float]:
+        return [round(float(vector[0]) * self.scale, DIGITS), round(-float(vector[1]) * self.scale, DIGITS)]
+
+    def _vectors(self, vectors: Floats) -> list[list[float] | None]:
+        return [self._vector(vector) if np.isfinite(vector).all() else None for vector in vectors]
+
+
+def _number(value: float) -> str:
+    """Three digits; an en dash where there is none."""
+    if not math.isfinite(value):
+        return "\N{EN DASH}"
+    return float_text(value, 3) if abs(value) > 1e-9 else "0"
+
+
+def _part(name: str) -> str:
+    return files("nonsmooth.reports.formats").joinpath("templates", name).read_text(encoding="utf-8")

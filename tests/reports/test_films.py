@@ -1,0 +1,189 @@
+"""``nonsmooth simulate -o path.gif``, ``.mp4``, ``.html``, and ``path.animate``: what is written, what is refused."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.animation import FFMpegWriter
+from PIL import Image
+
+import nonsmooth as ns
+from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
+from nonsmooth.reports.animation.outline import outline_points, placed
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.files import OutputError
+from nonsmooth.symbolic.continuum import Disc, PolygonShape
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+START = ("--from", "0.2,0.4,0.1")
+LARGEST_GIF = 3_000_000  # bytes
+
+
+def data_of(page: str) -> dict[str, Any]:
+    """What the page's script draws."""
+    found = re.search(r'<script type="application/json" id="film">(.*?)</script>', page, re.DOTALL)
+    assert found
+    data: dict[str, Any] = json.loads(found.group(1))
+    return data
+
+
+@pytest.mark.parametrize("duration", [0.01, 1.0, 3.0, 7.3, 14.9, 60.0, 1e6])
+def test_frames_are_at_a_constant_pace_and_few(duration: float) -> None:
+    times, seconds = frame_times(duration)
+    assert (times[0], times[-1]) == (0, pytest.approx(duration))
+    assert np.ptp(np.diff(times)) <= 1e-12 * duration
+    assert len(times) <= MOST_FRAMES
+    assert seconds == pytest.approx((len(times) - 1) / RATE)
+    if 3 <= duration < 14.9:
+        assert seconds == pytest.approx(duration, abs=0.5 / RATE)  # real time
+
+
+def test_a_gif_has_its_frames_and_is_small(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "path.gif"
+    assert run(app, ("simulate", "four-wheel", *START, "--feedback", "--until", "4", "-o", str(file))) == 0
+    assert capsys.readouterr().err == ""
+    with Image.open(file) as film:
+        assert film.n_frames == 4 * RATE + 1  # type: ignore[attr-defined]
+        assert film.info["duration"] == 1000 // RATE
+        assert (film.width % 2, film.height % 2) == (0, 0)
+    assert file.stat().st_size < LARGEST_GIF
+
+
+def test_equal_input_gives_equal_films(tmp_path: Path) -> None:
+    path = ns.load("ring-3").simulate((0.05, 0.02, 0.1), until=0.2)
+    first = {s: path.animate(tmp_path / f"a{s}").read_bytes() for s in (".gif", ".html")}
+    again = {s: path.animate(tmp_path / f"b{s}").read_bytes() for s in (".gif", ".html")}
+    assert first == again
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="no ffmpeg on the path")
+def test_an_mp4_is_written_by_ffmpeg(tmp_path: Path) -> None:
+    file = tmp_path / "path.mp4"
+    assert run(app, ("simulate", "four-wheel", *START, "--method", "dynamics", "--until", "1", "-o", str(file))) == 0
+    assert file.read_bytes()[4:8] == b"ftyp"
+
+
+def test_without_ffmpeg_one_line_names_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    file = tmp_path / "path.mp4"
+    assert run(app, ("simulate", "four-wheel", *START, "-o", str(file))) == BAD_INPUT
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == f"nonsmooth: {file}: required ffmpeg on the path for .mp4, received none; " + (
+        ".gif and .html work without it\n"
+    )
+    assert not file.exists()
+    with pytest.raises(ValueError, match="required ffmpeg"):
+        ns.load("four-wheel").simulate((0.2, 0.4, 0)).animate(file)
+
+
+OTHERS = "a file name that ends in .csv, .json, .svg, .png or .pdf, received '.html'"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "required"),
+    [
+        (("four-wheel", "--grid", "5"), OTHERS),
+        (("four-wheel", *START, "--method", "dynamics", "--compare-masses"), OTHERS),
+        (("eq-3", "--from", "0.2,0.4"), "an array of wheels for .html, received a plain switched system"),
+    ],
+)
+def test_only_one_path_of_an_array_moves(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], required: str
+) -> None:
+    file = tmp_path / "path.html"
+    assert run(app, ("simulate", *arguments, "-o", str(file))) == BAD_INPUT
+    assert capsys.readouterr().err == f"nonsmooth: {file}: required {required}\n"
+    assert not file.exists()
+
+
+def test_python_refuses_other_files_and_systems(tmp_path: Path) -> None:
+    path = ns.load("four-wheel").simulate((0.2, 0.4, 0))
+    with pytest.raises(OutputError, match=r"\.gif, \.mp4 or \.html"):
+        path.animate(tmp_path / "path.avi")
+    system = ns.load("eq-3").simulate((0.2, 0.4), until=1)
+    with pytest.raises(ValueError, match="a path of an array"):
+        system.animate(tmp_path / "path.html")
+
+
+def test_a_page_holds_what_the_frames_hold(tmp_path: Path) -> None:
+    array = ns.load("ring-6").with_(rule="ellipse")
+    assert isinstance(array, ns.Array)
+    path = array.simulate((0.1, 0.2, 0.0), until=4.0)
+    page = path.animate(tmp_path / "path.html").read_text(encoding="utf-8")
+    data = data_of(page)
+    film = build_film(array.scene, path.trajectory)
+    assert data["times"] == pytest.approx(film.frames.times.tolist(), rel=1e-5)
+    assert data["contacts"] == film.frames.contacts.tolist()
+    assert len(data["slips"]) == len(data["poses"]) == len(film.frames)
+    left, right, _, high = film.view
+    scale = 1000 / (right - left)
+    x, y, theta = film.frames.poses[-1]
+    assert data["poses"][-1] == pytest.approx([(x - left) * scale, (high - y) * scale, -np.degrees(theta)], abs=0.06)
+    assert "http" not in page.replace("http-equiv", "")
+
+
+def test_names_of_scenes_are_text(tmp_path: Path) -> None:
+    array = ns.load("ring-3").with_(name="</script><b>&\"'")
+    page = array.simulate((0.05, 0.02, 0.1), until=0.2).animate(tmp_path / "path.html").read_text(encoding="utf-8")
+    assert "<b>" not in page
+    assert page.count("</script>") == 2
+
+
+def test_the_outline_follows_the_pose() -> None:
+    field = NumberField(1)
+    disc = outline_points(Disc(field.rational(2)))
+    assert np.allclose(np.hypot(*disc.T), 2)
+    square = outline_points(
+        PolygonShape(tuple((field.rational(x), field.rational(y)) for x, y in ((1, 0), (0, 1), (-1, -1))))
+    )
+    turned = placed(square, np.array([3.0, 4.0, np.pi / 2]))
+    assert np.allclose(turned, [(3, 5), (2, 4), (4, 3)])
+
+
+def test_an_object_is_drawn_with_its_outline(tmp_path: Path) -> None:
+    box = {"shape": "rectangle", "width": "3/2", "height": 1}
+    array = ns.load("four-wheel").with_(object=box)
+    path = array.simulate((0.2, 0.4, 0.1), until=0.5)
+    page = path.animate(tmp_path / "path.html").read_text(encoding="utf-8")
+    assert '<polygon class="outline"' in page
+    with Image.open(io.BytesIO(path.animate(tmp_path / "path.gif").read_bytes())) as film:
+        assert film.n_frames > 50  # type: ignore[attr-defined]
+
+
+def test_a_large_array_shows_the_wheels_near_the_path(tmp_path: Path) -> None:
+    array = ns.Array.grid(16, 16, pitch="1/4", mu_roll=1, mu_side="1/2", radius="1/2")
+    page = array.simulate((0.2, 0.3, 0), until=1).animate(tmp_path / "path.html").read_text(encoding="utf-8")
+    assert len(data_of(page)["wheels"]) == 150
+    assert "150 of 256 wheels are drawn" in page
+
+
+def test_a_rule_without_cells_moves_on_the_command_line_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    simulate = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0.1,0.2,0", "--until", "1")
+    assert run(app, (*simulate, "--json")) == 0
+    record = json.loads(capsys.readouterr().out)
+    array = ns.load("ring-6")
+    assert isinstance(array, ns.Array)
+    path = array.simulate((0.1, 0.2, 0.0), until=1.0, rule="ellipse")
+    assert record["state"] == path.to_dict()["state"]
+    assert (record["schema"], record["law"], record["speeds"]) == ("nonsmooth-trajectory/1", None, None)
+    for suffix in (".html", ".svg", ".csv"):
+        assert run(app, (*simulate, "-o", str(tmp_path / f"path{suffix}"))) == 0
+    assert 0 not in data_of((tmp_path / "path.html").read_text(encoding="utf-8"))["contacts"][0]  # all six carry
+    capsys.readouterr()
+    assert run(app, simulate) == 0
+    assert "ring-6: exact kinematics, method minimizer (rule ellipse)" in capsys.readouterr().out
+    for refused in (("--method", "smoothed"), ("--kinematics", "leading"), ("--feedback",)):
+        assert run(app, (*simulate, *refused)) == BAD_INPUT
+        assert "ring-6: contact.rule: required" in capsys.readouterr().err
+    assert run(app, (*simulate[:5], "3,0,0")) == BAD_INPUT
+    assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,316 @@
+"""Closed loops with limited speeds: limits kept, certified rates kept, orbits unchanged; against brute force.
+
+The brute force shares no code with the program: it orders wheels by distance, solves three constraint equations, takes
+the law from its formula and goes on by tiny steps.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import nonsmooth as ns
+from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
+from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.choice import Minimizer
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.trajectories.result import EventKind
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.interface.path_result import PathResult
+from nonsmooth.reports.simulate import loop_speeds
+
+Floats = NDArray[np.float64]
+
+SLACK = 1e-9  # of V and times along integrated paths
+SLOW: dict[str, Any] = {"field": {"kind": "radial", "speed": "1/100"}}  # speeds of the open loop, below every limit
+
+
+def random_array(seed: int) -> ns.Array:
+    """Wheels on the unit circle, rims about inward, each with a limit of its own; one of them without any."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 7))
+    angles = np.sort(2 * np.pi * (np.arange(count) + rng.uniform(-0.2, 0.2, count)) / count)
+    wheels = []
+    for k, angle in enumerate(angles):
+        half = Fraction(math.tan((angle - math.pi) / 2)).limit_denominator(40)  # a rational point of the circle
+        place = (-(1 - half**2) / (1 + half**2), -2 * half / (1 + half**2))
+        (x, y), turn = map(float, place), rng.uniform(-0.3, 0.3)
+        rim = (-x * math.cos(turn) + y * math.sin(turn), -x * math.sin(turn) - y * math.cos(turn))
+        heading = (round(rim[0], 3), round(rim[1], 3))
+        limit = None if k == 0 else round(float(rng.uniform(0.05, 0.2)), 3)
+        wheels.append(ns.Wheel(place, heading=heading, speed="1/100", speed_limit=limit))
+    return ns.Array(wheels, mu_roll=1, mu_side="1/2", length=round(float(rng.uniform(0.5, 1.5)), 2))
+
+
+def turned_rectangle() -> ns.Array:
+    """Rims turned so far from inward that only a V with ``P != I`` serves."""
+    corners = [(2, 1), (-2, 1), (-2, -1), (2, -1)]
+    rims = [(-4 * x + 3 * y, -3 * x - 4 * y) for x, y in corners]
+    wheels = [ns.Wheel(p, heading=d, speed="1/1000", speed_limit="1/50") for p, d in zip(corners, rims, strict=True)]
+    return ns.Array(wheels, mu_roll=1, mu_side="1/2", length=1)
+
+
+ARRAYS: dict[str, ns.Array] = {
+    "shaped": turned_rectangle(),
+    "four wheels": ns.Array.ring(4, phase="pi/4", mu_roll=1, mu_side="1/2", speed_limit="1/10", length=1, **SLOW),
+    "five in millimetres": ns.Array.ring(
+        5, radius=200, mu_roll=1, mu_side="1/2", speed_limit=15, units={"length": "mm"}, **SLOW
+    ),
+    **{f"random {seed}": random_array(seed) for seed in (1, 2, 3, 5)},
+}
+
+
+def feedback_of(array: ns.Array) -> tuple[FeedbackResult, LimitedRate]:
+    found = array.check().evidence.feedback
+    assert isinstance(found, FeedbackResult)
+    assert found.limited
+    return found, found.limited
+
+
+def starts(array: ns.Array, limited: LimitedRate, lyapunov: Any, count: int, seed: int = 0) -> list[Floats]:
+    """Random starts just inside the certified level."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for direction in rng.normal(size=(count, 3)):
+        z = direction * np.array([1, 1, 1 / float(array.scene.check.length)])
+        found.append(z * math.sqrt(0.98 * float(limited.level) / value(lyapunov, z)))
+    return found
+
+
+def value(lyapunov: Any, pose: Any) -> float:
+    """``c^T P c + w theta^2``."""
+    (e, f), w = (float(entry) for entry in lyapunov.shape), float(lyapunov.weight)
+    x, y, theta = pose
+    return float((1 + e) * x * x + 2 * f * x * y + (1 - e) * y * y + w * theta * theta)
+
+
+def speeds_of(path: PathResult, times: Any = None) -> Floats:
+    assert path.partition
+    assert path.loop
+    return loop_speeds(path.partition, path.trajectory, path.loop, times)
+
+
+@pytest.mark.parametrize("gain", [0.5, 4.0])
+@pytest.mark.parametrize("name", ARRAYS)
+def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> None:
+    array = ARRAYS[name]
+    feedback, limited = feedback_of(array)
+    limits = {index: float(limit) for index, limit in array.scene.speed_limits.items()}
+    kappa, speed = float(limited.kappa), float(limited.speed)
+    ever = False
+    for start in starts(array, limited, feedback.lyapunov, 3):
+        path = array.simulate(tuple(start), until=6.0, feedback=True, gain=gain)
+        speeds = speeds_of(path)
+        for index, limit in limits.items():
+            assert np.nanmax(np.abs(speeds[:, index - 1]), initial=0.0) <= limit * (1 + 1e-12)
+        times = np.linspace(0, path.t[-1], 2000)
+        roots = np.sqrt([value(feedback.lyapunov, pose) for pose in path.trajectory.sample(times.tolist())])
+        certified = np.minimum(gain * kappa * roots[1:], speed) * np.diff(times)
+        assert (np.diff(roots) <= -certified * (1 - 1e-6) + SLACK * roots[0]).all()
+        inside = gain * gain * roots[:-1] ** 2 <= float(limited.held)
+        exponential = roots[:-1] * np.exp(-gain * kappa * np.diff(times))
+        assert (roots[1:] <= exponential + SLACK * roots[0])[inside].all()
+        begun = [event for event in path.trajectory.events if event.kind is EventKind.LIMIT]
+        if feedback.lyapunov.length is not None or gain >= 1:
+            assert all(gain**2 * value(feedback.lyapunov, e.state) > float(limited.free) * (1 - 1e-9) for e in begun)
+        ever = ever or bool(begun)
+    assert ever or gain < 1
+
+
+@pytest.mark.parametrize("name", ["shaped", "four wheels", "random 5"])
+def test_orbits_are_those_without_limits(name: str) -> None:
+    """V falls strictly along both, so the pose is a function of V: it must be the same one."""
+    array = ARRAYS[name]
+    feedback, limited = feedback_of(array)
+    free = ns.Array.of_document({key: part for key, part in array.document.items() if key != "drive"})
+    if "wheel" in array.document:
+        wheels = [{k: v for k, v in wheel.items() if k != "speed_limit"} for wheel in array.document["wheel"]]
+        free = ns.Array.of_document({**array.document, "wheel": wheels})
+    assert not free.scene.speed_limits
+    for start in starts(array, limited, feedback.lyapunov, 2, seed=7):
+        slow, fast = (
+            own.simulate(tuple(start), until=until, feedback=True, gain=3.0)
+            for own, until in ((array, 5.0), (free, 5.0))
+        )
+        assert any(event.kind is EventKind.LIMIT for event in slow.trajectory.events)
+        dense = fast.trajectory.sample(np.linspace(0, fast.t[-1], 20001).tolist())
+        fallen = np.array([value(feedback.lyapunov, pose) for pose in dense])
+        for time in np.linspace(0, slow.t[-1], 60):
+            pose = np.array(slow.trajectory.at(float(time)), float)
+            own = value(feedback.lyapunov, pose)
+            if own <= fallen[-1]:
+                break
+            expected = [np.interp(-own, -fallen, column) for column in dense.T]
+            assert np.abs(pose - expected).max() < 2e-5 * math.sqrt(fallen[0])
+
+
+def brute_force(array: ns.Array, start: Floats, gain: float, until: float, steps: int) -> Floats:
+    """The limited loop by the words of the rule and the formula of the law for ``V = |c|^2 + l^2 theta^2``."""
+    places = np.array([[float(x) for x in wheel.position] for wheel in array.scene.wheels])
+    rims = np.array([[float(x) for x in wheel.direction] for wheel in array.scene.wheels])
+    rims /= np.linalg.norm(rims, axis=1)[:, None]
+    limits = [math.inf if w.speed_limit is None else float(w.speed_limit) for w in array.scene.wheels]
+    weight = float(array.scene.check.length) ** 2
+    dt = until / steps
+    x, y, theta = (float(entry) for entry in start)
+
+    def turn(v: Any) -> tuple[float, float]:
+        return -float(v[1]), float(v[0])
+
+    for _ in range(steps):
+        i, j = np.argsort((places[:, 0] - x) ** 2 + (places[:, 1] - y) ** 2)[:2]
+        lever = float(rims[j] @ turn(places[j] - places[i]))
+        b = (weight * theta - float(np.dot((x, y), turn(places[i])))) / lever
+        a = float(np.dot((x, y), rims[i])) - float(rims[i] @ rims[j]) * b
+        u = np.array([-gain * a, -gain * b])
+        u = u * min(1.0, *(limits[k] / abs(s) if s else math.inf for k, s in zip((i, j), u, strict=True)))
+        side = turn(rims[i])
+        rows = np.array(
+            [
+                [*rims[i], rims[i] @ turn(places[i])],
+                [*side, np.dot(side, turn(places[i]))],
+                [*rims[j], rims[j] @ turn(places[j])],
+            ]
+        )
+        v_x, v_y, omega = np.linalg.solve(rows, [u[0], 0.0, u[1]])
+        x, y, theta = x + dt * (v_x - omega * y), y + dt * (v_y + omega * x), theta + dt * omega
+    return np.array([x, y, theta])
+
+
+@pytest.mark.parametrize("name", ["four wheels", "five in millimetres", "random 2"])
+def test_paths_against_brute_force(name: str) -> None:
+    array = ARRAYS[name]
+    feedback, limited = feedback_of(array)
+    assert feedback.lyapunov.length is not None
+    (start,) = starts(array, limited, feedback.lyapunov, 1, seed=3)
+    gain, until = 3.0, 2.0
+    path = array.simulate(tuple(start), until=until, feedback=True, gain=gain)
+    size = math.sqrt(value(feedback.lyapunov, start))
+    end = np.array(path.trajectory.end.state, float)
+    for steps in (4_000, 16_000):  # Euler's method passes switches late, so that errors fall but not evenly
+        gap = brute_force(array, start, gain, until, steps) - end
+        assert math.sqrt(value(feedback.lyapunov, gap)) < 5 / steps * size
+
+
+def test_a_cascade_keeps_its_orbits_and_its_heading_decays() -> None:
+    """Under the law that takes theta first, theta falls along both; how fast is not said."""
+    free = ns.Array.ring(4, phase="pi/4", mu_roll=1, mu_side="1/2", length=1, **SLOW)
+    array = free.with_(speed_limit="1/20")
+    start, gain = (0.1, 0.2, 0.3), 3.0
+    slow, fast = (own.simulate(start, until=3.0, feedback="cascade", gain=gain) for own in (array, free))
+    dense = fast.trajectory.sample(np.linspace(0, fast.t[-1], 20001).tolist())
+    for time in np.linspace(0, slow.t[-1], 50):
+        pose = np.array(slow.trajectory.at(float(time)), float)
+        expected = [np.interp(-pose[2], -dense[:, 2], column) for column in dense.T]
+        assert np.abs(pose - expected).max() < 1e-5
+    assert np.nanmax(np.abs(speeds_of(slow))) <= 0.05 * (1 + 1e-12)
+    assert slow.state[-1, 2] > fast.state[-1, 2] > 0
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_minimizers_scale_with_all_speeds_together(rule: str) -> None:
+    """D is homogeneous in twist and speeds together: what the laws of these rules rest on where speeds end."""
+    rng = np.random.default_rng(4)
+    model = contact_model(ARRAYS["random 2"].scene)
+    minimizer: Minimizer = BoxHighs() if rule == "box" else EllipseInterior()
+    loads = loads_at(model, rng.uniform(-0.2, 0.2, (5, 2)))
+    for load in loads:
+        targets = np.zeros(2 * model.wheels)
+        targets[::2] = rng.normal(size=model.wheels)
+        one, other = (
+            minimizer.minimize(ContactRows(model.rows, share * targets, model.friction), load) for share in (1.0, 0.3)
+        )
+        assert np.abs(0.3 * one.twists - other.twists).max() < 1e-7
+
+
+def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, table = tmp_path / "s.toml", tmp_path / "path.csv"
+    ring = '[ring]\ncount = 5\n[field]\nkind = "radial"\nspeed = "1/100"\n[check]\nlength = 1\n'
+    file.write_text(
+        f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n[drive]\nspeed_limit = "1/10"\n{ring}', encoding="utf-8"
+    )
+    simulate = ("simulate", str(file), "--from", "0.1,0.15,0.3", "--feedback", "--gain", "3", "--until", "4")
+    assert run(app, (*simulate, "--json")) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["law"]["gain"] == 3
+    kinds = [(event["kind"], event["surface"]) for event in record["events"] if event["kind"] in {"limit", "free"}]
+    assert kinds == [("limit", "wheel 1 at the largest speed"), ("free", "no wheel is at its largest speed")]
+    assert {len(row) for row in record["speeds"]} == {5}
+    assert len(record["speeds"]) == len(record["t"])
+    known = [abs(speed) for row in record["speeds"] for speed in row if speed is not None]
+    assert max(known) == 0.1
+    free = next(event["t"] for event in record["events"] if event["kind"] == "free")
+    for time, row in zip(record["t"], record["speeds"], strict=True):
+        top = max(abs(speed) for speed in row if speed is not None)
+        assert (top == pytest.approx(0.1, rel=1e-9)) == (time <= free + 1e-9)
+    assert run(app, (*simulate, "-o", str(table))) == 0
+    header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
+    assert header == ["t", "x", "y", "theta", "u_1", "u_2", "u_3", "u_4", "u_5"]
+    cells = [[None if cell == "" else float(cell) for cell in line[4:]] for line in lines]
+    assert cells == record["speeds"]
+    picture = tmp_path / "path.svg"
+    assert run(app, (*simulate, "-o", str(picture))) == 0
+    first = picture.read_bytes()
+    assert b"speeds u_i" in first or b"DejaVu" in first
+    assert run(app, (*simulate, "-o", str(picture))) == 0
+    assert picture.read_bytes() == first
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("--gain", "2"), "--gain: required --feedback, received none"),
+        (("--feedback", "--gain", "0"), "--gain: required a positive number, received 0.0"),
+        (("--feedback", "--gain", "-1"), "--gain: required a positive number, received -1.0"),
+        (("--feedback", "--gain", "nan"), "--gain: required a positive number, received nan"),
+        (("--feedback", "--gain", "inf"), "--gain: required a positive number, received inf"),
+    ],
+)
+def test_gains_are_positive_and_of_a_law(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], line: str
+) -> None:
+    output = tmp_path / "path.csv"
+    given = ("simulate", "four-wheel", "--from", "0.1,0.2,0", "-o", str(output), *arguments)
+    assert run(app, given) == BAD_INPUT
+    assert capsys.readouterr().err == f"nonsmooth: {line}\n"
+    assert not output.exists()
+
+
+def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:
+    array = ARRAYS["five in millimetres"]
+    feedback, limited = feedback_of(array)
+    record = array.check().to_dict()["feedback"]["limited"]
+    assert record["speed"] == pytest.approx(float(limited.speed))
+    assert feedback.check()
+    assert float(limited.speed) <= 15 * math.sqrt(limited.kappa)
+    metres = array.check().pose
+    assert metres["speed"] == limited.speed
+    assert "where speeds are limited" in metres.sentence
+    four = ns.load("four-wheel")
+    assert isinstance(four, ns.Array)
+    unlimited = four.check()
+    assert unlimited.to_dict()["feedback"]["limited"] is None
+    assert unlimited.pose["speed"] is None
+
+
+@pytest.mark.parametrize("key", ["free", "held", "speed", "level"])
+def test_larger_numbers_are_refused(key: str) -> None:
+    """Every number is verified by itself: twice as much is not certified."""
+    feedback, limited = feedback_of(ARRAYS["random 3"])
+    larger = replace(limited, **{key: getattr(limited, key) * 2})
+    assert not replace(feedback, limited=larger).check()
+    assert not replace(feedback, limited=replace(limited, kappa=limited.kappa * 2)).check()
