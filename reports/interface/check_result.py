@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.answers.answers import Answers, answers_of, exit_status, full_answers
-from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
@@ -132,6 +131,8 @@ def check_scene(
         RefusalError: where the motion is not determined.
     """
     if best:
+        from nonsmooth.proofs.answers.best_point import at_best_point  # paths: only a search loads them
+
         announce("the best rest point of the square")
         scene = at_best_point(scene)
     found = check_theorem4(scene, prune=prune, announce=announce)
