@@ -15,9 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.interface.cells_result import CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult
+    from nonsmooth.reports.interface.comparison_result import ComparisonResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.symbolic.scene import Scene
 
 AUTO = "auto"  # the best rest point of the square
@@ -247,18 +250,62 @@ class Array:
 
         return plot_array(self, ax, show)
 
-    def report(self, file: str | Path) -> Path:
-        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
+    def cells(self) -> CellsResult:
+        """The exact cells of the checked square, as rows, JSON or pictures.
+
+        Raises:
+            RefusalError: where the motion is not determined, and under a rule without cells.
+        """
+        from nonsmooth.reports.interface.cells_result import CellsResult
+
+        return CellsResult(self.partition)
+
+    def compare(self) -> ComparisonResult:
+        """The contact rules side by side on the checked square.
 
         Raises:
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, write_report
+        from nonsmooth.reports.interface.comparison_result import compare_scene
+
+        return compare_scene(self.scene)
+
+    def derive(
+        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
+    ) -> ReportResult:
+        """The derivation report, to be read as text or saved.
+
+        Args:
+            only: names of the sections to write, such as ``"verdict,cells"``; all unless given.
+            without: names of sections to leave out.
+
+        Raises:
+            ValueError: for a name that is none; the error lists all.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.report_result import derive_scene, named_parts
+
+        return derive_scene(self.scene, named_parts(only, without))
+
+    def report(
+        self,
+        file: str | Path,
+        *,
+        only: str | Sequence[str] | None = None,
+        without: str | Sequence[str] | None = None,
+    ) -> Path:
+        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
+
+        Raises:
+            ValueError: for a section that is none.
+            OutputError: for a file that cannot be written.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.derivation import REPORT_FORMATS
         from nonsmooth.reports.files import output_path
 
-        path = output_path(str(file), REPORT_FORMATS)
-        write_report(derive_report(self.scene), path)
-        return path
+        path = output_path(str(file), REPORT_FORMATS)  # refused before the work
+        return self.derive(only=only, without=without).save(path)
 
 
 def _placed(document: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:

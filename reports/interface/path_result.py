@@ -15,6 +15,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.simulate import POSE, PathRun, follow, loop_of
 from nonsmooth.symbolic.number_text import float_text, place_text
 
@@ -78,7 +79,7 @@ class PathResult(Tabular):
         unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
         place = place_text([float(value) for value in end.state], 5)
         head = f"path of {self.name}, method {path.method}: {len(path.events)} events, {unique}"
-        return f"{head}\n  {end.reason}: {place} at t = {float_text(end.t)}"
+        return short_lines(head, [(f"{end.reason}:", f"{place} at t = {float_text(end.t)}")])
 
     def _repr_html_(self) -> str:
         return self.trajectory._repr_html_()
