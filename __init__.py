@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
+    from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
@@ -39,6 +40,7 @@ _MODULES = {
     "ComparisonResult": "reports.interface.comparison_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
+    "LawResult": "reports.interface.law_result",
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",

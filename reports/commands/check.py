@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
@@ -13,6 +14,7 @@ from nonsmooth.reports.options import (
     CertificateFile,
     Continuum,
     Json,
+    LawFile,
     NoPrune,
     Radius,
     Require,
@@ -23,7 +25,7 @@ from nonsmooth.reports.options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
     from pathlib import Path
 
     from rich.console import RenderableType
@@ -36,6 +38,17 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
+CERTIFICATES, LAWS = (".json",), (".py", ".csv")  # what these files may end in
+
+
+@dataclass(frozen=True)
+class _Files:
+    """Where files about one check go."""
+
+    certificate: Path | None
+    law: Path | None
+
+
 def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     scenes: SceneTexts,
     rule: RulesOption = None,
@@ -44,6 +57,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     allow_outside: AllowOutside = False,
     no_prune: NoPrune = False,
     certificate: CertificateFile = None,
+    law: LawFile = None,
     require: Require = None,
     continuum: Continuum = False,
     json: Json = False,
@@ -56,7 +70,10 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
     rules, required = chosen_rules(rule), required_answers(require)
-    path = None if certificate is None else _certificate_path(certificate, len(rules))
+    files = _Files(
+        None if certificate is None else _output("--certificate", certificate, CERTIFICATES, len(rules)),
+        None if law is None else _output("--law", law, LAWS, len(rules)),
+    )
     fixed_at = None if at == AUTO else at
     loaded = [
         load_any(scene, rule=name, radius=radius, at=fixed_at, allow_outside=allow_outside)
@@ -68,13 +85,15 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
         _require_arrays(loaded, "--at auto")
     if len(scenes) > 1:
         loaded = [_at_best_point(scene) if best else scene for scene in loaded]
-        _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
+        asked = {"--certificate": files.certificate is not None, "--law": files.law is not None}
+        _require_one_scene({**asked, "--continuum": continuum}, len(scenes))
         return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
-        _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
+        asked = {"a certificate": files.certificate is not None, "--law": files.law is not None}
+        _require_array(loaded[0], {**asked, "--continuum": continuum})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
-    return _check_array(arrays, path, required=required, best=best, prune=not no_prune, continuum=continuum, json=json)
+    return _check_array(arrays, files, required=required, best=best, prune=not no_prune, continuum=continuum, json=json)
 
 
 def _at_best_point(scene: Scene | SwitchedSystem) -> Scene | SwitchedSystem:
@@ -113,7 +132,7 @@ def _check_many(scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str
 
 def _check_array(  # one keyword for each option
     scenes: list[Scene],
-    path: Path | None,
+    files: _Files,
     *,
     required: Sequence[str],
     best: bool,
@@ -135,8 +154,10 @@ def _check_array(  # one keyword for each option
         announce("where bodies go, and the other rules")
         for result in results:
             _ = result.answers
-    if path is not None:
-        _write_certificate(results[0].evidence, path)
+    if files.certificate is not None:
+        _write_certificate(results[0].evidence, files.certificate)
+    if files.law is not None:
+        _write_law(results[0], files.law)
     if json:
         _write_records(results, found)
     else:
@@ -232,13 +253,23 @@ def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
     return result.exit_status
 
 
-def _certificate_path(target: str, rules: int) -> Path:
-    """Where the certificate of one check goes, refused before any work."""
+def _output(option: str, target: str, suffixes: Collection[str], rules: int) -> Path:
+    """Where a file about one check goes, refused before any work."""
     from nonsmooth.reports.files import output_path
 
     if rules > 1:
-        raise RefusedError("--certificate: required one contact rule, received all")
-    return output_path(target, (".json",))
+        raise RefusedError(f"{option}: required one contact rule, received all")
+    return output_path(target, suffixes)
+
+
+def _write_law(result: CheckResult, path: Path) -> None:
+    """The certified law of one check."""
+    from nonsmooth.reports.law_table import NoLawError
+
+    try:
+        result.law().save(path)
+    except NoLawError as error:
+        raise RefusedError(f"{result.evidence.scene.origin}: --law: {error}") from None
 
 
 def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:

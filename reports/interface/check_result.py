@@ -21,6 +21,7 @@ from nonsmooth.symbolic.number_text import short_text
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.reports.interface.law_result import LawResult
     from nonsmooth.symbolic.scene import Scene
 
 
@@ -75,6 +76,16 @@ class CheckResult(Tabular):
     def destinations(self) -> Destinations | None:
         """Where bodies go that start all over the square; None where all come home."""
         return self.answers.destinations
+
+    def law(self) -> LawResult:
+        """The certified feedback law as a table of regions and speeds, or a program.
+
+        Raises:
+            NoLawError: where the feedback clause certifies none.
+        """
+        from nonsmooth.reports.interface.law_result import certified_law_of
+
+        return certified_law_of(self.evidence)
 
     def exit_status(self, required: Sequence[str]) -> int:
         """What ``nonsmooth check --require`` returns: 0 if all of these are as hoped for, 1 if one is not, else 3.
