@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
+    from nonsmooth.reports.interface.map_result import MapResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.symbolic.scene import Scene
@@ -202,6 +203,8 @@ class Array:
         *,
         feedback: bool | str = False,
         method: str = "events",
+        kinematics: str = "exact",
+        width: float = 1e-3,
         **changes: Any,
     ) -> PathResult:
         """The path of a body from ``(x, y, theta)``, in the coordinates of the array.
@@ -211,6 +214,8 @@ class Array:
             until: last time.
             feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
             method: ``events``, ``hysteresis`` or ``smoothed``.
+            kinematics: ``exact`` pose, or ``leading`` order as in the paper; under rules with cells.
+            width: of hysteresis and smoothing, in units of the state.
             **changes: as for :meth:`with_`.
 
         Raises:
@@ -220,7 +225,28 @@ class Array:
         from nonsmooth.reports.interface.path_result import follow_array
 
         array = self.with_(**changes) if changes else self
-        return follow_array(array.scene, start, until, feedback=feedback, method=method)
+        return follow_array(
+            array.scene, start, until, feedback=feedback, method=method, kinematics=kinematics, width=width
+        )
+
+    def map(
+        self, grid: int, *, heading: float = 0.0, until: float | None = None, kinematics: str = "exact"
+    ) -> MapResult:
+        """Where ``grid x grid`` starts all over the square end, in the open loop by events.
+
+        Args:
+            grid: starts in a row and in a column.
+            heading: of all starts (radian).
+            until: time at which the map is taken; all are followed to their ends unless given.
+            kinematics: ``exact`` or ``leading``.
+
+        Raises:
+            ValueError: for a grid, a heading or a last time that cannot be used.
+            RefusalError: where the motion is not determined, and under a rule without cells.
+        """
+        from nonsmooth.reports.interface.map_result import map_scene
+
+        return map_scene(self.scene, grid, heading, until, kinematics)
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.

@@ -85,8 +85,15 @@ class PathResult(Tabular):
         return self.trajectory._repr_html_()
 
 
-def follow_array(
-    scene: Scene, start: Sequence[float], until: float, *, feedback: bool | str = False, method: str = "events"
+def follow_array(  # one keyword for each option of the command
+    scene: Scene,
+    start: Sequence[float],
+    until: float,
+    *,
+    feedback: bool | str = False,
+    method: str = "events",
+    kinematics: str = "exact",
+    width: float = WIDTH,
 ) -> PathResult:
     """The path of a body over an array; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
 
@@ -99,6 +106,6 @@ def follow_array(
     if isinstance(rule, SmoothRule) and not feedback:
         return PathResult(scene.name, POSE, rule.path(scene, (x, y, theta), until))
     law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
-    run = PathRun((x, y, theta), until, Kinematics.EXACT, Method(method), law, WIDTH)
+    run = PathRun((x, y, theta), until, Kinematics(kinematics), Method(method), law, width)
     partition = build_partition(scene)
     return PathResult(scene.name, POSE, follow(partition, run, loop_of(partition, run)), partition)

@@ -83,6 +83,41 @@ def test_a_report_is_the_file_of_the_command(
         assert own == report.text(suffix)
 
 
+def test_a_map_is_the_record_of_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    options = ("--grid", "5", "--heading", "0.2", "--until", "1", "--kinematics", "leading")
+    record = json.loads(printed(capsys, "simulate", "off-center", *options, "--json"))
+    found = array("off-center").map(5, heading=0.2, until=1.0, kinematics="leading")
+    assert json.loads(json.dumps(found.to_dict())) == record
+    printed(capsys, "simulate", "off-center", *options, "-o", str(tmp_path / "other.csv"))
+    assert found.save(tmp_path / "own.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+    assert len(found.rows()) == 25
+    assert len(str(found).splitlines()) <= MOST_LINES
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"grid": 1}, "grid: required 2 to 500 starts in a row, received 1"),
+        ({"grid": 3, "heading": float("nan")}, "heading: required a finite number"),
+        ({"grid": 3, "until": 0}, "until: required a positive number, received 0"),
+        ({"grid": 3, "kinematics": "none"}, "'none' is not a valid Kinematics"),
+    ],
+)
+def test_a_map_of_something_else_is_refused(options: dict[str, Any], line: str) -> None:
+    with pytest.raises(ValueError, match=line):
+        array().map(**options)
+
+
+@pytest.mark.parametrize("method", ["events", "hysteresis", "smoothed"])
+def test_a_path_is_that_of_the_command(method: str, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--from", "0.1,0.2,0.3", "--until", "0.5", "--method", method, "--kinematics", "leading"]
+    options += [] if method == "events" else ["--width", "0.01"]
+    record = json.loads(printed(capsys, "simulate", "four-wheel", *options, "--json"))
+    path = array().simulate((0.1, 0.2, 0.3), 0.5, method=method, kinematics="leading", width=0.01)
+    own = json.loads(json.dumps(path.to_dict()))
+    assert {key: record[key] for key in own} == own
+
+
 def test_a_wrong_section_or_format_is_named(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"without: required names among answers, .* received 'tea'"):
         array().report(tmp_path / "r.md", without="tea")
