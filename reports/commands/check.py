@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from nonsmooth.reports.check_files import CheckFiles
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
 from nonsmooth.reports.options import (
     AUTO,
@@ -25,28 +24,15 @@ from nonsmooth.reports.options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-    from pathlib import Path
+    from collections.abc import Sequence
 
     from rich.console import RenderableType
 
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.clauses.workspace import Announce
-    from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
-
-
-CERTIFICATES, LAWS = (".json",), (".py", ".csv")  # what these files may end in
-
-
-@dataclass(frozen=True)
-class _Files:
-    """Where files about one check go."""
-
-    certificate: Path | None
-    law: Path | None
 
 
 def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -70,10 +56,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
     rules, required = chosen_rules(rule), required_answers(require)
-    files = _Files(
-        None if certificate is None else _output("--certificate", certificate, CERTIFICATES, len(rules)),
-        None if law is None else _output("--law", law, LAWS, len(rules)),
-    )
+    files = CheckFiles.asked(certificate, law, len(rules))
     fixed_at = None if at == AUTO else at
     loaded = [
         load_any(scene, rule=name, radius=radius, at=fixed_at, allow_outside=allow_outside)
@@ -132,7 +115,7 @@ def _check_many(scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str
 
 def _check_array(  # one keyword for each option
     scenes: list[Scene],
-    files: _Files,
+    files: CheckFiles,
     *,
     required: Sequence[str],
     best: bool,
@@ -154,10 +137,7 @@ def _check_array(  # one keyword for each option
         announce("where bodies go, and the other rules")
         for result in results:
             _ = result.answers
-    if files.certificate is not None:
-        _write_certificate(results[0].evidence, files.certificate)
-    if files.law is not None:
-        _write_law(results[0], files.law)
+    files.write(results[0])
     if json:
         _write_records(results, found)
     else:
@@ -251,36 +231,3 @@ def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
 
         write_views([system_view(result)])
     return result.exit_status
-
-
-def _output(option: str, target: str, suffixes: Collection[str], rules: int) -> Path:
-    """Where a file about one check goes, refused before any work."""
-    from nonsmooth.reports.files import output_path
-
-    if rules > 1:
-        raise RefusedError(f"{option}: required one contact rule, received all")
-    return output_path(target, suffixes)
-
-
-def _write_law(result: CheckResult, path: Path) -> None:
-    """The certified law of one check."""
-    from nonsmooth.reports.law_table import NoLawError
-
-    try:
-        result.law().save(path)
-    except NoLawError as error:
-        raise RefusedError(f"{result.evidence.scene.origin}: --law: {error}") from None
-
-
-def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
-    """The certificate of one check."""
-    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
-    from nonsmooth.reports.files import write_whole
-
-    try:
-        certificate = build_certificate(result)
-    except CertificateError as error:
-        raise RefusedError(f"{result.scene.origin}: {error}") from None
-    write_whole(path, certificate_text(certificate).encode())
-    if certificate["feedback"]["verdict"] != result.feedback.verdict:
-        print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)

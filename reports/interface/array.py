@@ -8,7 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.interface.entries import table
+from nonsmooth.reports.interface.places import placed
 from nonsmooth.reports.interface.wheel import Wheel
 
 if TYPE_CHECKING:
@@ -25,23 +26,6 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 AUTO = "auto"  # the best rest point of the square
-
-# Where a keyword of `with_` stands in a scene file.
-_PLACES = {
-    "name": (),
-    "mu_roll": ("friction",),
-    "mu_side": ("friction",),
-    "rule": ("contact",),
-    "loads": ("contact",),
-    "at": ("check",),
-    "radius": ("check",),
-    "length": ("check",),
-    "lyapunov": ("check",),
-    "field": (),
-    "object": (),
-    "units": (),
-}
-_KEYS = {"at": "equilibrium"}
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -79,7 +63,7 @@ class Array:
         **more: Any,
     ) -> None:
         given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
-        document = _placed({"wheel": [wheel.table() for wheel in wheels]}, given)
+        document = placed({"wheel": [wheel.table() for wheel in wheels]}, given)
         self._set(document, Path())
 
     def _set(self, document: Mapping[str, Any], folder: Path) -> None:
@@ -112,19 +96,19 @@ class Array:
             **more: as for :meth:`with_`, but for ``radius``.
         """
         layout = table({"count": count, "radius": radius, "phase": phase})
-        return cls.of_document(_placed({"ring": layout}, {**more, "radius": check_radius}))
+        return cls.of_document(placed({"ring": layout}, {**more, "radius": check_radius}))
 
     @classmethod
     def grid(cls, rows: int, columns: int, *, pitch: Any = 1, **more: Any) -> Self:
         """``rows x columns`` wheels, centred on the origin, rims to it unless a field says otherwise."""
         layout = table({"rows": rows, "columns": columns, "pitch": pitch})
-        return cls.of_document(_placed({"grid": layout}, more))
+        return cls.of_document(placed({"grid": layout}, more))
 
     @classmethod
     def from_csv(cls, file: str | Path, **more: Any) -> Self:
         """Wheels of a CSV table with columns x, y and optionally heading, speed, mu_roll, mu_side."""
         path = Path(file)
-        return cls.of_document(_placed({"wheels": {"file": path.name}}, more), path.parent)
+        return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 
     def with_(self, **changes: Any) -> Self:
         """Another array in which some keys are changed.
@@ -137,7 +121,7 @@ class Array:
             SceneError: for whatever cannot be used.
             TypeError: for a keyword that is none of these.
         """
-        return self.of_document(_placed(self.document, changes), self.folder)
+        return self.of_document(placed(self.document, changes), self.folder)
 
     # ---- what it is ------------------------------------------------------------------------------
 
@@ -332,20 +316,3 @@ class Array:
 
         path = output_path(str(file), REPORT_FORMATS)  # refused before the work
         return self.derive(only=only, without=without).save(path)
-
-
-def _placed(document: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The document with each keyword at its place; None leaves it as it is."""
-    changed = dict(document)
-    for name, value in given.items():
-        if name not in _PLACES:
-            raise TypeError(f"required a keyword among {', '.join(_PLACES)}, received {name!r}")
-        if value is None:
-            continue
-        key = _KEYS.get(name, name)
-        if not _PLACES[name]:
-            changed[key] = entry(value)
-            continue
-        (section,) = _PLACES[name]
-        changed[section] = {**changed.get(section, {}), key: entry(value)}
-    return changed
