@@ -19,10 +19,15 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Pose as Pose
     from nonsmooth.proofs.answers.answer import Position as Position
     from nonsmooth.reports.interface.array import Array as Array
+    from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
+    from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
+    from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
+    from nonsmooth.reports.interface.map_result import MapResult as MapResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
+    from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
@@ -31,13 +36,18 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "Array": "reports.interface.array",
+    "CellsResult": "reports.interface.cells_result",
     "CheckResult": "reports.interface.check_result",
+    "ComparisonResult": "reports.interface.comparison_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
+    "LawResult": "reports.interface.law_result",
+    "MapResult": "reports.interface.map_result",
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
     "RefusalError": "analysis.cells.partition",
+    "ReportResult": "reports.interface.report_result",
     "SceneError": "symbolic.scene_error",
     "System": "reports.interface.system",
     "SystemCheckResult": "reports.interface.system_result",

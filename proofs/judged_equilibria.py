@@ -16,6 +16,7 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.scene import CheckedSquare, Scene
 
@@ -23,8 +24,8 @@ MOST = 16  # points that are judged: each costs a partition of its own
 SHARE = 8  # the square about a point is this many times smaller than the checked one
 
 
-@dataclass(frozen=True)
-class JudgedEquilibrium:
+@dataclass(frozen=True, repr=False)
+class JudgedEquilibrium(ShortRepr):
     """An equilibrium with its local verdicts; None where the point was not judged."""
 
     found: RestPlace

@@ -35,7 +35,7 @@ def agreement_view(agreement: Agreement) -> RenderableType:
         which = "" if len(agreement.shared) == 1 else f" of {first} and {second}"
         twists.append(f"{len(shared.shared_twists)} twists in common{which}")
     for (first, second), difference in agreement.differences.items():
-        table.add_row(f"{first} and {second}", _difference_text(difference))
+        table.add_row(f"{first} and {second}", difference_text(difference))
     (first, cells), *others = ((name, len(partition.cells)) for name, partition in agreement.partitions.items())
     counts = [f"{cells} cells under rule {first}", *(f"{count} under rule {name}" for name, count in others)]
     note = "differences of the twist (|v|, R omega), R the distance of the farthest wheel, relative to the larger twist"
@@ -107,7 +107,8 @@ def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str)
     axes.set_title(wrapped(f"{one_line(_scene_name(agreement))}: rules {first} and {second}"), parse_math=False)
 
 
-def _difference_text(difference: TwistDifference) -> str:
+def difference_text(difference: TwistDifference) -> str:
+    """Mean and largest difference, sampled, and what is not certified."""
     missing = f"not certified: {difference.not_certified}"
     if difference.mean is None or difference.largest is None or difference.at is None:
         return missing

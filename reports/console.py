@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import sys
@@ -123,6 +122,8 @@ def write_json(record: dict[str, Any]) -> None:
 
 def json_text(record: dict[str, Any]) -> str:
     """A record as indented JSON, ending in a newline; ASCII only, so that any terminal and file can hold it."""
+    import json
+
     return json.dumps(record, indent=2, allow_nan=False) + "\n"
 
 

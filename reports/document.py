@@ -13,6 +13,7 @@ from enum import StrEnum
 from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas import number_latex
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, real_text, settled
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -76,8 +77,8 @@ class Bullets:
     items: tuple[Text, ...]
 
 
-@dataclass(frozen=True)
-class Table:
+@dataclass(frozen=True, repr=False)
+class Table(ShortRepr):
     """Rows under a header; ``widths`` are the columns' shares of the line, ``marks`` what each row is about, if any."""
 
     header: tuple[Text, ...]
@@ -134,8 +135,8 @@ class Listing:
 Block: TypeAlias = Paragraph | Display | Bullets | Table | Figure | Listing
 
 
-@dataclass(frozen=True)
-class Section:
+@dataclass(frozen=True, repr=False)
+class Section(ShortRepr):
     """A titled part with its blocks, then its subsections; ``marks`` say what it is about, if that can be marked."""
 
     title: str
@@ -144,8 +145,8 @@ class Section:
     marks: Marks = ()
 
 
-@dataclass(frozen=True)
-class Document:
+@dataclass(frozen=True, repr=False)
+class Document(ShortRepr):
     """A report."""
 
     title: str

@@ -1,19 +1,13 @@
-"""The facts of a result, written down: as a JSON record, as lines for a terminal, as sentences of a report."""
+"""The facts of a result, written down: as a JSON record and as lines for a terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from flint import arb
-
 from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.reports.document import Bullets, Inline, number
 from nonsmooth.reports.exact_record import Record, exact_texts, floats
-from nonsmooth.reports.prose import prose
-from nonsmooth.symbolic.number_text import brief_text, short_text
-from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.number_text import short_text
 
 
 def fact_record(facts: Iterable[Fact]) -> Record:
@@ -66,16 +60,3 @@ def fact_rows(facts: Iterable[Fact]) -> list[tuple[str, str]]:
 
 def _line(fact: Fact) -> str:
     return fact.words.format(*map(short_text, fact.shown)) if fact.shown else fact.words
-
-
-def fact_list(facts: Iterable[Fact]) -> list[Bullets]:
-    """The sentences as a list of a report, with numbers as formulas; no list where there are none."""
-    told = [fact for fact in facts if fact.words and not fact.explained]
-    items = [prose(fact.words, *map(_entry, fact.shown)) for fact in told]
-    return [Bullets(tuple(items))] if items else []
-
-
-def _entry(shown: Any) -> Inline:
-    if isinstance(shown, Number):
-        return number(shown)
-    return brief_text(shown) if isinstance(shown, Lazy | arb) else str(shown)

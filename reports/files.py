@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import secrets
 from collections.abc import Collection
 from pathlib import Path
 
@@ -92,6 +91,8 @@ def _create_beside(target: Path) -> tuple[Path, int]:
     Others may write to that folder too: the name cannot be guessed, and what stands there already, a link above all, is
     neither followed nor overwritten.
     """
+    import secrets
+
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
     for _ in range(ATTEMPTS):
         temporary = target.with_name(f".nonsmooth-{secrets.token_hex(16)}.tmp")

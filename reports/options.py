@@ -111,6 +111,14 @@ CertificateFile = Annotated[
         "--certificate", metavar="FILE", help="Write a certificate for verify: .json (one scene, rule nearest or box)."
     ),
 ]
+LawFile = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        metavar="FILE",
+        help="Write the certified feedback law: .py a program, .csv a table of regions and speeds (one scene).",
+    ),
+]
 Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
 Require = Annotated[
     str | None,

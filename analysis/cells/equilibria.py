@@ -22,6 +22,7 @@ from typing import Any
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import around, between, cross, dot, hull_holds_zero, minus
 
@@ -36,8 +37,8 @@ class Place(StrEnum):
     VERTEX = "vertex"
 
 
-@dataclass(frozen=True)
-class RestPlace:
+@dataclass(frozen=True, repr=False)
+class RestPlace(ShortRepr):
     """A point, segment or polygon of equilibria: its points, and the cells that meet there."""
 
     place: Place

@@ -50,8 +50,8 @@ def affordable(scene: Scene, units: int, step: str) -> Iterator[None]:
         ) from None
 
 
-@dataclass(frozen=True)
-class Cell:
+@dataclass(frozen=True, repr=False)
+class Cell(ShortRepr):
     """A convex polygon of centres of mass that share their contact state.
 
     Where the rule ties (mu_R = mu_S for rule ``nearest``) there are several states and the motion is

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
 
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
 
 Point: TypeAlias = tuple[Any, Any]
@@ -34,8 +35,8 @@ class HalfPlane:
         return HalfPlane((-self.normal[0], -self.normal[1]), -self.offset, self.label)
 
 
-@dataclass(frozen=True)
-class Polygon:
+@dataclass(frozen=True, repr=False)
+class Polygon(ShortRepr):
     """Convex polygon of positive area; side k runs from vertex k to vertex k + 1.
 
     Attributes:

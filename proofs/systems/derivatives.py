@@ -30,6 +30,7 @@ from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, stratum_of
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
+from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 EMPTINESS_WORK = 2_000  # coefficients looked at to find that a cell beside a curve is empty; kept otherwise
@@ -59,8 +60,8 @@ class Supremum:
     point: Point | None
 
 
-@dataclass(frozen=True)
-class LyapunovResult:
+@dataclass(frozen=True, repr=False)
+class LyapunovResult(ShortRepr):
     """Lyapunov's conditions on a domain, with the evidence of each.
 
     Attributes:

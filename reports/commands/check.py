@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
+from nonsmooth.reports.check_files import CheckFiles
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
 from nonsmooth.reports.options import (
     AUTO,
@@ -13,6 +13,7 @@ from nonsmooth.reports.options import (
     CertificateFile,
     Continuum,
     Json,
+    LawFile,
     NoPrune,
     Radius,
     Require,
@@ -24,13 +25,11 @@ from nonsmooth.reports.options import (
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from rich.console import RenderableType
 
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.clauses.workspace import Announce
-    from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.symbolic.contact_set import TipsError
     from nonsmooth.symbolic.scene import Scene
@@ -45,6 +44,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     allow_outside: AllowOutside = False,
     no_prune: NoPrune = False,
     certificate: CertificateFile = None,
+    law: LawFile = None,
     require: Require = None,
     continuum: Continuum = False,
     json: Json = False,
@@ -58,7 +58,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
     rules, required = chosen_rules(rule), required_answers(require)
-    path = None if certificate is None else _certificate_path(certificate, len(rules))
+    files = CheckFiles.asked(certificate, law, len(rules))
     fixed_at = None if at == AUTO else at
     loaded = [
         load_any(scene, rule=name, radius=radius, at=fixed_at, allow_outside=allow_outside)
@@ -70,15 +70,17 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
         _require_arrays(loaded, "--at auto")
     if len(scenes) > 1:
         loaded = [_at_best_point(scene) if best else scene for scene in loaded]
-        _require_one_scene({"--certificate": certificate is not None, "--continuum": continuum}, len(scenes))
+        asked = {"--certificate": files.certificate is not None, "--law": files.law is not None}
+        _require_one_scene({**asked, "--continuum": continuum}, len(scenes))
         return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
-        _require_array(loaded[0], {"a certificate": certificate is not None, "--continuum": continuum})
+        asked = {"a certificate": files.certificate is not None, "--law": files.law is not None}
+        _require_array(loaded[0], {**asked, "--continuum": continuum})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
     try:
         return _check_array(
-            arrays, path, required=required, best=best, prune=not no_prune, continuum=continuum, json=json
+            arrays, files, required=required, best=best, prune=not no_prune, continuum=continuum, json=json
         )
     except TipsError as tipping:
         return _answer_tipping(arrays[0], tipping, required, json=json)
@@ -134,7 +136,7 @@ def _check_many(scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str
 
 def _check_array(  # one keyword for each option
     scenes: list[Scene],
-    path: Path | None,
+    files: CheckFiles,
     *,
     required: Sequence[str],
     best: bool,
@@ -156,8 +158,7 @@ def _check_array(  # one keyword for each option
         announce("where bodies go, and the other rules")
         for result in results:
             _ = result.answers
-    if path is not None:
-        _write_certificate(results[0].evidence, path)
+    files.write(results[0])
     if json:
         _write_records(results, found)
     else:
@@ -251,26 +252,3 @@ def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
 
         write_views([system_view(result)])
     return result.exit_status
-
-
-def _certificate_path(target: str, rules: int) -> Path:
-    """Where the certificate of one check goes, refused before any work."""
-    from nonsmooth.reports.files import output_path
-
-    if rules > 1:
-        raise RefusedError("--certificate: required one contact rule, received all")
-    return output_path(target, (".json",))
-
-
-def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
-    """The certificate of one check."""
-    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
-    from nonsmooth.reports.files import write_whole
-
-    try:
-        certificate = build_certificate(result)
-    except CertificateError as error:
-        raise RefusedError(f"{result.scene.origin}: {error}") from None
-    write_whole(path, certificate_text(certificate).encode())
-    if certificate["feedback"]["verdict"] != result.feedback.verdict:
-        print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)

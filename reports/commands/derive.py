@@ -44,8 +44,9 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
 
     Exit status: 0 written, whatever the verdict; 2 bad input.
     """
-    from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report, write_report
+    from nonsmooth.reports.derivation import REPORT_FORMATS
     from nonsmooth.reports.files import output_path
+    from nonsmooth.reports.interface.report_result import derive_scene
     from nonsmooth.reports.progress import steps
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.contact_set import standing
@@ -59,15 +60,15 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     options += (OUTSIDE_OPTION,) if allow_outside else ()
     invocation = Invocation(scene, options, _given({"--only": only, "--without": without, "-o": output}))
     with refusals_named(loaded), steps("derivation") as announce:
-        report = derive_report(loaded, invocation, parts, announce)
+        result = derive_scene(loaded, parts, invocation=invocation, announce=announce)
     if path is not None:
-        write_report(report, path)
+        result.save(path)
     if json:
-        write(render_report(report, ".json"))
+        write(result.text(".json"))
     elif path is not None:
-        write(f"{path}: Theorem 4: {report.result.verdict}\n")
+        write(f"{path}: Theorem 4: {result.theorem4}\n")
     else:
-        write(render_report(report, ".md"))
+        write(result.text(".md"))
     return 0
 
 
@@ -77,13 +78,9 @@ def _given(options: dict[str, object]) -> tuple[str, ...]:
 
 
 def _parts(only: str | None, without: str | None) -> tuple[str, ...]:
-    from nonsmooth.reports.parts import chosen_parts
+    from nonsmooth.reports.interface.report_result import named_parts
 
-    names = {"--only": only, "--without": without}
-    lists = {option: [] if text is None else [n.strip() for n in text.split(",")] for option, text in names.items()}
-    for option, listed in lists.items():
-        try:
-            chosen_parts(listed, ())
-        except ValueError as error:
-            raise RefusedError(f"{option}: {error}") from None
-    return chosen_parts(lists["--only"], lists["--without"])
+    try:
+        return named_parts(only, without)
+    except ValueError as error:
+        raise RefusedError(f"--{error}") from None

@@ -8,37 +8,24 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.interface.entries import table
+from nonsmooth.reports.interface.places import placed
 from nonsmooth.reports.interface.wheel import Wheel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.interface.cells_result import CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult
+    from nonsmooth.reports.interface.comparison_result import ComparisonResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
+    from nonsmooth.reports.interface.map_result import MapResult
     from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.symbolic.scene import Scene
 
 AUTO = "auto"  # the best rest point of the square
-
-# Where a keyword of `with_` stands in a scene file.
-_PLACES = {
-    "name": (),
-    "mu_roll": ("friction",),
-    "mu_side": ("friction",),
-    "speed_limit": ("drive",),
-    "rule": ("contact",),
-    "loads": ("contact",),
-    "at": ("check",),
-    "radius": ("check",),
-    "length": ("check",),
-    "lyapunov": ("check",),
-    "field": (),
-    "body": (),
-    "units": (),
-}
-_KEYS = {"at": "equilibrium"}
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -76,7 +63,7 @@ class Array:
         **more: Any,
     ) -> None:
         given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
-        document = _placed({"wheel": [wheel.table() for wheel in wheels]}, given)
+        document = placed({"wheel": [wheel.table() for wheel in wheels]}, given)
         self._set(document, Path())
 
     def _set(self, document: Mapping[str, Any], folder: Path) -> None:
@@ -109,19 +96,19 @@ class Array:
             **more: as for :meth:`with_`, but for ``radius``.
         """
         layout = table({"count": count, "radius": radius, "phase": phase})
-        return cls.of_document(_placed({"ring": layout}, {**more, "radius": check_radius}))
+        return cls.of_document(placed({"ring": layout}, {**more, "radius": check_radius}))
 
     @classmethod
     def grid(cls, rows: int, columns: int, *, pitch: Any = 1, **more: Any) -> Self:
         """``rows x columns`` wheels, centred on the origin, rims to it unless a field says otherwise."""
         layout = table({"rows": rows, "columns": columns, "pitch": pitch})
-        return cls.of_document(_placed({"grid": layout}, more))
+        return cls.of_document(placed({"grid": layout}, more))
 
     @classmethod
     def from_csv(cls, file: str | Path, **more: Any) -> Self:
         """Wheels of a CSV table with columns x, y and optionally heading, speed, mu_roll, mu_side."""
         path = Path(file)
-        return cls.of_document(_placed({"wheels": {"file": path.name}}, more), path.parent)
+        return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 
     def with_(self, **changes: Any) -> Self:
         """Another array in which some keys are changed.
@@ -134,7 +121,7 @@ class Array:
             SceneError: for whatever cannot be used.
             TypeError: for a keyword that is none of these.
         """
-        return self.of_document(_placed(self.document, changes), self.folder)
+        return self.of_document(placed(self.document, changes), self.folder)
 
     # ---- what it is ------------------------------------------------------------------------------
 
@@ -202,6 +189,8 @@ class Array:
         feedback: bool | str = False,
         method: str = "events",
         gain: float = 1.0,
+        kinematics: str = "exact",
+        width: float = 1e-3,
         **changes: Any,
     ) -> PathResult:
         """The path of a body from ``(x, y, theta)``, in the coordinates of the array.
@@ -212,6 +201,8 @@ class Array:
             feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
             method: ``events``, ``hysteresis`` or ``smoothed``.
             gain: of the law (1/time).
+            kinematics: ``exact`` pose, or ``leading`` order as in the paper; under rules with cells.
+            width: of hysteresis and smoothing, in units of the state.
             **changes: as for :meth:`with_`.
 
         Raises:
@@ -221,7 +212,28 @@ class Array:
         from nonsmooth.reports.interface.path_result import follow_array
 
         array = self.with_(**changes) if changes else self
-        return follow_array(array.scene, start, until, feedback=feedback, method=method, gain=gain)
+        return follow_array(
+            array.scene, start, until, feedback=feedback, method=method, kinematics=kinematics, width=width, gain=gain
+        )
+
+    def map(
+        self, grid: int, *, heading: float = 0.0, until: float | None = None, kinematics: str = "exact"
+    ) -> MapResult:
+        """Where ``grid x grid`` starts all over the square end, in the open loop by events.
+
+        Args:
+            grid: starts in a row and in a column.
+            heading: of all starts (radian).
+            until: time at which the map is taken; all are followed to their ends unless given.
+            kinematics: ``exact`` or ``leading``.
+
+        Raises:
+            ValueError: for a grid, a heading or a last time that cannot be used.
+            RefusalError: where the motion is not determined, and under a rule without cells.
+        """
+        from nonsmooth.reports.interface.map_result import map_scene
+
+        return map_scene(self.scene, grid, heading, until, kinematics)
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.
@@ -251,32 +263,59 @@ class Array:
 
         return plot_array(self, ax, show)
 
-    def report(self, file: str | Path) -> Path:
-        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
+    def cells(self) -> CellsResult:
+        """The exact cells of the checked square, as rows, JSON or pictures.
+
+        Raises:
+            RefusalError: where the motion is not determined, and under a rule without cells.
+        """
+        from nonsmooth.reports.interface.cells_result import CellsResult
+
+        return CellsResult(self.partition)
+
+    def compare(self) -> ComparisonResult:
+        """The contact rules side by side on the checked square.
 
         Raises:
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, write_report
+        from nonsmooth.reports.interface.comparison_result import compare_scene
+
+        return compare_scene(self.scene)
+
+    def derive(
+        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
+    ) -> ReportResult:
+        """The derivation report, to be read as text or saved.
+
+        Args:
+            only: names of the sections to write, such as ``"verdict,cells"``; all unless given.
+            without: names of sections to leave out.
+
+        Raises:
+            ValueError: for a name that is none; the error lists all.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.report_result import derive_scene, named_parts
+
+        return derive_scene(self.scene, named_parts(only, without))
+
+    def report(
+        self,
+        file: str | Path,
+        *,
+        only: str | Sequence[str] | None = None,
+        without: str | Sequence[str] | None = None,
+    ) -> Path:
+        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
+
+        Raises:
+            ValueError: for a section that is none.
+            OutputError: for a file that cannot be written.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.derivation import REPORT_FORMATS
         from nonsmooth.reports.files import output_path
 
-        path = output_path(str(file), REPORT_FORMATS)
-        write_report(derive_report(self.scene), path)
-        return path
-
-
-def _placed(document: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The document with each keyword at its place; None leaves it as it is."""
-    changed = dict(document)
-    for name, value in given.items():
-        if name not in _PLACES:
-            raise TypeError(f"required a keyword among {', '.join(_PLACES)}, received {name!r}")
-        if value is None:
-            continue
-        key = _KEYS.get(name, name)
-        if not _PLACES[name]:
-            changed[key] = entry(value)
-            continue
-        (section,) = _PLACES[name]
-        changed[section] = {**changed.get(section, {}), key: entry(value)}
-    return changed
+        path = output_path(str(file), REPORT_FORMATS)  # refused before the work
+        return self.derive(only=only, without=without).save(path)

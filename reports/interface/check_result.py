@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.answers.answers import Answers, answers_of, exit_status, full_answers
-from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
@@ -23,6 +22,7 @@ from nonsmooth.symbolic.number_text import short_text
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.reports.interface.law_result import LawResult
     from nonsmooth.symbolic.scene import Scene
 
 
@@ -83,6 +83,16 @@ class CheckResult(Tabular):
         """Where bodies go that start all over the square; None where all come home."""
         return self.answers.destinations
 
+    def law(self) -> LawResult:
+        """The certified feedback law as a table of regions and speeds, or a program.
+
+        Raises:
+            NoLawError: where the feedback clause certifies none.
+        """
+        from nonsmooth.reports.interface.law_result import certified_law_of
+
+        return certified_law_of(self.evidence)
+
     def exit_status(self, required: Sequence[str]) -> int:
         """What ``nonsmooth check --require`` returns: 0 if all of these are as hoped for, 1 if one is not, else 3.
 
@@ -140,6 +150,8 @@ def check_scene(
         SceneError: where a wheel lies exactly under its edge.
     """
     if best:
+        from nonsmooth.proofs.answers.best_point import at_best_point  # paths: only a search loads them
+
         announce("the best rest point of the square")
         scene = at_best_point(standing(scene))
     found = check_theorem4(scene, prune=prune, announce=announce)

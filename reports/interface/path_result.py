@@ -17,6 +17,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.simulate import POSE, PathRun, follow, loop_of
 from nonsmooth.symbolic.number_text import float_text, place_text
 
@@ -103,13 +104,13 @@ class PathResult(Tabular):
         unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
         place = place_text([float(value) for value in end.state], 5)
         head = f"path of {self.name}, method {path.method}: {len(path.events)} events, {unique}"
-        return f"{head}\n  {end.reason}: {place} at t = {float_text(end.t)}"
+        return short_lines(head, [(f"{end.reason}:", f"{place} at t = {float_text(end.t)}")])
 
     def _repr_html_(self) -> str:
         return self.trajectory._repr_html_()
 
 
-def follow_array(
+def follow_array(  # one keyword for each option of the command
     scene: Scene,
     start: Sequence[float],
     until: float,
@@ -117,6 +118,8 @@ def follow_array(
     feedback: bool | str = False,
     method: str = "events",
     gain: float = 1.0,
+    kinematics: str = "exact",
+    width: float = WIDTH,
 ) -> PathResult:
     """The path of a body over an array; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
 
@@ -131,7 +134,7 @@ def follow_array(
     law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
     if not (math.isfinite(gain) and gain > 0):
         raise ValueError(f"gain: required a positive number, received {gain}")
-    run = PathRun((x, y, theta), until, Kinematics.EXACT, Method(method), law, WIDTH, gain)
+    run = PathRun((x, y, theta), until, Kinematics(kinematics), Method(method), law, width, gain)
     partition = build_partition(scene)
     loop = loop_of(partition, run)
     return PathResult(scene.name, POSE, follow(partition, run, loop), partition, scene, loop)

@@ -101,24 +101,27 @@ class System:
 
         return check_system((self.with_(**changes) if changes else self).system)
 
-    def simulate(self, start: Sequence[float], until: float = UNTIL, *, method: str = "events") -> PathResult:
+    def simulate(
+        self, start: Sequence[float], until: float = UNTIL, *, method: str = "events", width: float = 1e-3
+    ) -> PathResult:
         """A Filippov solution from a start.
 
         Args:
             start: one number for each state.
             until: last time.
             method: ``events``, ``hysteresis`` or ``smoothed``.
+            width: of hysteresis and smoothing, in units of the state.
 
         Raises:
             ValueError: for a switching function without a gradient where it vanishes.
             TrajectoryError: where the integrator gives up.
         """
         from nonsmooth.reports.choices import Method
-        from nonsmooth.reports.interface.path_result import WIDTH, PathResult
+        from nonsmooth.reports.interface.path_result import PathResult
         from nonsmooth.reports.system_paths import follow_system
 
         place = tuple(float(value) for value in start)
-        path = follow_system(self.system, place, until, Method(method), WIDTH)
+        path = follow_system(self.system, place, until, Method(method), width)
         return PathResult(self.system.name, tuple(self.system.states), path.trajectory)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.document import Code, Section
@@ -10,12 +11,15 @@ from nonsmooth.reports.feedback_loop import certified_law
 from nonsmooth.reports.papers.murphey_burdick_2001.feedback import law_of_section_3_3
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.sections.driven_loop import driven_law_section
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
 from nonsmooth.reports.subject import Subject
 
 
 def law_section(subject: Subject) -> Section:
     """The certified law; beside it, on the paper's own array, the law of its sec. 3.3."""
+    if isinstance(subject.result.feedback, DrivenFeedback):
+        return driven_law_section(subject)
     feedback = subject.cells.feedback
     if not isinstance(feedback, FeedbackResult):
         raise TypeError(f"required rule nearest, received {subject.scene.contact.rule}")
@@ -29,9 +33,12 @@ def law_section(subject: Subject) -> Section:
     return Section("Feedback law", (words, *law_formulas(feedback), *region_blocks(feedback), *papers))
 
 
+def without_cell_law(subject: Subject) -> str:
+    """Why the scene has no certified law of cells; empty where it has."""
+    return without_law(subject) if rule_of(subject.scene).keeps_rows else "the law is one for rule nearest"
+
+
 def without_law(subject: Subject) -> str:
     """Why the scene has no such law; empty where it has."""
-    if not rule_of(subject.scene).keeps_rows:
-        return "the law is one for rule nearest"
     verdict = subject.result.feedback.verdict
     return "" if verdict is Feedback.STABILIZABLE else f"the feedback clause says: {verdict}"

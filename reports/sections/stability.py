@@ -29,7 +29,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.facts import fact_list
+from nonsmooth.reports.fact_list import fact_list
 from nonsmooth.reports.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.reports.subject import Subject

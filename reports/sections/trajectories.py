@@ -14,7 +14,7 @@ from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Sectio
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.closed_loop import closed_loop_section
-from nonsmooth.reports.sections.law import without_law
+from nonsmooth.reports.sections.law import without_cell_law
 from nonsmooth.reports.sections.starts import Start, start_text, starts, typed_start
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.number_text import float_text
@@ -41,7 +41,7 @@ def _trajectories(subject: Subject) -> Section:
         "where the speeds are the scene's own."
     )
     parts = [_first_section(subject, places[0], first, paths[0]), _starts_section(subject, places, paths)]
-    if not without_law(subject):
+    if not without_cell_law(subject):
         parts.append(closed_loop_section(subject))
     return Section("Trajectories", (intro,), tuple(parts))
 

@@ -37,7 +37,7 @@ Exact: TypeAlias = Expression | Fraction
 class Table(BaseModel):
     """One TOML table: unknown keys are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
 
 
 class AngleUnit(StrEnum):

@@ -1,0 +1,85 @@
+"""The files that ``nonsmooth check`` writes about one check: its certificate and its feedback law."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nonsmooth.reports.console import RefusedError
+from nonsmooth.reports.files import output_path, write_whole
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
+    from nonsmooth.reports.interface.check_result import CheckResult
+
+CERTIFICATES, LAWS = (".json",), (".py", ".csv")  # what these files may end in
+
+
+@dataclass(frozen=True)
+class CheckFiles:
+    """Where they go; None where nobody asked.
+
+    Attributes:
+        certificate: of ``--certificate``.
+        law: of ``--law``.
+    """
+
+    certificate: Path | None
+    law: Path | None
+
+    @classmethod
+    def asked(cls, certificate: str | None, law: str | None, rules: int) -> CheckFiles:
+        """The files of the options, refused before any work.
+
+        Raises:
+            RefusedError: for several contact rules.
+            OutputError: for a file that cannot be written.
+        """
+        return cls(
+            None if certificate is None else _output("--certificate", certificate, CERTIFICATES, rules),
+            None if law is None else _output("--law", law, LAWS, rules),
+        )
+
+    def write(self, result: CheckResult) -> None:
+        """Write what was asked for.
+
+        Raises:
+            RefusedError: for a check that has no certificate, or no certified law.
+        """
+        if self.certificate is not None:
+            _write_certificate(result.evidence, self.certificate)
+        if self.law is not None:
+            _write_law(result, self.law)
+
+
+def _output(option: str, target: str, suffixes: Collection[str], rules: int) -> Path:
+    """Where a file about one check goes, refused before any work."""
+    if rules > 1:
+        raise RefusedError(f"{option}: required one contact rule, received all")
+    return output_path(target, suffixes)
+
+
+def _write_law(result: CheckResult, path: Path) -> None:
+    """The certified law of one check."""
+    from nonsmooth.reports.law_table import NoLawError
+
+    try:
+        result.law().save(path)
+    except NoLawError as error:
+        raise RefusedError(f"{result.evidence.scene.origin}: --law: {error}") from None
+
+
+def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
+    """The certificate of one check."""
+    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+
+    try:
+        certificate = build_certificate(result)
+    except CertificateError as error:
+        raise RefusedError(f"{result.scene.origin}: {error}") from None
+    write_whole(path, certificate_text(certificate).encode())
+    if certificate["feedback"]["verdict"] != result.feedback.verdict:
+        print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)

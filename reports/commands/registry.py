@@ -1,0 +1,100 @@
+"""The commands: what ``nonsmooth --help`` says of each, and where each is written.
+
+This is the registry.  A command is one function of its own name in the module of its own name beside this file, and
+one line here.  Only words are kept, so that the help knows every command and imports none; a command's module is
+imported when it runs, shows its own help or completes its options.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, MutableMapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One command.
+
+    Attributes:
+        summary: the first paragraph of its docstring; a test compares.
+        example: a line that works, without ``nonsmooth``.
+    """
+
+    summary: str
+    example: str
+
+
+COMMANDS = {  # in the order of the help
+    "check": Entry(
+        "Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table.",
+        "check four-wheel --radius 1/4 --json",
+    ),
+    "partition": Entry(
+        "List or draw the cells of the plane, each with its contact state and twist.",
+        "partition four-wheel -o cells.svg",
+    ),
+    "derive": Entry(
+        "Write the derivation report; without -o, as Markdown to standard output.",
+        "derive four-wheel -o report.html",
+    ),
+    "simulate": Entry(
+        "Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.",
+        "simulate four-wheel --from 0.2,0.4,0 --until 2 -o path.svg",
+    ),
+    "precision": Entry(
+        "Measure methods against exact answers: error, time, and how one depends on the other.",
+        "precision four-wheel --study trajectories -o precision.svg",
+    ),
+    "verify": Entry(
+        "Re-check a certificate with the stand-alone checker, which trusts nothing else of this program.",
+        "verify four-wheel.json",
+    ),
+    "audit": Entry(
+        "Decide whether somebody's function is a Lyapunov function on the checked square.",
+        'audit four-wheel --lyapunov "x**2 + 3*y**2"',
+    ),
+    "stress": Entry(
+        "Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.",
+        "stress four-wheel -o stress.svg",
+    ),
+    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems.", "scenes"),
+    "rules": Entry(
+        "List the contact rules: what each says, and for which hardware it is a good guess.",
+        "rules",
+    ),
+}
+
+
+def command_function(name: str) -> Callable[..., Any]:
+    """The function of a command; its parameters are the options."""
+    function: Callable[..., Any] = getattr(import_module(f"{__package__}.{name}"), name)
+    return function
+
+
+class Loaded(MutableMapping[str, Any]):
+    """All commands by name, each made when it is first asked for."""
+
+    def __init__(self, make: Callable[[str], Any]) -> None:
+        self._make = make
+        self._made: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._made:
+            if name not in COMMANDS:
+                raise KeyError(name)
+            self._made[name] = self._make(name)
+        return self._made[name]
+
+    def __setitem__(self, name: str, command: Any) -> None:
+        self._made[name] = command
+
+    def __delitem__(self, name: str) -> None:
+        del self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)

@@ -1,0 +1,76 @@
+"""Where many starts of an array end, as a script or a notebook holds it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.reports.basins import GridRun, basins
+from nonsmooth.reports.files import PICTURES, output_path, write_whole
+from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.settle_maps import ShownMap, build_map
+from nonsmooth.reports.shown import file_bytes
+from nonsmooth.reports.simulation_modes import MAX_GRID
+from nonsmooth.symbolic.number_text import percent_text
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
+
+MAP_FORMATS = (".csv", ".json", *PICTURES)
+
+
+@dataclass(frozen=True, repr=False)
+class MapResult(Tabular):
+    """Where, when and at which heading the bodies of a grid of starts end; shares are sampled.
+
+    Attributes:
+        shown: the cells, what was mapped, and what was found.
+    """
+
+    shown: ShownMap
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON record of ``nonsmooth simulate --grid --json``."""
+        return self.shown.record()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row for each start, as in the CSV file of the command."""
+        names, *lines = (tuple(line) for line in self.shown.lines())
+        return [dict(zip(names, line, strict=True)) for line in lines]
+
+    def save(self, file: str | Path) -> Path:
+        """Write it: .csv, .json or a picture (.svg, .png, .pdf).
+
+        Raises:
+            OutputError: for another ending, and for a file that cannot be written.
+        """
+        path = output_path(str(file), MAP_FORMATS)
+        write_whole(path, file_bytes(self.shown, path.suffix.lower()))
+        return path
+
+    def __repr__(self) -> str:
+        head = f"{self.shown.partition.scene.name}, rule {self.shown.partition.rule}: {self.shown.summary()} (sampled)"
+        return short_lines(head, [(percent_text(basin.share), basin.text) for basin in basins(self.shown.found)])
+
+
+def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kinematics: str) -> MapResult:
+    """Follow a grid of starts; see :meth:`nonsmooth.reports.interface.array.Array.map`.
+
+    Raises:
+        ValueError: for a grid, a heading or a last time that cannot be used.
+        RefusalError: where the motion is not determined.
+    """
+    if not 2 <= grid <= MAX_GRID:
+        raise ValueError(f"grid: required 2 to {MAX_GRID} starts in a row, received {grid}")
+    if not math.isfinite(heading):
+        raise ValueError(f"heading: required a finite number (radian), received {heading}")
+    if until is not None and not 0 < until < math.inf:
+        raise ValueError(f"until: required a positive number, received {until}")
+    run = GridRun(grid, heading, until, Kinematics(kinematics))
+    partition = build_partition(scene)
+    return MapResult(ShownMap(partition, run, build_map(partition, run)))
