@@ -19,11 +19,12 @@ from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
     from nonsmooth.analysis.minimizers.dissipation import Functional
     from nonsmooth.analysis.minimizers.minimum import Minima
     from nonsmooth.analysis.trajectories.result import Trajectory
-    from nonsmooth.symbolic.scene import Scene, Wheel
+    from nonsmooth.symbolic.friction_set import FrictionSet
+    from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 
 
 class ContactRule(ABC):
@@ -89,21 +90,52 @@ class CellRule(ContactRule):
 
 
 class SmoothRule(ContactRule):
-    """A rule under which the twist is a continuous function of the centre of mass: there are no cells."""
+    """A rule without cells: forces in a set for each wheel, and the motion that dissipates the least against them.
+
+    A new one says which forces a wheel can carry, and how it is called; all else follows from that set.
+    """
+
+    needs_loads = True
 
     @abstractmethod
+    def friction_set(self, friction: Friction) -> FrictionSet:
+        """The forces that a wheel of this friction can carry, per unit of its normal force."""
+
+    @property
+    def functional(self) -> Functional:
+        """The sum of the support functions of the sets."""
+        from nonsmooth.analysis.minimizers.dissipation import Functional
+
+        return Functional.ELLIPSE
+
+    def contacts(self, scene: Scene) -> ContactModel:
+        """The contacts of a scene in floats, with the sets of this rule, whatever rule the scene names."""
+        from nonsmooth.analysis.fields.contact_model import contact_model, with_friction_sets
+
+        return with_friction_sets(contact_model(scene), [self.friction_set(wheel.friction) for wheel in scene.wheels])
+
     def minima(self, scene: Scene, points: Floats) -> Minima:
-        """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it."""
+        """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it.
 
-    @abstractmethod
+        By interior points, finished by Newton steps.
+        """
+        from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+        from nonsmooth.analysis.minimizers.float_loads import loads_at
+
+        model = self.contacts(scene)
+        return EllipseInterior().minimize(model, loads_at(model, points))
+
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics; through cells it is by events.
+        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics: the minimizer, integrated.
 
         Raises:
             RefusalError: where the motion is not determined.
             ValueError: for a last time that is not positive, or numbers that are not finite.
             TrajectoryError: where the path cannot be followed.
         """
+        from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+
+        return ellipse_path(self.contacts(scene), start, until)
 
 
 @cache
@@ -135,3 +167,20 @@ def all_rules() -> tuple[ContactRule, ...]:
 def cell_rules() -> tuple[CellRule, ...]:
     """Every registered rule with cells."""
     return tuple(rule for rule in all_rules() if isinstance(rule, CellRule))
+
+
+def smooth_rules() -> tuple[SmoothRule, ...]:
+    """Every registered rule without cells."""
+    return tuple(rule for rule in all_rules() if isinstance(rule, SmoothRule))
+
+
+def smooth_rule_of(scene: Scene) -> SmoothRule:
+    """The contact rule of a scene, which has no cells.
+
+    Raises:
+        TypeError: for a rule with cells.
+    """
+    rule = rule_of(scene)
+    if not isinstance(rule, SmoothRule):
+        raise TypeError(f"required a rule without cells, received {rule.name}")
+    return rule

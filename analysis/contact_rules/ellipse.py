@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.contact_rule import SmoothRule
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import Floats
-    from nonsmooth.analysis.minimizers.dissipation import Functional
-    from nonsmooth.analysis.minimizers.minimum import Minima
-    from nonsmooth.analysis.trajectories.result import Trajectory
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.friction_set import FrictionSet
+    from nonsmooth.symbolic.scene import Friction
 
 
 class EllipseRule(SmoothRule):
@@ -21,25 +17,10 @@ class EllipseRule(SmoothRule):
     name = "ellipse"
     summary = "friction losses are least under the friction ellipse: how a light body moves"
     hardware = "rubber wheels, rollers and belts: one friction limit for all directions of slip"
-    needs_loads = True
     is_massless_limit = True
 
-    @property
-    def functional(self) -> Functional:
-        """The sum of norms."""
-        from nonsmooth.analysis.minimizers.dissipation import Functional
+    def friction_set(self, friction: Friction) -> FrictionSet:
+        """The ellipse with half-axes mu_R and mu_S."""
+        from nonsmooth.symbolic.friction_set import FrictionSet
 
-        return Functional.ELLIPSE
-
-    def minima(self, scene: Scene, points: Floats) -> Minima:
-        """By interior points, finished by Newton steps."""
-        from nonsmooth.analysis.minimizers.sampling import ellipse_minima
-
-        return ellipse_minima(scene, points)
-
-    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The minimizer of D, integrated."""
-        from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
-        from nonsmooth.analysis.fields.contact_model import contact_model
-
-        return ellipse_path(contact_model(scene), start, until)
+        return FrictionSet(friction.roll, friction.side, friction.roll.field.one)

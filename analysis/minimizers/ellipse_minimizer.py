@@ -1,6 +1,7 @@
 """The minimizer of the ellipse functional ``D = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``.
 
-All points go at once to :mod:`nonsmooth.analysis.minimizers.sum_of_norms`, in coordinates in which the rows' columns
+The ellipses may be cut by strips (rule ``roller``).  All points go at once to
+:mod:`nonsmooth.analysis.minimizers.sum_of_norms` or ``cut_norms``, in coordinates in which the rows' columns
 are orthonormal and speeds of order 1, so that neither units nor the place of the origin matter.
 """
 
@@ -12,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows
+from nonsmooth.analysis.minimizers.cut_norms import minimize_cut_norms
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
-from nonsmooth.analysis.minimizers.sum_of_norms import minimize_norms
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class EllipseInterior:
         speeds[speeds == 0] = 1.0
         maps = (grip[:, None] * rows).reshape(-1, 2, 3)
         targets = grip * model.targets / speeds
-        unknowns, shares = minimize_norms(normal, maps, targets.reshape(*targets.shape[:-1], -1, 2))
+        targets = targets.reshape(*targets.shape[:-1], -1, 2)
+        unknowns, shares = minimize_cut_norms(normal, maps, targets, model.cuts)
         twists = speeds * (unknowns @ to_twists.T)
         return Minima.certified(self.functional, model, normal, twists, shares * model.limits(normal))
