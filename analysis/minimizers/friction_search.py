@@ -80,12 +80,13 @@ class Room:
 
     def room(self, heights: Floats) -> Floats:
         """Least distance of slipping wheels' forces from the ends of their half circles, and from corners, (m,)."""
-        to_corner = np.where(self.cuts < 1, np.abs(heights - self.cuts), 1)
-        return np.minimum(heights.min(axis=1, initial=1), to_corner.min(axis=1, initial=1))
+        parts = heights / self.cuts
+        to_corner = np.where(self.cuts < 1, np.abs(parts - 1), 1)
+        return np.minimum(parts.min(axis=1, initial=1), to_corner.min(axis=1, initial=1))
 
     def room_of_held(self, pairs: Floats) -> Floats:
         """Least distance of sticking wheels' forces (m, l, 2) from their limits, (m,)."""
-        to_cut = np.where(self.still_cuts < 1, self.still_cuts - np.abs(pairs[..., 1]), 1)
+        to_cut = np.where(self.still_cuts < 1, 1 - np.abs(pairs[..., 1]) / self.still_cuts, 1)
         return np.minimum((1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1), to_cut.min(axis=1, initial=1))
 
 
