@@ -1,8 +1,9 @@
 """What a contact rule must offer.
 
 A contact rule turns an array of driven wheels under a body into the body's motion.  To add one, write a class on
-:class:`CellRule` (the plane falls into cells with constant twists) or :class:`SmoothRule` (the twist is a continuous
-function of the centre of mass) in this folder, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
+:class:`CellRule` (the plane falls into cells with constant twists) or
+:class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule` (a set of forces for each wheel) in this
+folder, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
 Whoever uses a rule asks for its capabilities, never for its name.  Rules hold no data, and import what
 they compute with inside their methods, because commands list them before anything is computed.
 """
@@ -92,50 +93,31 @@ class CellRule(ContactRule):
 class SmoothRule(ContactRule):
     """A rule without cells: forces in a set for each wheel, and the motion that dissipates the least against them.
 
-    A new one says which forces a wheel can carry, and how it is called; all else follows from that set.
+    A new one is a class on :class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule`: it says which
+    forces a wheel can carry, and how it is called.
     """
-
-    needs_loads = True
 
     @abstractmethod
     def friction_set(self, friction: Friction) -> FrictionSet:
         """The forces that a wheel of this friction can carry, per unit of its normal force."""
 
-    @property
-    def functional(self) -> Functional:
-        """The sum of the support functions of the sets."""
-        from nonsmooth.analysis.minimizers.dissipation import Functional
-
-        return Functional.ELLIPSE
-
+    @abstractmethod
     def contacts(self, scene: Scene) -> ContactModel:
         """The contacts of a scene in floats, with the sets of this rule, whatever rule the scene names."""
-        from nonsmooth.analysis.fields.contact_model import contact_model, with_friction_sets
 
-        return with_friction_sets(contact_model(scene), [self.friction_set(wheel.friction) for wheel in scene.wheels])
-
+    @abstractmethod
     def minima(self, scene: Scene, points: Floats) -> Minima:
-        """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it.
+        """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it."""
 
-        By interior points, finished by Newton steps.
-        """
-        from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
-        from nonsmooth.analysis.minimizers.float_loads import loads_at
-
-        model = self.contacts(scene)
-        return EllipseInterior().minimize(model, loads_at(model, points))
-
+    @abstractmethod
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics: the minimizer, integrated.
+        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics; through cells it is by events.
 
         Raises:
             RefusalError: where the motion is not determined.
             ValueError: for a last time that is not positive, or numbers that are not finite.
             TrajectoryError: where the path cannot be followed.
         """
-        from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
-
-        return ellipse_path(self.contacts(scene), start, until)
 
 
 @cache

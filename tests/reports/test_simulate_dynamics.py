@@ -61,7 +61,9 @@ def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixt
     assert list(record) == ["schema", "scene", "start", "until", "rows", "limits", "skipped"]
     assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.5)
     assert [row["mass"] for row in record["rows"]] == pytest.approx([10.0**-k for k in range(2, 7)])
-    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [{"nearest", "box", "ellipse"}] * 5
+    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [
+        {"nearest", "box", "ellipse", "roller"}
+    ] * 5
     assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box"}
     assert record["skipped"] == []
     text = invoke(capsys, *arguments)
