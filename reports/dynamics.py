@@ -142,7 +142,7 @@ class ShownMasses:
         x, y, theta = study.start
         head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
-        note = f"-> 0: the distance of rule ellipse's own path from the other two; {UNIT}"
+        note = f"-> 0: the distance of rule ellipse's own path from the others; {UNIT}"
         return Group(Text(head), Text(what), table, *map(Text, self._notes()), Text(note, "dim"))
 
     def _notes(self) -> Iterable[str]:

@@ -16,7 +16,7 @@ class EllipseRule(FrictionSetRule):
 
     name = "ellipse"
     summary = "friction losses are least under the friction ellipse: how a light body moves"
-    hardware = "rubber wheels, rollers and belts: one friction limit for all directions of slip"
+    hardware = "rubber wheels and belts, alike in all directions or ribbed: one friction limit, without passive rollers"
     is_massless_limit = True
 
     def friction_set(self, friction: Friction) -> FrictionSet:

@@ -30,7 +30,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
     ] = Drawing.CELLS,
     compare: Annotated[
-        bool, typer.Option("--compare", help="Compare the three contact rules on the square instead.")
+        bool, typer.Option("--compare", help="Compare all contact rules on the square instead.")
     ] = False,
     json: Json = False,
 ) -> int:
@@ -101,7 +101,7 @@ def _draw_array(scene: Scene, path: Path) -> int:
 
 
 def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
-    """The three contact rules side by side."""
+    """The contact rules side by side."""
     from nonsmooth.analysis.minimizers.agreement import compare_rules
     from nonsmooth.reports.agreement_views import agreement_map, agreement_record, agreement_view
     from nonsmooth.reports.files import write_whole
