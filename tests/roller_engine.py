@@ -3,9 +3,10 @@
 A wheel is a sphere on a hinge along its rim, as a roller on its bearing: it turns freely across the rim, and its
 surface moves along the hinge with the speed of the wheel (``surfacevel``, a velocity that contacts see).  The contact
 has one friction mu_R in all directions, the bearing a friction torque (``frictionloss``) of ``mu_S N`` times its
-radius, with the load N that springs carry.  The body is a thin square plate with a free joint in space, under gravity, on soft
-contacts, as in ``test_dynamics_mujoco``.  What the engine has and the model has not: inertia of the rollers, springs
-that tilt the plate, a bearing that creeps (``armature`` and ``solimp`` keep that below a thousandth of the slips).
+radius, with the load N that springs carry.  The body is a thin square plate with a free joint in space, under gravity,
+on soft contacts, as in ``test_dynamics_mujoco``.  What the engine has and the model has not: inertia of the rollers,
+springs that tilt the plate, loads that move with slip, a bearing that creeps (``armature`` and ``solimp`` keep that
+below a thousandth of the slips).
 """
 
 from __future__ import annotations

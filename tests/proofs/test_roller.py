@@ -16,10 +16,12 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
-from nonsmooth.proofs.clauses.feedback.box_twists import HeldTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import HeldTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.feedback.exclusion import HALVES, border_enclosure
+from nonsmooth.proofs.clauses.feedback.wheel_forces import wheel_forces
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -157,19 +159,34 @@ def test_boxes_inside_the_sets_prove_what_forces_leave_open() -> None:
     assert feedback.reach is not None
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_forces_and_separators_exclude_each_other(arrays: Arrays, seed: int) -> None:
-    from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
-
-    scene = arrays.cocircular(seed, (1, Fraction(3, 5)))
+def test_what_forces_prove_no_separator_excludes(arrays: Arrays) -> None:
+    scene = arrays.cocircular(1, (1, Fraction(3, 5)))
     scene = centred(replace(scene, check=replace(scene.check, radius=scene.field(1) / 8)), "roller")
     (region, *_) = load_regions(scene, (scene.field.zero, scene.field.zero))
-    for twist in candidate_twists(scene):
-        balanced = balance_twist(scene, region, twist)
-        if balanced.is_unique:
-            found = twists_near(scene, np.zeros((1, 2)), np.array(rim_speeds(scene, balanced)))
-            assert np.abs(found[0] - [float(x) for x in twist]).max() < IMPOSED
-            assert not exclude_twist(balanced).is_excluded
+    balanced = [balance_twist(scene, region, twist) for twist in candidate_twists(scene)]
+    unique = [one for one in balanced if one.is_unique]
+    for one in unique:
+        found = twists_near(scene, np.zeros((1, 2)), np.array(rim_speeds(scene, one)))
+        assert np.abs(found[0] - [float(x) for x in one.twist]).max() < IMPOSED
+    assert not exclude_twist(unique[0]).is_excluded
+
+
+@pytest.mark.parametrize("cut", [Fraction(1, 50), Fraction(3, 5), Fraction(99, 100)])
+def test_arcs_of_a_cut_border_lie_in_their_enclosures(cut: Fraction) -> None:
+    scene = scene_of("ring-3", cut)
+    (region, *_) = load_regions(scene, (scene.field.zero, scene.field.zero))
+    one = scene.field.one
+    wheel = next(w for w in wheel_forces(scene, region, (one / 3, one / 7, one)) if w.side)
+    rng = np.random.default_rng(0)
+    angles = np.linspace(0, 2 * np.pi, 32)
+    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    arcs = [HALVES, *((Fraction(low, 64), Fraction(low + 1 + k % 9, 64)) for k, low in enumerate(range(-63, 54, 4)))]
+    for low, high in arcs:
+        corners = np.array([[float(x) for x in corner] for corner in border_enclosure(wheel, (low, high))])
+        for t in rng.uniform(float(low), float(high), 20):
+            height = min((1 - t * t) / (1 + t * t), float(cut))
+            inside = directions @ [2 * t / (1 + t * t), wheel.side * height]
+            assert (inside <= (directions @ corners.T).max(axis=1) + 1e-12).all()
 
 
 def test_a_unicycle_stays_one(arrays: Arrays) -> None:
