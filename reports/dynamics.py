@@ -133,7 +133,7 @@ class ShownMasses:
         """Distances by mass, and what they tend to."""
         study = self.study
         rules = [rule for rule in rules_by_limit() if rule not in study.skipped]
-        table = header_table("mass", *(f"from rule {rule}" for rule in rules))
+        table = header_table("mass", *(f"rule {rule}" for rule in rules))
         for row in study.rows:
             table.add_row(float_text(row.body.mass, 3), *(_pair(row.distance(rule)) for rule in rules))
         limits = {limit.rule: limit for limit in study.limits}

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 NEAR = 1e-3  # length: where a linearization is compared
 IMPOSED = 1e-7
+TIPPING = (4, 10, 16, 20, 22, 23)  # random arrays whose centre is outside the support polygon
 
 
 def scene_of(name: str, ratio: Fraction) -> Scene:
@@ -124,14 +125,11 @@ def test_it_is_driven_away_from_an_off_centre_point() -> None:
         assert (point.equilibrium is Equilibrium.FAILS) == (speed > 1e-6) or point.situation is Situation.OPEN
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", [k for k in range(30) if k not in TIPPING])
 def test_random_points_are_never_misjudged(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed, (1, Fraction(1 + seed % 5, 6))) if seed % 2 else arrays.random(seed, 5)
     scene = centred(replace(scene, check=replace(scene.check, radius=scene.field(1) / 64)), "roller")
-    try:
-        point = point_of(scene)
-    except ValueError:
-        pytest.skip("the body tips")
+    point = point_of(scene)
     if point.equilibrium is not Equilibrium.UNDECIDED:
         speed = np.hypot(*twists_near(scene, np.zeros((1, 2)))[0, :2])
         assert (speed < 1e-7) == (point.equilibrium is Equilibrium.HOLDS)

@@ -64,7 +64,7 @@ def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixt
     assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [
         {"nearest", "box", "ellipse", "roller"}
     ] * 5
-    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box"}
+    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box", "roller"}
     assert record["skipped"] == []
     text = invoke(capsys, *arguments)
     for row in record["rows"]:
@@ -100,8 +100,8 @@ def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
     invoke(capsys, *arguments, str(picture))
     header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
     assert header == ["mass", "rule", "position", "rotation", "until"]
-    assert len(lines) == 5 * 3 + 2
-    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box"]
+    assert len(lines) == 5 * 4 + 3
+    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box", "roller"]
     first = picture.read_bytes()
     invoke(capsys, *arguments, str(picture))
     assert picture.read_bytes() == first
