@@ -30,7 +30,7 @@ help: ## show this list
 demo: $(PACKAGE) ## check the four-wheel array under every contact rule and write its derivation report
 	$(BIN)/nonsmooth check four-wheel
 	$(BIN)/nonsmooth check four-wheel-side
-	@# The theorem is about rule nearest: under the other two it does not hold (exit status 1), and that is shown.
+	@# The theorem is about rule nearest: under the others it does not hold (exit status 1), and that is shown.
 	$(BIN)/nonsmooth check four-wheel --rule all || test $$? -eq 1
 	@mkdir -p $(dir $(REPORT))
 	$(BIN)/nonsmooth derive four-wheel -o $(REPORT)

@@ -1,8 +1,9 @@
 """What a contact rule must offer.
 
 A contact rule turns an array of driven wheels under a body into the body's motion.  To add one, write a class on
-:class:`CellRule` (the plane falls into cells with constant twists) or :class:`SmoothRule` (the twist is a continuous
-function of the centre of mass) in this folder, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
+:class:`CellRule` (the plane falls into cells with constant twists) or
+:class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule` (a set of forces for each wheel) in this
+folder, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
 Whoever uses a rule asks for its capabilities, never for its name.  Rules hold no data, and import what
 they compute with inside their methods, because commands list them before anything is computed.
 """
@@ -19,11 +20,12 @@ from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
     from nonsmooth.analysis.minimizers.dissipation import Functional
     from nonsmooth.analysis.minimizers.minimum import Minima
     from nonsmooth.analysis.trajectories.result import Trajectory
-    from nonsmooth.symbolic.scene import Scene, Wheel
+    from nonsmooth.symbolic.friction_set import FrictionSet
+    from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 
 
 class ContactRule(ABC):
@@ -89,7 +91,19 @@ class CellRule(ContactRule):
 
 
 class SmoothRule(ContactRule):
-    """A rule under which the twist is a continuous function of the centre of mass: there are no cells."""
+    """A rule without cells: forces in a set for each wheel, and the motion that dissipates the least against them.
+
+    A new one is a class on :class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule`: it says which
+    forces a wheel can carry, and how it is called.
+    """
+
+    @abstractmethod
+    def friction_set(self, friction: Friction) -> FrictionSet:
+        """The forces that a wheel of this friction can carry, per unit of its normal force."""
+
+    @abstractmethod
+    def contacts(self, scene: Scene) -> ContactModel:
+        """The contacts of a scene in floats, with the sets of this rule, whatever rule the scene names."""
 
     @abstractmethod
     def minima(self, scene: Scene, points: Floats) -> Minima:
@@ -135,3 +149,20 @@ def all_rules() -> tuple[ContactRule, ...]:
 def cell_rules() -> tuple[CellRule, ...]:
     """Every registered rule with cells."""
     return tuple(rule for rule in all_rules() if isinstance(rule, CellRule))
+
+
+def smooth_rules() -> tuple[SmoothRule, ...]:
+    """Every registered rule without cells."""
+    return tuple(rule for rule in all_rules() if isinstance(rule, SmoothRule))
+
+
+def smooth_rule_of(scene: Scene) -> SmoothRule:
+    """The contact rule of a scene, which has no cells.
+
+    Raises:
+        TypeError: for a rule with cells.
+    """
+    rule = rule_of(scene)
+    if not isinstance(rule, SmoothRule):
+        raise TypeError(f"required a rule without cells, received {rule.name}")
+    return rule

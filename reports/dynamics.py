@@ -138,7 +138,7 @@ class ShownMasses:
         """Distances by mass, and what they tend to."""
         study = self.study
         rules = [rule for rule in rules_by_limit() if rule not in study.skipped]
-        table = header_table("mass", *(f"from rule {rule}" for rule in rules))
+        table = header_table("mass", *(f"rule {rule}" for rule in rules))
         for row in study.rows:
             table.add_row(float_text(row.body.mass, 3), *(_pair(row.distance(rule)) for rule in rules))
         limits = {limit.rule: limit for limit in study.limits}
@@ -147,7 +147,7 @@ class ShownMasses:
         x, y, theta = study.start
         head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
-        note = f"-> 0: the distance of rule ellipse's own path from the other two; {UNIT}"
+        note = f"-> 0: the distance of rule ellipse's own path from the others; {UNIT}"
         return Group(Text(head), Text(what), table, *map(Text, self._notes()), Text(note, "dim"))
 
     def _notes(self) -> Iterable[str]:

@@ -15,6 +15,7 @@ CONTACT_RULES = {  # name in scenes and on the command line: module and class
     "nearest": "nonsmooth.analysis.contact_rules.nearest:NearestRule",
     "box": "nonsmooth.analysis.contact_rules.box:BoxRule",
     "ellipse": "nonsmooth.analysis.contact_rules.ellipse:EllipseRule",
+    "roller": "nonsmooth.analysis.contact_rules.roller:RollerRule",
 }
 
 
@@ -30,6 +31,6 @@ def read_rule(value: object) -> str:
 
 
 def required_rule() -> str:
-    """The names in words: ``'nearest', 'box' or 'ellipse'``."""
+    """The names in words: ``'nearest', 'box', 'ellipse' or 'roller'``."""
     *others, last = (repr(name) for name in CONTACT_RULES)
     return f"{', '.join(others)} or {last}"

@@ -16,5 +16,5 @@ def build_partition(scene: Scene, *, prune: bool = True) -> Partition:
     rule = rule_of(scene)
     if not isinstance(rule, CellRule):
         names = " or ".join(f'"{other.name}"' for other in cell_rules())
-        raise RefusalError(f'contact.rule: required {names} for cells, received "{rule.name}": its field is continuous')
+        raise RefusalError(f'contact.rule: required {names} for cells, received "{rule.name}", which has none')
     return rule.build_partition(scene, prune=prune)

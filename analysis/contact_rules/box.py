@@ -21,7 +21,7 @@ class BoxRule(CellRule):
 
     name = "box"
     summary = "friction losses are least, with a limit along and a limit across each rim"
-    hardware = "omniwheels, mecanum wheels and belts with rollers: friction along the rim and little, apart, across it"
+    hardware = "belts with rollers that turn easily (mu_side up to a tenth of mu_roll); see roller, also for rest"
     needs_loads = True
 
     def remark(self, scene: Scene) -> str:

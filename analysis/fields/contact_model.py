@@ -13,12 +13,14 @@ surface velocities (two targets per wheel) and other weighted fits can be minimi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene
 
@@ -32,16 +34,22 @@ class ContactRows:
     Attributes:
         rows: ``a_k``, shape (2n, 3); the third column has the unit of length.
         targets: ``b_k``, shape (2n,), velocity; or (m, 2n) where each of m points has its own speeds.
-        friction: Coulomb coefficient of each row, shape (2n,), at least 0.
+        friction: Coulomb coefficient of each row, shape (2n,), at least 0: half-axes of the friction ellipses.
+        cuts: share of the half-axis across the rim at which a strip cuts the ellipse of each wheel
+            (:class:`nonsmooth.symbolic.friction_set.FrictionSet`), shape (n,), above 0 and at most 1; all 1 unless
+            given.
     """
 
     rows: Floats
     targets: Floats
     friction: Floats
+    cuts: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
 
     def __post_init__(self) -> None:
-        for name in ("rows", "targets", "friction"):  # own copies, so that nobody else can change them
+        for name in ("rows", "targets", "friction", "cuts"):  # own copies, so that nobody else can change them
             array = np.array(getattr(self, name), float)
+            if name == "cuts" and not array.size:
+                array = np.ones(len(self.rows) // 2)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         count = len(self.rows)
@@ -54,6 +62,8 @@ class ContactRows:
             raise ValueError("required finite rows, targets and friction, received nan or infinity")
         if (self.friction < 0).any():
             raise ValueError(f"required friction >= 0, received {self.friction.min()}")
+        if self.cuts.shape != (count // 2,) or not ((self.cuts > 0) & (self.cuts <= 1)).all():
+            raise ValueError(f"required {count // 2} cuts above 0 and at most 1, received {self.cuts.tolist()}")
 
     @property
     def wheels(self) -> int:
@@ -62,7 +72,11 @@ class ContactRows:
 
     def at_point(self, k: int) -> ContactRows:
         """The rows with the speeds of one point."""
-        return self if self.targets.ndim == 1 else ContactRows(self.rows, self.targets[k], self.friction)
+        return self if self.targets.ndim == 1 else self.with_targets(self.targets[k])
+
+    def with_targets(self, targets: Floats) -> ContactRows:
+        """The same contacts, without their geometry, with other speeds."""
+        return ContactRows(self.rows, targets, self.friction, cuts=self.cuts)
 
     def slips(self, twists: ArrayLike) -> Floats:
         """``a_k . xi - b_k`` for twists of shape (..., 3); shape (..., n, 2): (along, across) the rim."""
@@ -158,7 +172,7 @@ class ContactModel(ShortRepr, ContactRows):
     @property
     def mu_side(self) -> Floats:
         """Friction across the rims, shape (n,)."""
-        return self.friction[1::2]
+        return np.asarray(self.friction[1::2] * self.cuts)
 
 
 def contact_model(scene: Scene) -> ContactModel:
@@ -176,3 +190,9 @@ def contact_model(scene: Scene) -> ContactModel:
         friction=[[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels],
         load_table=None if table is None else [[float(x) for x in row] for row in table.rows],
     )
+
+
+def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:
+    """The contacts with the friction forces that a contact rule allows them."""
+    axes = np.array([[float(one.along), float(one.across)] for one in sets])
+    return replace(model, friction=axes.reshape(-1), cuts=np.array([float(one.cut) for one in sets]))

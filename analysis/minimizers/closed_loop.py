@@ -21,7 +21,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -165,7 +165,7 @@ def _minimizers(
     targets[:, 0::2] = speeds
     loads = loads_at(model, points)
     if functional is Functional.ELLIPSE:
-        yield slice(None), EllipseInterior().minimize(ContactRows(model.rows, targets, model.friction), loads)
+        yield slice(None), EllipseInterior().minimize(model.with_targets(targets), loads)
         return
     for k, (row, load) in enumerate(zip(targets, loads, strict=True)):
         yield slice(k, k + 1), BoxHighs().minimize(replace(model, targets=row), load[None])

@@ -2,7 +2,8 @@
 
 ``min sum_i N_i |(mu_R r_i, mu_S s_i)|`` over twists and slips, linked by ``slips = rows . twist - targets``; the
 link's multipliers are the friction forces.  The norm is the sum of absolute values (box: a linear program) or the
-length (ellipse: a second-order cone program), solved point by point: hundreds of times slower than the program's own
+length (ellipse: a second-order cone program; where ellipses are cut, with the speeds t of rollers,
+``|(x, y - t)| + kappa |t|``), solved point by point: hundreds of times slower than the program's own
 solvers, and less exact.
 """
 
@@ -65,9 +66,15 @@ class _Program:
         if functional is Functional.BOX:
             parts = cp.Variable(self.friction.shape)
             sizes, cones = parts @ np.ones(2), [self.slips <= parts, -parts <= self.slips]
-        else:
+        elif (model.cuts == 1).all():
             sizes = cp.Variable(model.wheels)
             cones = [cp.SOC(sizes, self.slips, axis=1)]
+        else:
+            contact, bearing = cp.Variable(model.wheels), cp.Variable(model.wheels)
+            turning = cp.Variable(self.friction.shape)  # of rollers: across the rims only
+            cones = [cp.SOC(contact, self.slips - turning, axis=1), turning[:, 0] == 0]
+            cones += [turning[:, 1] <= bearing, -turning[:, 1] <= bearing]
+            sizes = contact + np.diag(model.cuts) @ bearing
         self.problem = cp.Problem(cp.Minimize(self.loads @ sizes), [self.link, *cones])
 
     def solve(self, loads: Floats, solver: ConeSolver, tolerance: float) -> tuple[Floats, Floats]:

@@ -3,7 +3,8 @@
 With slips ``r_i`` along and ``s_i`` across the rim of wheel i, and normal forces ``N_i``:
 
 - box: ``D(xi) = sum_i N_i (mu_R |r_i| + mu_S |s_i|)``, each direction limited on its own;
-- ellipse: ``D(xi) = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, the friction ellipse.
+- ellipse: ``D(xi) = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, the friction ellipse; where it is cut by a strip
+  (rule ``roller``), the support function of :class:`nonsmooth.symbolic.friction_set.FrictionSet`.
 
 Both are convex in the twist.  Their subgradients are minus the friction forces ``f``, which lie in the box
 ``|f_R| <= mu_R N, |f_S| <= mu_S N`` or in the ellipse with these half-axes.  For balanced forces
@@ -30,17 +31,28 @@ class Functional(StrEnum):
     ELLIPSE = "ellipse"
 
 
-def weighted_size(functional: Functional, vectors: Floats) -> Floats:
-    """``|x| + |y|`` (box) or ``sqrt(x^2 + y^2)`` (ellipse) of vectors (..., 2), safe from overflow."""
+def weighted_size(functional: Functional, vectors: Floats, cuts: Floats | float = 1.0) -> Floats:
+    """Size of vectors ``(x, y)`` of shape (..., n, 2), safe from overflow.
+
+    box: ``|x| + |y|``; ellipse: ``sqrt(x^2 + y^2)``, or ``sqrt(1 - kappa^2) |x| + kappa |y|`` where that is less
+    steep, for cuts kappa of shape (n,).
+    """
     if functional is Functional.BOX:
         return np.asarray(np.abs(vectors).sum(axis=-1))
-    return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
+    x, y = np.abs(vectors[..., 0]), np.abs(vectors[..., 1])
+    corner = corners(cuts)
+    return np.asarray(np.where(corner * y > cuts * x, corner * x + cuts * y, np.hypot(x, y)))
+
+
+def corners(cuts: Floats | float) -> Floats:
+    """``sqrt(1 - kappa^2)``."""
+    return np.asarray(np.sqrt((1 - cuts) * (1 + cuts)))
 
 
 def dissipation(functional: Functional, model: ContactRows, loads: ArrayLike, twists: ArrayLike) -> Floats:
     """``D`` for loads (..., n) and twists (..., 3), broadcast against each other; power."""
     weighted = model.limits(loads) * model.slips(twists)
-    return np.asarray(weighted_size(functional, weighted).sum(axis=-1))
+    return np.asarray(weighted_size(functional, weighted, model.cuts).sum(axis=-1))
 
 
 def input_power(model: ContactRows, forces: ArrayLike) -> Floats:
@@ -53,13 +65,15 @@ def input_power(model: ContactRows, forces: ArrayLike) -> Floats:
 def usage(functional: Functional, model: ContactRows, loads: ArrayLike, forces: ArrayLike) -> Floats:
     """Share of its limit that each wheel's friction uses, shape (..., n); admissible iff at most 1.
 
-    box: ``max(|f_R|/(mu_R N), |f_S|/(mu_S N))``; ellipse: the norm of the same two quotients.  A force
-    without a limit (0/0) uses nothing, a force beyond a zero limit uses infinity.
+    box: ``max(|f_R|/(mu_R N), |f_S|/(mu_S N))``; ellipse: the norm of the same two quotients, or the
+    second one over the cut if that is larger.  A force without a limit (0/0) uses nothing, one
+    beyond a zero limit infinity.
     """
     shares = np.abs(share_of_limit(model, loads, forces))
     if functional is Functional.BOX:
         return np.asarray(shares.max(axis=-1))
-    return np.asarray(np.hypot(shares[..., 0], shares[..., 1]))
+    sizes = np.hypot(shares[..., 0], shares[..., 1])
+    return np.asarray(np.maximum(sizes, shares[..., 1] / model.cuts))
 
 
 def share_of_limit(model: ContactRows, loads: ArrayLike, forces: ArrayLike) -> Floats:

@@ -1,6 +1,7 @@
 """The minimizer of the ellipse functional ``D = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``.
 
-All points go at once to :mod:`nonsmooth.analysis.minimizers.sum_of_norms`, in coordinates in which the rows' columns
+The ellipses may be cut by strips (rule ``roller``).  All points go at once to
+:mod:`nonsmooth.analysis.minimizers.sum_of_norms` or ``cut_norms``, in coordinates in which the rows' columns
 are orthonormal and speeds of order 1, so that neither units nor the place of the origin matter.
 """
 
@@ -11,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nonsmooth.analysis.fields.contact_model import ContactRows
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.cut_norms import minimize_cut_norms
+from nonsmooth.analysis.minimizers.cut_polish import polish_cut
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
-from nonsmooth.analysis.minimizers.sum_of_norms import minimize_norms
 
 
 @dataclass(frozen=True)
@@ -33,12 +35,54 @@ class EllipseInterior:
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
         """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
         normal = model.checked_loads(loads)
-        rows, to_twists = row_frame(model.rows)
+        scaled = _Scaled(model)
+        unknowns, shares = minimize_cut_norms(normal, scaled.maps, scaled.targets, model.cuts)
+        return scaled.certified(normal, unknowns, shares)
+
+
+class _Scaled:
+    """The problem in coordinates in which columns are orthonormal and speeds of order 1."""
+
+    def __init__(self, model: ContactRows) -> None:
+        self.model = model
+        rows, self.to_twists = row_frame(model.rows)
         grip = model.friction / (float(model.friction.max()) or 1.0)
-        speeds = np.abs(grip * model.targets).max(axis=-1, keepdims=True)
-        speeds[speeds == 0] = 1.0
-        maps = (grip[:, None] * rows).reshape(-1, 2, 3)
-        targets = grip * model.targets / speeds
-        unknowns, shares = minimize_norms(normal, maps, targets.reshape(*targets.shape[:-1], -1, 2))
-        twists = speeds * (unknowns @ to_twists.T)
-        return Minima.certified(self.functional, model, normal, twists, shares * model.limits(normal))
+        self.speeds = np.abs(grip * model.targets).max(axis=-1, keepdims=True)
+        self.speeds[self.speeds == 0] = 1.0
+        self.maps = (grip[:, None] * rows).reshape(-1, 2, 3)
+        targets = grip * model.targets / self.speeds
+        self.targets = targets.reshape(*targets.shape[:-1], -1, 2)
+
+    def certified(self, loads: Floats, unknowns: Floats, shares: Floats) -> Minima:
+        """Twists and forces in the model's own units."""
+        twists = self.speeds * (unknowns @ self.to_twists.T)
+        return Minima.certified(Functional.ELLIPSE, self.model, loads, twists, shares * self.model.limits(loads))
+
+
+class WarmInterior:
+    """One minimizer after the other along a path: Newton steps from the last one, else the interior point method.
+
+    Several times as fast as :class:`EllipseInterior` for single points, with the same proof.
+    """
+
+    def __init__(self, model: ContactRows) -> None:
+        self._scaled = _Scaled(model)
+        self._last: tuple[Floats, Floats] | None = None
+
+    def minimize(self, loads: Floats) -> Minima:
+        """At loads (n,)."""
+        scaled, cuts = self._scaled, self._scaled.model.cuts
+        found = None if self._last is None else self._polished(loads, *self._last)
+        if found is None:
+            y, z = minimize_cut_norms(loads[None], scaled.maps, scaled.targets, cuts)
+            found = y[0], z[0]
+        self._last = found
+        return scaled.certified(loads[None], found[0][None], found[1][None])
+
+    def _polished(self, loads: Floats, y: Floats, z: Floats) -> tuple[Floats, Floats] | None:
+        scaled = self._scaled
+        targets, start = scaled.targets.T[..., None], (y[:, None], z.T[..., None])
+        cuts = scaled.model.cuts[:, None]
+        with np.errstate(all="ignore"):  # a step out of the range of floats is not accepted
+            y, z, accepted = polish_cut(loads[:, None], scaled.maps, targets, cuts, *start)
+        return (y[:, 0], z[..., 0].T) if accepted[0] else None

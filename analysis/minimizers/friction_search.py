@@ -2,7 +2,8 @@
 
 A wheel that slips across, with sign s, carries any force ``(cos phi, s sin phi)`` on that half of its friction ellipse
 (in units of its axes): the speed along the rim sets phi in (0, pi).  A wheel that does not slip carries any force
-inside.  With columns ``N mu_R [d; d . J p]`` and ``N mu_S [n; n . J p]`` the forces must add up to zero: three
+inside.  Where the ellipse is cut (rule ``roller``), ``sin phi`` stops at the cut: there rollers turn, and the rim does
+not slip.  With columns ``N mu_R [d; d . J p]`` and ``N mu_S [n; n . J p]`` the forces must add up to zero: three
 equations, many unknowns, curved.  Newton steps of least norm from many random starts at once find points of that
 set; the one with the most room to all limits is taken.  The search may fail where there is little room.
 """
@@ -38,25 +39,26 @@ class FrictionForces:
     held: Floats
 
 
-def search_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> FrictionForces | None:
+def search_forces(
+    along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats | None = None
+) -> FrictionForces | None:
     """Forces that add up to zero; None where no start leads to any with room.
 
     Args:
         along: columns of forces along the rims, (n, 3).
         across: columns of forces across, (n, 3).
         signs: sign of each wheel's slip across.
+        cuts: share of the half-axes across at which the ellipses are cut, (n,); all 1 unless given.
     """
     along, across = in_common_units(along, across)
-    balance = _Balance(along, across, signs)
+    balance = _Balance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
     angles, held = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
         angles, held = balance.stepped(angles, held)
     pairs = np.stack(np.split(held, 2, axis=1), axis=-1)
     inside = ((angles > 0) & (angles < np.pi)).all(axis=1)
     inside &= np.abs(balance.force(angles, held)).max(axis=1) < BALANCED
-    room = np.minimum(
-        np.sin(angles).min(axis=1, initial=1), (1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1)
-    )
+    room = np.minimum(balance.room(np.sin(angles)), balance.room_of_held(pairs))
     best = int(np.argmax(np.where(inside, room, -1)))
     if not inside[best] or room[best] < LEAST_ROOM:
         return None
@@ -70,11 +72,30 @@ def in_common_units(along: Floats, across: Floats) -> tuple[Floats, Floats]:
     return along / unit, across / unit
 
 
-class _Balance:
+class Room:
+    """How far forces are from their limits: by the cuts of the wheels that slip across, and of the others."""
+
+    cuts: Floats
+    still_cuts: Floats
+
+    def room(self, heights: Floats) -> Floats:
+        """Least distance of slipping wheels' forces from the ends of their half circles, and from corners, (m,)."""
+        parts = heights / self.cuts
+        to_corner = np.where(self.cuts < 1, np.abs(parts - 1), 1)
+        return np.minimum(parts.min(axis=1, initial=1), to_corner.min(axis=1, initial=1))
+
+    def room_of_held(self, pairs: Floats) -> Floats:
+        """Least distance of sticking wheels' forces (m, l, 2) from their limits, (m,)."""
+        to_cut = np.where(self.still_cuts < 1, 1 - np.abs(pairs[..., 1]) / self.still_cuts, 1)
+        return np.minimum((1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1), to_cut.min(axis=1, initial=1))
+
+
+class _Balance(Room):
     """The sum of all forces for many starts at once: angles (m, k) of slipping wheels, held (m, 2l) of the others."""
 
-    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_]) -> None:
+    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
         slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
+        self.cuts, self.still_cuts = cuts[slips], cuts[still]
         self.first, self.second = along[slips], across[slips] * signs[slips, None]
         self.fixed = np.concatenate([along[still], across[still]])
 
@@ -83,15 +104,18 @@ class _Balance:
         still = len(self.fixed) // 2
         angles = rng.uniform(0, np.pi, (STARTS, len(self.first)))
         turns, lengths = rng.uniform(0, 2 * np.pi, (STARTS, still)), np.sqrt(rng.uniform(0, 1, (STARTS, still)))
-        return angles, np.concatenate([lengths * np.cos(turns), lengths * np.sin(turns)], axis=1)
+        across = self.still_cuts * lengths * np.sin(turns)
+        return angles, np.concatenate([lengths * np.cos(turns), across], axis=1)
 
     def force(self, angles: Floats, held: Floats) -> Floats:
         """What is left of the balance, (m, 3)."""
-        return np.asarray(np.cos(angles) @ self.first + np.sin(angles) @ self.second + held @ self.fixed)
+        heights = np.minimum(np.sin(angles), self.cuts)
+        return np.asarray(np.cos(angles) @ self.first + heights @ self.second + held @ self.fixed)
 
     def stepped(self, angles: Floats, held: Floats) -> tuple[Floats, Floats]:
         """A Newton step of least norm, shortened where it is long."""
-        turning = np.cos(angles)[..., None] * self.second - np.sin(angles)[..., None] * self.first
+        rising = np.where(np.sin(angles) < self.cuts, np.cos(angles), 0)
+        turning = rising[..., None] * self.second - np.sin(angles)[..., None] * self.first
         columns = np.concatenate([turning, np.broadcast_to(self.fixed, (len(angles), *self.fixed.shape))], axis=1)
         normal = np.einsum("ska,skb->sab", columns, columns) + REGULARIZATION * np.eye(3)
         multipliers = np.linalg.solve(normal, self.force(angles, held)[..., None])[..., 0]

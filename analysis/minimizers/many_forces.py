@@ -19,6 +19,7 @@ from nonsmooth.analysis.minimizers.friction_search import (
     STEPS,
     Floats,
     FrictionForces,
+    Room,
     in_common_units,
 )
 
@@ -30,24 +31,25 @@ LONGEST_STEP = 0.5  # of z and q
 FARTHEST_START = 2.0  # of z: there a wheel spins four times as fast as it slips
 
 
-def search_many_forces(along: Floats, across: Floats, signs: NDArray[np.int_]) -> FrictionForces | None:
+def search_many_forces(
+    along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats | None = None
+) -> FrictionForces | None:
     """Forces that add up to zero; None where no start leads to any with room.
 
     Args:
         along: columns of forces along the rims, (n, 3).
         across: columns of forces across, (n, 3).
         signs: sign of each wheel's slip across.
+        cuts: share of the half-axes across at which the ellipses are cut, (n,); all 1 unless given.
     """
     along, across = in_common_units(along, across)
-    balance = _Balance(along, across, signs)
+    balance = _Balance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
     z, q = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
         z, q = balance.stepped(z, q)
     held = _in_disc(q)
     balanced = np.abs(balance.force(z, held)).max(axis=1) < BALANCED
-    room = np.minimum(
-        (1 / np.cosh(z)).min(axis=1, initial=1), (1 - np.linalg.norm(held, axis=-1)).min(axis=1, initial=1)
-    )
+    room = np.minimum(balance.room(1 / np.cosh(z)), balance.room_of_held(held))
     best = int(np.argmax(np.where(balanced, room, -1)))
     if not balanced[best] or room[best] < LEAST_ROOM:
         return None
@@ -59,11 +61,12 @@ def _in_disc(q: Floats) -> Floats:
     return np.asarray(q / np.sqrt(1 + (q**2).sum(axis=-1, keepdims=True)))
 
 
-class _Balance:
+class _Balance(Room):
     """The sum of all forces for many starts at once: z (m, k) of slipping wheels, q (m, l, 2) of the others."""
 
-    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_]) -> None:
+    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
         slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
+        self.cuts, self.still_cuts = cuts[slips], cuts[still]
         self.first, self.second = along[slips], across[slips] * signs[slips, None]
         self.fixed = np.stack([along[still], across[still]], axis=1)
 
@@ -78,7 +81,7 @@ class _Balance:
 
     def force(self, z: Floats, held: Floats) -> Floats:
         """What is left of the balance, (m, 3)."""
-        slipping = np.tanh(z) @ self.first + (1 / np.cosh(z)) @ self.second
+        slipping = np.tanh(z) @ self.first + np.minimum(1 / np.cosh(z), self.cuts) @ self.second
         return np.asarray(slipping + held.reshape(len(z), -1) @ self.fixed.reshape(-1, 3))
 
     def stepped(self, z: Floats, q: Floats) -> tuple[Floats, Floats]:
@@ -92,8 +95,9 @@ class _Balance:
 
     def _turning(self, z: Floats) -> Floats:
         """Derivative of the force by each z, (m, k, 3)."""
-        along, across = np.tanh(z)[..., None], 1 / np.cosh(z)[..., None]
-        return np.asarray(across * (across * self.first - along * self.second))
+        across = 1 / np.cosh(z)[..., None]
+        rising = np.where(1 / np.cosh(z) < self.cuts, np.tanh(z), 0)[..., None]
+        return np.asarray(across * (across * self.first - rising * self.second))
 
     def _moving(self, q: Floats, held: Floats) -> Floats:
         """Derivative of the force by each coordinate of q, (m, 2l, 3)."""

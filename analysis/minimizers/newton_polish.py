@@ -45,14 +45,14 @@ def polish(
     Returns:
         Unknowns, multipliers, and whether a problem's result is accepted, shape (m,).
     """
-    norms = _Norms(weights, maps, targets)
+    norms = Norms(weights, maps, targets)
     r = norms.residuals(y)
     stuck = _sticking(weights, norm(r), z)
     stiffness = STIFFNESS * len(weights) / norm(r).sum(axis=0)
     for _ in range(NEWTON_STEPS):
         scale = np.where(stuck, stiffness, 1 / (norm(r) + TINY))
         multipliers = np.where(stuck, z, 0.0) - r * scale
-        curvature = _Curvature(norms, scale, np.where(stuck, 0.0, multipliers))
+        curvature = Curvature(norms, scale, np.where(stuck, 0.0, multipliers))
         y = y + curvature.solve(norms.imbalance(multipliers))
         before, r = r, norms.residuals(y)
         z = np.where(stuck, z - stiffness * r, z)
@@ -64,7 +64,7 @@ def polish(
     return y, z, norms.solved(r, z)
 
 
-class _Norms:
+class Norms:
     """The problems: weights (n, m), maps (n, 2, 3), targets (2, n, m) or (2, n, 1)."""
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats) -> None:
@@ -90,10 +90,10 @@ class _Norms:
         return np.asarray(small & admissible & balanced)
 
 
-class _Curvature:
+class Curvature:
     """Second derivatives ``sum_i w_i^2 E_i^T S_i E_i`` with ``S_i = scale_i (1 - axis_i axis_i^T)``."""
 
-    def __init__(self, norms: _Norms, scale: Floats, axis: Floats) -> None:
+    def __init__(self, norms: Norms, scale: Floats, axis: Floats) -> None:
         self.norms, self.scale, self.axis = norms, scale, axis
         first, second = norms.maps[:, 0], norms.maps[:, 1]
         products = [_products(first, first), _products(second, second), -2 * _products(first, second)]

@@ -6,7 +6,7 @@ the space of twists:
 
 - box: ``a_k . xi = b_k`` where ``|f_k| < mu N``, and ``-f_k (a_k . xi - b_k) >= 0`` where ``|f_k| = mu N``;
 - ellipse, slips weighted by the limits: zero where the force is inside the ellipse, else a non-negative multiple
-  of ``-f``.
+  of ``-f``; at a cut a slip across the rim alone, at a corner anything between these two.
 
 Almost everywhere the equations leave one twist; :func:`undetermined` finds the other points for many at once.
 There the vertices are found by intersecting as many boundaries as there are free unknowns (at most three): slow
@@ -65,7 +65,32 @@ def conditions(functional: Functional, model: ContactRows, loads: Floats, forces
     idle = np.where(slips[..., None], idle.all(axis=-1, keepdims=True), idle)
     equation = ~idle
     equation[..., 0] &= ~slips
+    _cut_conditions(mix, equation, shares, limits, slips & ~idle.any(axis=-1), model.cuts)
     return Conditions(mix, equation, idle)
+
+
+def _cut_conditions(
+    mix: Floats,
+    equation: NDArray[np.bool_],
+    shares: Floats,
+    limits: Floats,
+    slips: NDArray[np.bool_],
+    cuts: Floats,
+) -> None:
+    """Change the conditions of forces at a cut, in place.
+
+    On the straight side: no slip along the rim, and across it against the force.  At a corner (x, y): a slip against
+    x, and at least ``|y/x|`` times as much against y.
+    """
+    x, y = shares[..., 0], shares[..., 1]
+    at_cut = (np.abs(y) >= (1 - AT_LIMIT) * cuts) & (cuts < 1)
+    side, corner = at_cut & ~slips, at_cut & slips
+    mix[side, 1] = np.stack([np.zeros_like(x), -np.sign(y) * limits[..., 1]], axis=-1)[side]
+    equation[side, 1] = False
+    mix[corner, 0] = np.stack([-np.sign(x) * limits[..., 0], np.zeros_like(x)], axis=-1)[corner]
+    across = [np.abs(y) * np.sign(x) * limits[..., 0], -np.abs(x) * np.sign(y) * limits[..., 1]]
+    mix[corner, 1] = np.stack(across, axis=-1)[corner]
+    equation[corner, 1] = False
 
 
 def undetermined(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> NDArray[np.bool_]:

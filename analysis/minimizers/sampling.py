@@ -2,8 +2,8 @@
 
 Rule ``nearest`` the slow literal way (wheel distances, greedy rows and a 3 x 3 solve at every sample) is the oracle
 of the exact cells, with which the tests and the study ``precision`` compare them: it knows nothing of cells, bisectors
-or fields, and no verdict uses it.  Rule ``ellipse`` is evaluated by the numerical minimizer.  A sampled maximum is a
-lower bound of the true one; it is reported as sampled, never as proved.
+or fields, and no verdict uses it.  Rules without cells are evaluated by the numerical minimizer.  A sampled maximum is
+a lower bound of the true one; it is reported as sampled, never as proved.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.minimizers.minimum import Minima
+    pass
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -122,31 +122,22 @@ def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
     return [(normal, speed) for friction, normal, speed in ordered if friction]
 
 
-def sample_ellipse_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
-    """Evaluate V* under rule ``ellipse`` at random points of the checked square (centred scene).
+def sample_smooth_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
+    """Evaluate V* under the scene's rule without cells at random points of the checked square (centred scene).
 
     Where the minimizer is not unique V* is the largest rate over all of them.  Points at which the motion is not
     proved do not count.
     """
+    from nonsmooth.analysis.contact_rule import smooth_rule_of
     from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
 
     free = free_motions(scene)
     if free:
         return SampledDerivative(0, None, None, None, free)
     points = _random_points(scene, samples, seed)
-    minima = ellipse_minima(scene, points)
+    minima = smooth_rule_of(scene).minima(scene, points)
     rates = _rates(points, minima.twists)
     for k, face in minima.faces.items():
         rates[k] = (2 * face[:, :2] @ points[k]).max()
     found = proved(minima)
     return _largest_rates(points[found], rates[found], minima_without_proof(found))
-
-
-def ellipse_minima(scene: Scene, points: NDArray[np.float64]) -> Minima:
-    """Minimizers of rule ``ellipse`` at points (m, 2), with the forces that prove them."""
-    from nonsmooth.analysis.fields.contact_model import contact_model
-    from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
-    from nonsmooth.analysis.minimizers.float_loads import loads_at
-
-    model = contact_model(scene)
-    return EllipseInterior().minimize(model, loads_at(model, points))

@@ -24,6 +24,9 @@ References: Andersen, Roos, Terlaky (2003), Math. Program. 95; Alizadeh, Goldfar
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,15 +60,20 @@ def minimize_norms(weights: Floats, maps: Floats, targets: Floats) -> tuple[Floa
         Minimizers y, shape (m, 3), and multipliers z, shape (m, n, 2), with ``|z_i| <= 1`` and
         ``sum_i w_i E_i^T z_i = 0``.
     """
+    return solve_blocks(lambda w, e: Block(w, maps, e), weights, targets)
+
+
+def solve_blocks(build: Callable[[Floats, Floats], Block], weights: Floats, targets: Floats) -> tuple[Floats, Floats]:
+    """Unknowns (m, k) and multipliers (m, n, 2) of all problems, block by block."""
     size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
     blocks = [slice(first, first + size) for first in range(0, max(len(weights), 1), size)]
     own = targets.ndim == 3
     with np.errstate(all="ignore"):  # a problem at the limit of doubles may divide by 0; that step is not kept
-        solved = [_Block(weights[b], maps, targets[b] if own else targets[None]).solve() for b in blocks]
+        solved = [build(weights[b], targets[b] if own else targets[None]).solve() for b in blocks]
     return np.concatenate([y.T for y, _ in solved]), np.concatenate([z.transpose(2, 1, 0) for _, z in solved])
 
 
-class _Block:
+class Block:
     """Problems that advance together, and the best solution of each so far."""
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats) -> None:
@@ -93,8 +101,24 @@ class _Block:
             if unsolved < COMPACT * len(waiting):
                 self.state = self.state.take(waiting)
                 cones = Cones(self.state)
-            self.state = _step(cones, self.maps, self._targets_of(self.state.number))
+            self.state = self._step(cones)
         return self.y, self.z
+
+    def _step(self, cones: Cones) -> Iterate:
+        """One predictor-corrector step of every problem."""
+        fit = self._fit(cones)
+        step = cones.corrector(fit.split, cones.predictor(fit.split))
+        shares = np.minimum(1.0, TO_BOUNDARY * cones.longest_steps(step))
+        y = cones.state.y + shares[0] * fit.solution(step.coefficients)
+        return cones.advanced(step, shares, y, self._residuals(cones.state, y))
+
+    def _fit(self, cones: Cones) -> Fit:
+        """The least-squares problem of a step."""
+        return LeastSquares(cones.scaled_columns(self.maps))
+
+    def _residuals(self, state: Iterate, y: Floats) -> Floats:
+        """``w_i (E_i y - e_i)``."""
+        return residuals(state.weights, y, self.maps, self._targets_of(state.number))
 
     def _targets_of(self, index: NDArray[np.int_]) -> Floats:
         return self.targets if self.targets.shape[-1] == 1 else self.targets[..., index]
@@ -114,26 +138,29 @@ class _Block:
         solved = np.zeros_like(due)
         if due.any():
             index = self.state.number[due]
-            weights = self.state.weights[:, due]
-            targets = self._targets_of(index)
-            y, z, accepted = polish(weights, self.maps, targets, self.y[:, index], self.z[..., index])
+            y, z, accepted = self._finish(self.state.weights[:, due], index)
             solved[due] = accepted
             self.polish_below[index] = NEXT_POLISH * self.gap[index]
             index = index[accepted]
             self.gap[index], self.y[:, index], self.z[..., index] = 0.0, y[:, accepted], z[..., accepted]
         return solved
 
-
-def _step(cones: Cones, maps: Floats, targets: Floats) -> Iterate:
-    """One predictor-corrector step of every problem."""
-    fit = _LeastSquares(cones.scaled_columns(maps))
-    step = cones.corrector(fit.split, cones.predictor(fit.split))
-    shares = np.minimum(1.0, TO_BOUNDARY * cones.longest_steps(step))
-    y = cones.state.y + shares[0] * fit.solution(step.coefficients)
-    return cones.advanced(step, shares, y, residuals(cones.state.weights, y, maps, targets))
+    def _finish(self, weights: Floats, index: NDArray[np.int_]) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Newton's method on some problems: unknowns, multipliers, and whether they are accepted."""
+        return polish(weights, self.maps, self._targets_of(index), self.y[:, index], self.z[..., index])
 
 
-class _LeastSquares:
+class Fit(Protocol):
+    """A least-squares problem for m steps."""
+
+    def split(self, vector: Floats) -> tuple[Floats, Floats]:
+        """Coefficients on the columns, and the remainder orthogonal to them (in place)."""
+
+    def solution(self, coefficients: Floats) -> Floats:
+        """The unknowns."""
+
+
+class LeastSquares:
     """Gram-Schmidt factors of m matrices with three columns, shape (3, k, m), in two passes."""
 
     def __init__(self, columns: Floats) -> None:

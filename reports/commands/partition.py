@@ -29,7 +29,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
     ] = Drawing.CELLS,
     compare: Annotated[
-        bool, typer.Option("--compare", help="Compare the three contact rules on the square instead.")
+        bool, typer.Option("--compare", help="Compare all contact rules on the square instead.")
     ] = False,
     json: Json = False,
 ) -> int:

@@ -1,7 +1,8 @@
-"""Rule ``ellipse`` in the derivation report: what the body does at the checked point, and the motion near it."""
+"""Rules without cells in the derivation report: what the body does at the checked point, and the motion near it."""
 
 from __future__ import annotations
 
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -10,16 +11,28 @@ from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.number_text import float_text, place_text
 
 
-def situation_section(place: EllipsePoint) -> Section:
-    """The functional, the loads and the exact minimizer at the checked point."""
-    functional = display(
+def _functional(place: EllipsePoint) -> tuple[Block, Block]:
+    """What the motion minimizes, in words and as a formula."""
+    rule = smooth_rule_of(place.scene)
+    if any(rule.friction_set(wheel.friction).is_cut for wheel in place.scene.wheels):
+        words = "The motion minimizes the dissipation of sec. 2 with rollers that stand or turn at the speed t:"
+        return paragraph(words), display(
+            r"D(\xi) = \sum_i N_i \min_t \left(\mu_R |(r_i, s_i - t)| + \mu_S |t|\right), \qquad"
+            r" r_i = d_i \cdot v(p_i) - u_i, \quad s_i = n_i \cdot v(p_i)",
+            "D(xi) = sum_i N_i min_t (mu_R |(r_i, s_i - t)| + mu_S |t|), r_i = d_i . v(p_i) - u_i, s_i = n_i . v(p_i)",
+        )
+    words = "The motion minimizes the dissipation of sec. 2 with the friction ellipse of Fig. 3:"
+    return paragraph(words), display(
         r"D(\xi) = \sum_i N_i \sqrt{\mu_R^2 r_i^2 + \mu_S^2 s_i^2}, \qquad r_i = d_i \cdot v(p_i) - u_i, \quad"
         r" s_i = n_i \cdot v(p_i)",
         "D(xi) = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2), r_i = d_i . v(p_i) - u_i, s_i = n_i . v(p_i)",
     )
+
+
+def situation_section(place: EllipsePoint) -> Section:
+    """The functional, the loads and the exact minimizer at the checked point."""
     blocks: list[Block] = [
-        paragraph("The motion minimizes the dissipation of sec. 2 with the friction ellipse of Fig. 3:"),
-        functional,
+        *_functional(place),
         paragraph(
             "At the checked point: {}. Reason: {}. The loads there, for total weight 1:", place.situation, place.reason
         ),
@@ -49,7 +62,7 @@ def _stuck_blocks(place: EllipsePoint) -> list[Block]:
         (str(force.wheel), number(force.along), number(force.across), number(force.squared))
         for force in place.balance.stuck or ()
     ]
-    words = paragraph("Forces of the wheels that stick, in units of their friction ellipses (squared size up to 1):")
+    words = paragraph("Forces of the wheels that stick, in units of their friction limits (squared size up to 1):")
     return [words, table(("wheel", "along the rim", "across it", "squared size"), rows, (1, 2, 2, 2))]
 
 

@@ -116,7 +116,7 @@ def load_scene(
 
     Args:
         source: path of a scene file, or the name of a built-in scene.
-        rule: contact rule that replaces the file's: nearest, box or ellipse.
+        rule: contact rule that replaces the file's: nearest, box, ellipse or roller.
         radius: half-width of the checked square (length) that replaces the file's, as text.
         at: equilibrium ``x,y`` that replaces the file's, as text.
         allow_outside: read a table of wheels (``wheels.file``) from outside the scene's folder too.

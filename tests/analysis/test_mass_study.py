@@ -30,7 +30,7 @@ def study() -> MassStudy:
 def test_study_is_a_table_in_a_notebook(study: MassStudy) -> None:
     html = study._repr_html_()
     assert html.startswith("<table>")
-    assert html.count("<tr>") == 1 + 3 * 3 + 2
+    assert html.count("<tr>") == 1 + 3 * 4 + 3
     assert f"{study.rows[1].distance('ellipse').position:.3g}" in html
 
 
@@ -50,7 +50,7 @@ def test_distance_to_rule_ellipse_falls_like_the_mass(study: MassStudy) -> None:
 
 def test_distance_to_the_other_rules_tends_to_theirs_from_ellipse(study: MassStudy) -> None:
     limits = {limit.rule: limit for limit in study.limits}
-    assert set(limits) == {"nearest", "box"}
+    assert set(limits) == {"nearest", "box", "roller"}
     for row in study.rows:
         own = row.distance("ellipse")
         for rule, limit in limits.items():
@@ -74,8 +74,8 @@ def test_rules_without_a_path_are_named() -> None:
     study = mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 1), START, 0.5)
     assert set(study.skipped) == {"nearest", "box"}
     assert "required a start inside the domain" in study.skipped["box"]
-    assert [own.rule for own in study.rows[0].distances] == ["ellipse"]
-    assert study.limits == ()
+    assert [own.rule for own in study.rows[0].distances] == ["ellipse", "roller"]
+    assert [limit.rule for limit in study.limits] == ["roller"]
 
 
 def test_paths_that_break_off_are_compared_while_they_last() -> None:

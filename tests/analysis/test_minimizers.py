@@ -97,6 +97,14 @@ def two_isotropic_wheels(first: float, second: float) -> Case:
     return Case(model, np.array([[first, second]], float))
 
 
+def with_rollers(seed: int) -> ContactModel:
+    """A random array with friction discs that are cut, one of them not."""
+    model = random_array(seed, (1.0, 1.0))
+    cuts = np.random.default_rng(seed).uniform(0.02, 1, model.wheels)
+    cuts[-1] = 1.0
+    return replace(model, cuts=cuts)
+
+
 CASES: dict[str, Callable[[], Case]] = {
     "four-wheel": lambda: at_random_points(contact_model(load_scene("four-wheel")), 6),
     "ring-5": lambda: at_random_points(contact_model(load_scene("ring-5")), 6),
@@ -105,6 +113,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "grid-3x3": lambda: at_random_points(grid(3, 3), 4),
     "side friction larger": lambda: at_random_points(four_wheels(0.5, 1), 4),
     "a wheel lifts off": lambda: Case(four_wheels(), elastic_loads(four_wheels(), [(0.75, 0.75), (0.9, -0.4)])),
+    **{f"rollers-{k}": lambda k=k: at_random_points(with_rollers(k), 4) for k in range(4)},  # type: ignore[misc]
     **{f"random-{k}": lambda k=k: at_random_points(random_array(k), 4) for k in range(6)},  # type: ignore[misc]
 }
 ARRAYS = pytest.mark.parametrize("case", CASES, indirect=True)

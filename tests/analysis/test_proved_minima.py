@@ -25,7 +25,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
-from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
+from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth
@@ -93,7 +93,7 @@ def test_no_sampled_rate_is_beyond_what_a_body_can_do(arrays: Arrays, build: obj
 def test_free_motions_are_named_instead_of_numbers(arrays: Arrays) -> None:
     scene = inward_rims(arrays)
     assert free_motions(scene) == "no row with friction resists the motion xi = (0, 0, 1)"
-    sampled = sample_ellipse_derivative(scene, 100)
+    sampled = sample_smooth_derivative(scene, 100)
     assert (sampled.samples, sampled.largest, sampled.largest_relative, sampled.at) == (0, None, None, None)
     assert sampled.not_certified == free_motions(scene)
     for sample in with_samples(check_smooth(scene).feedback, scene).samples:
@@ -122,7 +122,7 @@ def test_minima_without_proof_do_not_count(arrays: Arrays, monkeypatch: pytest.M
     monkeypatch.setattr(EllipseInterior, "minimize", spoilt)
     scene = under_ellipse(arrays.four_wheel())
     with np.errstate(over="ignore", invalid="ignore"):
-        sampled = sample_ellipse_derivative(scene, 100)
+        sampled = sample_smooth_derivative(scene, 100)
         agreement = compare_rules(scene)
     assert sampled.samples == 50
     assert sampled.largest_relative is not None

@@ -15,6 +15,7 @@ from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
+from tests.ruled import ruled
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -51,7 +52,7 @@ def ellipse_twist(scene: Scene, region: LoadRegion, point: tuple[Fraction, Fract
 @pytest.mark.parametrize("friction", [ROLL, (1, Fraction(1, 10)), SIDE])
 def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
     """c' = -sqrt2 (mu_R/mu_S)^2 c, no rotation."""
-    scene = arrays.four_wheel(friction)
+    scene = ruled(arrays.four_wheel(friction), "ellipse")
     (region,) = load_regions(scene)
     balance = rest_balance(scene, region)
     assert balance.holds
@@ -70,7 +71,7 @@ def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
 @pytest.mark.parametrize("sides", [(1, 1, 1, 1), (1, 2, 3, 4), (3, 1, 1, 5)])
 def test_linearization_against_a_minimizer(arrays: Arrays, sides: tuple[int, ...]) -> None:
     """The twist at a small c agrees with M c up to second order; mu_S differs from wheel to wheel."""
-    scene = arrays.four_wheel()
+    scene = ruled(arrays.four_wheel(), "ellipse")
     wheels = (
         replace(w, friction=replace(w.friction, side=scene.field(side) / 3))
         for w, side in zip(scene.wheels, sides, strict=True)
@@ -91,7 +92,7 @@ def test_linearization_against_a_minimizer(arrays: Arrays, sides: tuple[int, ...
 
 
 def test_a_wheel_out_of_balance_is_refuted(arrays: Arrays) -> None:
-    scene = arrays.four_wheel()
+    scene = ruled(arrays.four_wheel(), "ellipse")
     wheels = (replace(scene.wheels[0], given_speed=scene.field(-1)), *scene.wheels[1:])
     scene = replace(scene, wheels=wheels)
     (region,) = load_regions(scene)
@@ -102,7 +103,7 @@ def test_a_wheel_out_of_balance_is_refuted(arrays: Arrays) -> None:
 
 def test_wheels_that_stick_hold_the_body_at_rest(arrays: Arrays) -> None:
     """Two driven, two braking wheels: the brakes answer any small imbalance."""
-    scene = arrays.four_wheel()
+    scene = ruled(arrays.four_wheel(), "ellipse")
     zero = scene.field.zero
     wheels = tuple(replace(w, given_speed=zero) if w.index % 2 == 0 else w for w in scene.wheels)
     scene = replace(scene, wheels=wheels)
@@ -127,7 +128,7 @@ def ellipse_like_value(scene: Scene, region: LoadRegion, xi: np.ndarray) -> floa
 
 
 def test_torque_authority_is_the_rank_of_the_roll_rows(arrays: Arrays) -> None:
-    scene = arrays.four_wheel()
+    scene = ruled(arrays.four_wheel(), "ellipse")
     inward = roll_authority(scene)
     zero, one = scene.field.zero, scene.field.one
     assert (inward.rank, inward.missing) == (2, ((zero, zero, one),))
@@ -178,7 +179,7 @@ def many_wheels(arrays: Arrays, rows: int) -> Scene:
 @pytest.mark.parametrize("rows", [4, 10])
 def test_many_square_roots_leave_the_linearization_exact(arrays: Arrays, rows: int) -> None:
     """An exact inverse of det H would have up to 2^r terms over r square roots: quotients are put off."""
-    scene = many_wheels(arrays, rows)
+    scene = ruled(many_wheels(arrays, rows), "ellipse")
     linear = linearize(scene, load_regions(scene)[0], scene.field.zero)
     assert linear is not None
     assert linear.check()

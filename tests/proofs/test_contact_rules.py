@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.minimizers.closed_loop import SampledLaw, relative_rates, sample_closed_loop
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
+from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
@@ -24,6 +24,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4,
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
+from tests.ruled import ruled
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -31,10 +32,6 @@ if TYPE_CHECKING:
 SLACK = 1e-9  # of D, about the accuracy of CLARABEL; D is of order 0.1
 RATE_ERROR = 1e-6  # of V'/V
 EVIDENT = ["four-wheel", "rectangle", "ring-5", "grid-4x4", "elliptic", "spiral-30", "conveyor-3", "saddle", "outward"]
-
-
-def ruled(scene: Scene, rule: str) -> Scene:
-    return replace(scene, contact=replace(scene.contact, rule=rule))
 
 
 def without_feedback(scene: Scene) -> Scene:
@@ -108,7 +105,7 @@ def test_four_wheel_under_ellipse_is_exponentially_stable(arrays: Arrays, ratio:
 def test_sampled_rates_agree_with_the_verdict(name: str) -> None:
     """Exponentially stable points of these arrays also decrease |c|^2 on the whole square."""
     scene = load_scene(name, rule="ellipse").recentred()
-    sampled = sample_ellipse_derivative(scene, 400)
+    sampled = sample_smooth_derivative(scene, 400)
     assert (sampled.samples, sampled.not_certified) == (400, "")
     assert sampled.largest is not None
     assert sampled.largest < 1e-9

@@ -27,6 +27,7 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from tests.conftest import WheelData
+from tests.ruled import centred
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -35,10 +36,6 @@ if TYPE_CHECKING:
 BOX_ERROR, ELLIPSE_ERROR = 1e-7, 1e-4
 FORCES_AND_SEPARATORS = [0, 1, 2, 3, 4, 6, 7, 8]  # arrays of the builder; the benchmarks take all of them
 APPLIES = [name for name in builtin_scenes() if name not in ("four-wheel-side", "differential-drive")]
-
-
-def ruled(scene: Scene, rule: str) -> Scene:
-    return replace(scene, contact=replace(scene.contact, rule=rule)).recentred()
 
 
 def small(scene: Scene) -> Scene:
@@ -70,7 +67,7 @@ def cone_of(feedback: DrivenFeedback, c: Floats) -> LawCone:
 @pytest.mark.parametrize("name", APPLIES)
 def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> None:
     """The minimizer of D for the law's speeds is the twist itself, and V falls at the certified rate."""
-    scene = ruled(load_scene(name), "box")
+    scene = centred(load_scene(name), "box")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
     assert feedback.check()
@@ -91,7 +88,7 @@ def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> Non
 
 @pytest.mark.parametrize("name", APPLIES)
 def test_under_ellipse_the_speeds_impose_their_twist_at_the_equilibrium(name: str) -> None:
-    scene = ruled(load_scene(name), "ellipse")
+    scene = centred(load_scene(name), "ellipse")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
     assert feedback.check()
@@ -107,7 +104,7 @@ def test_under_ellipse_the_speeds_impose_their_twist_at_the_equilibrium(name: st
 
 def test_kappa_is_what_three_twists_give(arrays: Arrays) -> None:
     """Unit vectors along the axes: one of three products is at least a third of |g|^2, and no more can be said."""
-    scene = ruled(load_scene("saddle"), "box")
+    scene = centred(load_scene("saddle"), "box")
     feedback = decide_driven_feedback(scene)
     vectors = feedback.cones[0].vectors
     assert gains(vectors, Fraction(333, 1000))
@@ -130,7 +127,7 @@ def test_kappa_is_what_three_twists_give(arrays: Arrays) -> None:
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 6, 7, 8, 9, 11])
 def test_under_box_a_minimizer_tells_which_twists_are_held(arrays: Arrays, seed: int) -> None:
     """Firm: the only minimizer for its speeds.  Lost: for these speeds D is smaller elsewhere."""
-    scene = small(ruled(arrays.cocircular(seed, (1, Fraction(1 + seed % 5, 6))), "box"))
+    scene = small(centred(arrays.cocircular(seed, (1, Fraction(1 + seed % 5, 6))), "box"))
     model, zero = contact_model(scene), scene.field.zero
     drives = Drives(scene, load_regions(scene, (zero, zero))[0])
     for twist in list(candidate_twists(scene))[:6]:
@@ -146,7 +143,7 @@ def test_under_box_a_minimizer_tells_which_twists_are_held(arrays: Arrays, seed:
 
 @pytest.mark.parametrize("seed", FORCES_AND_SEPARATORS[:3])
 def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, seed: int) -> None:
-    scene = small(ruled(arrays.cocircular(seed, (1, Fraction(9, 10))), "ellipse"))
+    scene = small(centred(arrays.cocircular(seed, (1, Fraction(9, 10))), "ellipse"))
     zero = scene.field.zero
     region, model = load_regions(scene, (zero, zero))[0], contact_model(scene)
     for twist in list(candidate_twists(scene))[:4]:
@@ -161,7 +158,7 @@ def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, 
 
 def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> None:
     """The reason why edges suffice: what is held inside a cone of the arrangement is held on its boundary."""
-    scene = ruled(arrays.four_wheel((1, Fraction(1, 5)), turn=(Fraction(3, 5), Fraction(4, 5))), "box")
+    scene = centred(arrays.four_wheel((1, Fraction(1, 5)), turn=(Fraction(3, 5), Fraction(4, 5))), "box")
     zero = scene.field.zero
     drives = Drives(scene, load_regions(scene, (zero, zero))[0])
     edges, side_rows = list(candidate_twists(scene)), [side_row(wheel) for wheel in scene.wheels]
@@ -189,7 +186,7 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
 
 def test_two_drive_wheels_and_slippery_supports_are_a_unicycle(arrays: Arrays) -> None:
     """Whatever the speeds, the body does not move along the axle; so no static feedback stabilizes."""
-    scene = ruled(arrays.differential_drive(), "box")
+    scene = centred(arrays.differential_drive(), "box")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.NO_CERTIFICATE
     assert [str(x) for x in feedback.obstruction or ()] == ["0", "1", "0"]
@@ -210,7 +207,7 @@ def test_two_drive_wheels_and_slippery_supports_are_a_unicycle(arrays: Arrays) -
 
 def test_under_ellipse_it_is_a_unicycle_too(arrays: Arrays) -> None:
     """Spinning drive wheels resist a push along the axle less, but then they push the body with all their force."""
-    scene = ruled(arrays.differential_drive(), "ellipse")
+    scene = centred(arrays.differential_drive(), "ellipse")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.NO_CERTIFICATE
     assert [str(x) for x in feedback.obstruction or ()] == ["0", "1", "0"]
@@ -227,7 +224,7 @@ def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arr
     drive = arrays.differential_drive()
     aside = replace(drive, check=replace(drive.check, equilibrium=(drive.field(Fraction(1, 8)), drive.field.zero)))
     one, other = (
-        decide_driven_feedback(ruled(replace(aside, check=replace(aside.check, length=length)), rule))
+        decide_driven_feedback(centred(replace(aside, check=replace(aside.check, length=length)), rule))
         for length in (Fraction(1), Fraction(7, 5))
     )
     assert one.obstruction is not None
@@ -237,7 +234,7 @@ def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arr
     for feedback in (one, other):
         assert feedback.check()
         assert not replace(feedback, length=Fraction(3)).check()
-    model, rng = contact_model(ruled(aside, rule)), np.random.default_rng(2)
+    model, rng = contact_model(centred(aside, rule)), np.random.default_rng(2)
     assert other.witness is not None
     g = np.array([*map(float, other.witness.point), 1.4**2 * float(other.witness.value)])
     for _ in range(10):
@@ -246,7 +243,7 @@ def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arr
 
 
 def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
-    scene = ruled(arrays.differential_drive(), "ellipse")
+    scene = centred(arrays.differential_drive(), "ellipse")
     zero, one = scene.field.zero, scene.field.one
     region = load_regions(scene, (zero, zero))[0]
     excluded = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
@@ -284,7 +281,7 @@ def test_an_exclusion_keeps_to_its_budget(arrays: Arrays, supports: int) -> None
     """Many wheels that slip: one linear program for a node of the tree, no more than the budget in all."""
     slippery = (Fraction(1, 100), Fraction(1, 1000))
     ends = [WheelData((2 * (-1) ** k, Fraction(k, 16)), (Fraction(k, 50), 1), 0, slippery) for k in range(supports)]
-    scene = ruled(arrays.axle(*ends), "ellipse")
+    scene = centred(arrays.axle(*ends), "ellipse")
     zero, one = scene.field.zero, scene.field.one
     region = load_regions(scene, (zero, zero))[0]
     trial = balance_twist(scene, region, (zero, one, zero))
@@ -299,7 +296,7 @@ def test_no_array_is_both_stabilizable_and_obstructed(arrays: Arrays, seed: int)
     rng = np.random.default_rng(seed)
     base = arrays.cocircular(seed, (1, Fraction(int(rng.integers(1, 20)), 20)))
     loads = [scene_load(base, int(k)) for k in rng.integers(1, 30, len(base.wheels))]
-    scene = ruled(replace(base, contact=replace(base.contact, loads=LoadTable(tuple(loads)))), "box")
+    scene = centred(replace(base, contact=replace(base.contact, loads=LoadTable(tuple(loads)))), "box")
     feedback = decide_driven_feedback(scene)
     assert feedback.check()
     if feedback.obstruction is None:
@@ -320,7 +317,7 @@ def scene_load(scene: Scene, load: int) -> tuple[Number, Number, Number]:
 
 def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Arrays) -> None:
     """Four equal loads: at c* no twist with omega is held alone; beside it the loads differ, and some are."""
-    feedback = decide_driven_feedback(ruled(arrays.four_wheel(), "box"))
+    feedback = decide_driven_feedback(centred(arrays.four_wheel(), "box"))
     assert len(feedback.cones) > 1
     assert "balance exactly" in feedback.reason
     for cone in feedback.cones:
@@ -335,15 +332,15 @@ def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -
     scene = arrays.four_wheel()
     share, zero = scene.field(Fraction(1, 4)), scene.field.zero
     table = LoadTable(((share, zero, zero),) * 4)
-    feedback = decide_driven_feedback(ruled(replace(scene, contact=replace(scene.contact, loads=table)), "box"))
+    feedback = decide_driven_feedback(centred(replace(scene, contact=replace(scene.contact, loads=table)), "box"))
     assert feedback.verdict is Feedback.UNDECIDED
     assert feedback.check()
     assert "exactly marginal: frictions balance at c*" in feedback.reason
 
 
 def test_kinds_of_twists_do_not_mix(arrays: Arrays) -> None:
-    box = decide_driven_feedback(ruled(load_scene("ring-3"), "box"))
-    ellipse = decide_driven_feedback(ruled(load_scene("ring-3"), "ellipse"))
+    box = decide_driven_feedback(centred(load_scene("ring-3"), "box"))
+    ellipse = decide_driven_feedback(centred(load_scene("ring-3"), "ellipse"))
     assert all(isinstance(held, HeldTwist) for held in box.cones[0].twists)
     assert all(isinstance(balanced, BalancedTwist) for balanced in ellipse.cones[0].twists)
     assert ellipse.reach is None
@@ -361,7 +358,7 @@ def test_where_load_regions_meet_the_reach_counts_all_of_them(arrays: Arrays) ->
         WheelData((4, 2), (2, 2), 1, (1, Fraction(1, 4))),
     ]
     scene = arrays.scene(wheels, radius=Fraction(1, 16), at=(Fraction(-23, 52), Fraction(-5, 32)))
-    scene = ruled(scene, "box")
+    scene = centred(scene, "box")
     zero = scene.field.zero
     assert len(load_regions(scene, (zero, zero))) > 1
     feedback = decide_driven_feedback(scene)
@@ -388,12 +385,12 @@ def test_the_verdict_does_not_depend_on_the_unit_of_length(arrays: Arrays, rule:
     places = [(1, 1), (-1, 1), (-1, -1), (1, -1), (2, 0)]
     rims = [(-2, -1), (1, -1), (1, 2), (-1, 1), (1, 3)]
     wheels = [WheelData((x * unit, y * unit), rim, unit) for (x, y), rim in zip(places, rims, strict=True)]
-    feedback = decide_driven_feedback(ruled(arrays.scene(wheels, radius=unit / 10), rule))
+    feedback = decide_driven_feedback(centred(arrays.scene(wheels, radius=unit / 10), rule))
     assert feedback.verdict is Feedback.STABILIZABLE
     assert feedback.check()
     drive = arrays.differential_drive()
     drive = replace(drive, wheels=scaled_wheels(drive, unit), check=replace(drive.check, radius=drive.field(unit / 4)))
-    assert decide_driven_feedback(ruled(drive, rule)).obstruction is not None
+    assert decide_driven_feedback(centred(drive, rule)).obstruction is not None
 
 
 def scaled_wheels(scene: Scene, unit: Fraction) -> tuple[Wheel, ...]:
@@ -415,15 +412,15 @@ def test_loads_that_leave_a_motion_free_stabilize_nothing(arrays: Arrays, loads:
     scene = arrays.scene(wheels, radius=Fraction(1, 8))
     table = LoadTable(tuple(scene_load(scene, load) for load in loads))
     scene = replace(scene, contact=replace(scene.contact, loads=table))
-    feedback = decide_driven_feedback(ruled(scene, "ellipse"))
+    feedback = decide_driven_feedback(centred(scene, "ellipse"))
     one_wheel_holds = loads == (1, 0, 0, 0)  # and forbids what it does not roll along
     assert feedback.verdict is (Feedback.NO_CERTIFICATE if one_wheel_holds else Feedback.UNDECIDED)
     with pytest.raises(RefusalError, match=r"contact\.loads: required loaded rows with friction in three"):
-        check_theorem4(ruled(scene, "box"))
+        check_theorem4(centred(scene, "box"))
 
 
 def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
-    feedback = decide_driven_feedback(ruled(arrays.four_wheel(), "box"))
+    feedback = decide_driven_feedback(centred(arrays.four_wheel(), "box"))
     cones = feedback.cones
     assert feedback.check()
     for wrong in (cones[:1], cones[1:], cones[::-1], (*cones, cones[0]), (cones[0], replace(cones[1], rays=None))):

@@ -14,6 +14,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
+from tests.ruled import ruled
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -23,7 +24,8 @@ DECIDED = [0, 1, 2, 3, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 21, 24, 25, 26, 2
 OPEN = [9, 15]
 
 
-def point_of(scene: Scene) -> EllipsePoint:
+def point_of(scene: Scene, rule: str = "ellipse") -> EllipsePoint:
+    scene = ruled(scene, rule)
     point = ellipse_point(scene, load_regions(scene))
     assert point.check()
     return point
@@ -111,7 +113,7 @@ def test_tangential_rims_carry_the_body() -> None:
 def test_a_common_translation_is_no_equilibrium(arrays: Arrays) -> None:
     """Four parallel rims of equal speed: the body moves with them everywhere."""
     scene = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward(CORNERS)])
-    assert [str(x) for x in common_twist(scene, load_regions(scene)[0]) or ()] == ["1", "0", "0"]
+    assert [str(x) for x in common_twist(ruled(scene, "ellipse"), load_regions(scene)[0]) or ()] == ["1", "0", "0"]
     point = point_of(scene)
     assert (point.situation, point.equilibrium) == (Situation.CARRIED, Equilibrium.FAILS)
 

@@ -30,7 +30,7 @@ def registered(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_rule_is_one_short_class() -> None:
     assert len(inspect.getsource(FarthestRule).splitlines()) <= 60
-    assert [rule.name for rule in all_rules()] == ["nearest", "box", "ellipse", "farthest"]
+    assert [rule.name for rule in all_rules()] == ["nearest", "box", "ellipse", "roller", "farthest"]
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -57,7 +57,7 @@ def test_the_commands_take_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytes
     assert checked.status == 1
     assert json.loads(checked.out)["rule"] == "farthest"
     many = json.loads(invoke("check", "four-wheel", "--rule", "all", "--json").out)
-    assert [record["rule"] for record in many["checks"]] == ["nearest", "box", "ellipse", "farthest"]
+    assert [record["rule"] for record in many["checks"]] == ["nearest", "box", "ellipse", "roller", "farthest"]
     cells = json.loads(invoke("partition", "four-wheel", "--rule", "farthest", "--json").out)
     assert cells["rule"] == "farthest"
     assert cells["area_error"] == "0"
@@ -65,7 +65,8 @@ def test_the_commands_take_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytes
     assert json.loads(path.out)["end"]["t"] == pytest.approx(0.1)
     compared = json.loads(invoke("partition", "four-wheel", "--compare", "--json").out)["agreement"]
     assert set(compared) == {
-        "nearest_box", "nearest_farthest", "box_farthest", "ellipse_nearest", "ellipse_box", "ellipse_farthest"
+        "nearest_box", "nearest_farthest", "box_farthest", "ellipse_nearest", "ellipse_box", "ellipse_farthest",
+        "roller_nearest", "roller_box", "roller_farthest"
     }  # fmt: skip
     assert invoke("partition", "four-wheel", "--compare", "-o", "a.png").status == 0
     assert invoke("derive", "four-wheel", "--rule", "farthest", "-o", "a.html").status == 0

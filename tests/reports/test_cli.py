@@ -215,10 +215,10 @@ def test_all_rules_at_once(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> N
     outcome = invoke("check", "four-wheel-side", "--rule", "all", "--json")
     record = outcome.record
     assert (outcome.status, record["schema"]) == (1, "nonsmooth-checks/1")
-    assert [check["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse"]
+    assert [check["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse", "roller"]
     monkeypatch.setenv("COLUMNS", str(COLUMNS))
     text = invoke("check", "four-wheel-side", "--rule", "all").out
-    assert [f"rule {rule}" in text for rule in ("nearest", "box", "ellipse")] == [True] * 3
+    assert [f"rule {rule}" in text for rule in ("nearest", "box", "ellipse", "roller")] == [True] * 4
     assert text.count("Filippov set: hull") == 1  # the legend once
 
 

@@ -58,11 +58,16 @@ def test_verdicts_do_not_depend_on_it(capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_every_rule_has_its_row(capsys: pytest.CaptureFixture[str]) -> None:
     _, record = printed(capsys, "four-wheel", "--rule", "all", "--continuum")
-    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse"]
+    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == [
+        "nearest",
+        "box",
+        "ellipse",
+        "roller",
+    ]
     run(app, ["check", "four-wheel", "--rule", "all", "--continuum"])
     out = capsys.readouterr().out
     assert out.count("continuous idealization") == 1
-    assert [out.count(f"the array, rule {rule}") for rule in ("nearest", "box", "ellipse")] == [1, 1, 1]
+    assert [out.count(f"the array, rule {rule}") for rule in ("nearest", "box", "ellipse", "roller")] == [1, 1, 1, 1]
     assert "not in the verdict" in out
 
 

@@ -84,7 +84,7 @@ def test_the_cascade_in_json(invoke: Invoke) -> None:
 
 
 def test_an_obstruction_in_json(invoke: Invoke) -> None:
-    for rule in ("nearest", "box", "ellipse"):
+    for rule in ("nearest", "box", "ellipse", "roller"):
         outcome = invoke("check", "differential-drive", "--rule", rule, "--json")
         record = outcome.record
         assert outcome.status == 1

@@ -61,8 +61,10 @@ def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixt
     assert list(record) == ["schema", "scene", "start", "until", "rows", "limits", "skipped"]
     assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.5)
     assert [row["mass"] for row in record["rows"]] == pytest.approx([10.0**-k for k in range(2, 7)])
-    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [{"nearest", "box", "ellipse"}] * 5
-    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box"}
+    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [
+        {"nearest", "box", "ellipse", "roller"}
+    ] * 5
+    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box", "roller"}
     assert record["skipped"] == []
     text = invoke(capsys, *arguments)
     for row in record["rows"]:
@@ -98,8 +100,8 @@ def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
     invoke(capsys, *arguments, str(picture))
     header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
     assert header == ["mass", "rule", "position", "rotation", "until"]
-    assert len(lines) == 5 * 3 + 2
-    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box"]
+    assert len(lines) == 5 * 4 + 3
+    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box", "roller"]
     first = picture.read_bytes()
     invoke(capsys, *arguments, str(picture))
     assert picture.read_bytes() == first

@@ -66,7 +66,9 @@ def test_every_rule_of_every_scene(capsys: pytest.CaptureFixture[str]) -> None:
     status, out, _ = check(capsys, "four-wheel-side", "ring-3", "--rule", "all", "--json")
     records = json.loads(out)["checks"]
     found = [(record["scene"], record["rule"]) for record in records]
-    assert found == [(scene, rule) for scene in ("four-wheel-side", "ring-3") for rule in ("nearest", "box", "ellipse")]
+    assert found == [
+        (scene, rule) for scene in ("four-wheel-side", "ring-3") for rule in ("nearest", "box", "ellipse", "roller")
+    ]
     assert status in (1, 3)
 
 

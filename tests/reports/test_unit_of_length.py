@@ -89,7 +89,7 @@ TABLES = {
     "slow turns": Table(SQUARE, turned(SQUARE, 0, 1), (0.002, 0.001, 0.01)),
     "no law": Table(ODD, ("inward",) * 5),
 }
-RULES = ("nearest", "box", "ellipse")
+RULES = ("nearest", "box", "ellipse", "roller")
 TIPPING = "theta first, turns"  # its checked square leaves the support polygon
 CASES = [(name, rule) for name in TABLES for rule in RULES if name != TIPPING or rule == "nearest"]
 

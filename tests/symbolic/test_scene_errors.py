@@ -127,8 +127,8 @@ MALFORMED = [
     (FRICTION + WHEEL + 'mu_side = "1 - sqrt(2)"\n' + TWO, "wheel[1].mu_side", "at least 0"),
     (FRICTION + TWO + "[[wheel]]\nposition = [5, 5]\nmu_roll = 0\nmu_side = 0", "wheel[3]", "above 0"),
     # contact and check
-    (FRICTION + TWO + '[contact]\nrule = "closest"', "contact.rule", "'nearest', 'box' or 'ellipse'"),
-    (FRICTION + TWO + "[contact]\nrule = 3", "contact.rule", "'nearest', 'box' or 'ellipse'"),
+    (FRICTION + TWO + '[contact]\nrule = "closest"', "contact.rule", "'nearest', 'box', 'ellipse' or 'roller'"),
+    (FRICTION + TWO + "[contact]\nrule = 3", "contact.rule", "'nearest', 'box', 'ellipse' or 'roller'"),
     (FRICTION + TWO + '[contact]\nloads = "plastic"', "contact.loads", "elastic"),
     (FRICTION + TWO + "[contact]\nloads = [[1, 0, 0]]", "contact.loads", "2 rows"),
     (FRICTION + TWO + "[contact]\nloads = [[1, 0], [1, 0]]", "contact.loads", "[c0, cx, cy]"),

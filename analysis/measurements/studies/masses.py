@@ -2,7 +2,7 @@
 
 Here the model is in question and not a method: the reference is the path that the body takes as its mass goes to 0,
 that of rule ``ellipse``, integrated far below the distances measured.  Full dynamics approaches it like the mass; the
-other two rules stay where they are, so their rows tell what a contact rule costs and what it misses.
+other rules stay where they are, so their rows tell what a contact rule costs and what it misses.
 """
 
 from __future__ import annotations

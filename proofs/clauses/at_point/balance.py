@@ -1,14 +1,16 @@
-"""Equilibrium at rest under rule ``ellipse``, exactly.
+"""Equilibrium at rest under a rule without cells, exactly.
 
-At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with friction ellipses
-``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, iff ``0 in dD(0)``.  Where every loaded wheel slips at rest (``u_i != 0``),
-D is smooth there and that is the balance ::
+At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with the support functions f_i of the
+friction sets (:mod:`nonsmooth.symbolic.friction_set`; rule ``ellipse``:
+``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``), iff ``0 in dD(0)``.  Where every loaded wheel slips at rest
+(``u_i != 0``), D is smooth there and that is the balance ::
 
     sum_i N_i mu_R sgn(u_i) a_i = 0,      a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
 
-Wheels that stick at rest (``u_i = 0``) may carry any force in their ellipse.  The least-norm forces that restore
-balance are tried: inside the ellipses they prove equilibrium, strictly inside (with rows of rank three) they prove
-that rest is the only minimizer in a neighbourhood.
+because a slip along the rim alone is on the arc of every set: under rule ``roller`` the rollers stand.  Wheels that
+stick at rest (``u_i = 0``) may carry any force in their set.  The least-norm forces that restore balance are tried:
+inside the sets they prove equilibrium, strictly inside (with rows of rank three) they prove that rest is the only
+minimizer in a neighbourhood.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.loads import LoadRegion
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.symbolic.constraints import (
     Row,
     Triple,
@@ -29,6 +32,7 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
+from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -36,16 +40,27 @@ from nonsmooth.symbolic.scene import Scene, Wheel
 
 @dataclass(frozen=True)
 class StuckForce:
-    """Force of a wheel that sticks at rest, in units of its friction ellipse."""
+    """Force of a wheel that sticks at rest, in units of the half-axes of its friction set."""
 
     wheel: int
     along: Number
     across: Number
+    limits: FrictionSet
 
     @property
     def squared(self) -> Number:
         """``|f|^2``; admissible up to one."""
         return self.along * self.along + self.across * self.across
+
+    @property
+    def is_admissible(self) -> bool:
+        """Whether it lies in the set."""
+        return self.squared <= 1 and abs(self.across) <= self.limits.cut
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether it lies inside, off the border."""
+        return self.limits.holds_strictly(self.along, self.across)
 
 
 @dataclass(frozen=True)
@@ -69,7 +84,7 @@ class RestBalance:
         """Whether rest is proved to be a minimizer."""
         if self.smooth or not self.stuck:
             return not any(self.residual)
-        return all(force.squared <= 1 for force in self.stuck)
+        return all(force.is_admissible for force in self.stuck)
 
     @property
     def fails(self) -> bool:
@@ -79,11 +94,12 @@ class RestBalance:
     @property
     def strict(self) -> bool:
         """Whether rest is the only minimizer in a neighbourhood of the equilibrium."""
-        return bool(self.stuck) and self.rank == 3 and all(f.squared < 1 for f in self.stuck or ())
+        return bool(self.stuck) and self.rank == 3 and all(force.is_inside for force in self.stuck or ())
 
 
 def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     """Balance of forces at rest at the centred scene's equilibrium, which the load region holds."""
+    rule = smooth_rule_of(scene)
     forces = [form[0] for form in region.forces]
     loaded = [(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force]
     residual = total(scene.field.zero, (_pull(wheel, force) for wheel, force in loaded))
@@ -91,7 +107,7 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     columns = [
         (wheel.index, row.kind, scaled(row.unit_normal, force * friction))
         for wheel, force in sticking
-        for row, friction in _sticking_rows(wheel)
+        for row, friction in _sticking_rows(wheel, rule.friction_set(wheel.friction))
         if friction
     ]
     answer, rank = _least_norm([column for _, _, column in columns], residual)
@@ -101,7 +117,8 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     for (index, kind, _), value in zip(columns, answer, strict=True):
         by_wheel.setdefault(index, {})[kind] = value
     zero = scene.field.zero
-    stuck = tuple(StuckForce(i, parts.get("R", zero), parts.get("S", zero)) for i, parts in by_wheel.items())
+    limits = {wheel.index: rule.friction_set(wheel.friction) for wheel, _ in sticking}
+    stuck = tuple(StuckForce(i, parts.get("R", zero), parts.get("S", zero), limits[i]) for i, parts in by_wheel.items())
     return RestBalance(residual, stuck, rank, not sticking)
 
 
@@ -110,10 +127,10 @@ def _slips_smoothly(wheel: Wheel) -> bool:
     return bool(wheel.scaled_speed) and bool(wheel.friction.roll)
 
 
-def _sticking_rows(wheel: Wheel) -> list[tuple[Row, Number]]:
-    """Rows in which a wheel that is not smooth at rest may carry any admissible force."""
-    side = (side_row(wheel), wheel.friction.side)
-    return [side] if wheel.scaled_speed else [(roll_row(wheel), wheel.friction.roll), side]
+def _sticking_rows(wheel: Wheel, limits: FrictionSet) -> list[tuple[Row, Number]]:
+    """Rows in which a wheel that is not smooth at rest may carry any admissible force, with half-axes."""
+    side = (side_row(wheel), limits.across)
+    return [side] if wheel.scaled_speed else [(roll_row(wheel), limits.along), side]
 
 
 def _pull(wheel: Wheel, force: Number) -> Triple:

@@ -1,4 +1,4 @@
-"""The clauses under rule ``ellipse``: what the body does at the equilibrium, and what follows near it.
+"""The clauses under rules without cells: what the body does at the equilibrium, and what follows near it.
 
 Five situations are told apart, each by exact evidence:
 
@@ -6,10 +6,11 @@ Five situations are told apart, each by exact evidence:
   rigidly with the wheels (a rotation about the equilibrium is stable, not attractive);
 - *smooth rest* and *smooth spin*: the gradient of D vanishes at ``(0, 0, omega)`` and H is positive definite there: the
   field is smooth, and the eigenvalues of its linearization decide (Hurwitz: exponentially stable);
-- *held*: wheels that stick answer the balance strictly inside their ellipses: rest fills a neighbourhood;
+- *held*: wheels that stick answer the balance strictly inside their friction sets: rest fills a neighbourhood;
 - *moved*: the best rotation about the point is enclosed between two rational rates, and over the enclosure the
   gradient of D in the translation directions stays away from zero (balls): no equilibrium;
-- otherwise the point is not decided, and the reason says why.
+- otherwise the point is not decided, and the reason says why.  So it is, under rule ``roller``, where rollers turn at
+  the motion in question and leave the Hessian singular, or are about to turn, or rims do not slip.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from enum import StrEnum
 from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
 from nonsmooth.proofs.clauses.at_point.forces_check import balances, carries, is_held, is_smooth_minimum
 from nonsmooth.proofs.clauses.at_point.linearization import (
@@ -32,8 +34,9 @@ from nonsmooth.proofs.clauses.at_point.linearization import (
     spin_candidates,
 )
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.constraints import Twist, independent, scene_rows
+from nonsmooth.symbolic.constraints import Row, RowKind, Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
+from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
@@ -138,7 +141,8 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     if carried is not None:
         return point(Situation.CARRIED, f"the twist {_text(carried)} satisfies every row of every wheel", carried)
     if balance.strict and balance.holds:
-        reason = "the sticking wheels balance the others strictly inside their friction ellipses"
+        what = "friction limits" if any(force.limits.is_cut for force in balance.stuck or ()) else "friction ellipses"
+        reason = f"the sticking wheels balance the others strictly inside their {what}"
         return point(Situation.HELD, reason, Twist(zero, zero, zero))
     rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
     resting = _resting_slips(scene, region)
@@ -147,7 +151,13 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
             return _smooth_point(scene, region, balance, rate, kinked=len(here) > 1)
     if _is_moved(resting):
         return point(Situation.MOVED, "the translation part of the gradient of D stays away from zero for every spin")
-    return point(Situation.OPEN, "wheels stick at the best motion, or its rotation rate is not a number of the scene")
+    reason = "wheels stick at the best motion, or its rotation rate is not a number of the scene"
+    if any(slip.limits.is_cut for slip in slips_at(scene, region, zero)):
+        reason = (
+            "wheels stick at the best motion, or rollers turn there with rims that do not slip, "
+            "or its rotation rate is not a number of the scene"
+        )
+    return point(Situation.OPEN, reason)
 
 
 def _is_smooth_minimizer(scene: Scene, region: LoadRegion, rate: Number, resting: Sequence[_SlipBalls]) -> bool:
@@ -160,7 +170,7 @@ def _is_smooth_minimizer(scene: Scene, region: LoadRegion, rate: Number, resting
     if pull is not None and not all(entry.contains(0) for entry in pull):
         return False
     slips = slips_at(scene, region, rate)
-    return all(slip.squared_size for slip in slips) and not any(gradient(scene, slips))
+    return all(slip.is_smooth for slip in slips) and not any(gradient(scene, slips))
 
 
 def _smooth_point(
@@ -185,7 +195,9 @@ def _smooth_point(
 
 def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
     """The twist that satisfies every row with friction of every wheel, where the wheels loaded at the point fix it."""
-    rows = [row for row in scene_rows(scene) if row.friction]
+    rule = smooth_rule_of(scene)
+    limits = {wheel.index: rule.friction_set(wheel.friction) for wheel in scene.wheels}
+    rows = [row for row in scene_rows(scene) if _half_axis(row, limits[row.wheel.index])]
     loaded = [row for row in rows if region.forces[scene.places[row.wheel.index]][0]]
     basis = independent([row.normal for row in loaded])
     if len(basis) < 3:
@@ -194,6 +206,11 @@ def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
     if state is None or any(row.residual(state.twist) for row in rows):
         return None
     return state.twist
+
+
+def _half_axis(row: Row, limits: FrictionSet) -> Number:
+    """Of the friction set, along the row."""
+    return limits.along if row.kind is RowKind.ROLL else limits.across
 
 
 def _text(twist: Twist) -> str:
@@ -208,9 +225,10 @@ class _SlipBalls:
     """A loaded wheel at rest, in balls: see :class:`nonsmooth.proofs.clauses.at_point.linearization.Slip`."""
 
     rows: tuple[tuple[arb, ...], tuple[arb, ...]]
-    friction: tuple[arb, arb]
+    squares: tuple[arb, arb]
     slip: tuple[arb, arb]
     force: arb
+    cut: arb | None
 
 
 def _resting_slips(scene: Scene, region: LoadRegion) -> list[_SlipBalls]:
@@ -221,8 +239,9 @@ def _resting_slips(scene: Scene, region: LoadRegion) -> list[_SlipBalls]:
 
 def _slip_balls(slip: Slip) -> _SlipBalls:
     a, b = (tuple(x.ball() for x in row) for row in slip.rows)
-    roll, side = (x.ball() for x in slip.friction)
-    return _SlipBalls((a, b), (roll, side), (slip.along.ball(), slip.across.ball()), slip.force[0].ball())
+    roll, side = (x.ball() for x in slip.squares)
+    cut = slip.limits.cut.ball() if slip.limits.is_cut else None
+    return _SlipBalls((a, b), (roll, side), (slip.along.ball(), slip.across.ball()), slip.force[0].ball(), cut)
 
 
 def _is_moved(slips: Sequence[_SlipBalls]) -> bool:
@@ -263,15 +282,28 @@ def _torque_sign(slips: Sequence[_SlipBalls], rate: fmpq) -> int | None:
 
 
 def _gradient_ball(slips: Sequence[_SlipBalls], rate: arb) -> tuple[arb, arb, arb] | None:
-    """Enclosure of the gradient of D at ``(0, 0, rate)``; None where a wheel may stick."""
+    """Enclosure of the gradient of D at ``(0, 0, rate)``; None where a wheel may stick, or its rim not slip."""
     total = [arb(0), arb(0), arb(0)]
     for slip in slips:
-        (a, b), (roll, side) = slip.rows, slip.friction
+        (a, b), (roll, side) = slip.rows, slip.squares
         r, s = a[2] * rate + slip.slip[0], b[2] * rate + slip.slip[1]
         square = roll * r * r + side * s * s
-        if not square > 0:
+        if not square > 0 or (slip.cut is not None and r.contains(0)):
             return None
         scale = slip.force / square.sqrt()
+        along, across = scale * roll * r, scale * side * s
+        if slip.cut is not None and not side * s * s < slip.cut * slip.cut * square:
+            along, across = _cut_force(slip, slip.cut, r, across)
         for k in range(3):
-            total[k] += scale * (roll * r * a[k] + side * s * b[k])
+            total[k] += along * a[k] + across * b[k]
     return total[0], total[1], total[2]
+
+
+def _cut_force(slip: _SlipBalls, cut: arb, r: arb, across: arb) -> tuple[arb, arb]:
+    """The force of a slip whose force on the ellipse may pass the cut: held at the cut, the rest along the rim."""
+    roll, side = slip.squares
+    limit = slip.force * side.sqrt() * cut
+    held = across.min(limit).max(-limit)
+    share = (held / (slip.force * side.sqrt())) ** 2
+    along = slip.force * (roll * (1 - share)).sqrt()
+    return (along if r > 0 else -along), held

@@ -1,8 +1,9 @@
 """What a motion ``(0, 0, omega)`` of an array asks of the wheels, by forces and moments in the plane.
 
-The verdicts under rule ``ellipse`` are built from rows of constraints; here they are verified from slips
-``q = omega J p - u d``, forces ``F = N M q/f`` with ``M = mu_R^2 d d^T + mu_S^2 n n^T`` and ``f^2 = q . M q``, and
-their moments ``p x F``.  The Hessian of f is ``M/f - (M q)(M q)^T/f^3``.
+The verdicts under rules without cells are built from rows of constraints; here they are verified from slips
+``q = omega J p - u d``, forces ``F = N M q/f`` with ``M = alpha^2 d d^T + beta^2 n n^T`` and ``f^2 = q . M q``, and
+their moments ``p x F``.  The Hessian of f is ``M/f - (M q)(M q)^T/f^3``.  Where ``M q/f`` would pass the cut of the
+friction set, ``|y| > kappa``, the force is the corner instead, and the Hessian is zero.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.symbolic.constraints import Triple, independent, inner, outer, roll_row, scaled, total
@@ -27,8 +29,9 @@ class _Slip:
         load: N as an affine form of c.
         size: f.
         pull: ``M q`` with its moment.
-        along: d with its moment, times ``mu_R``.
-        across: n with its moment, times ``mu_S``.
+        along: d with its moment, times ``alpha``.
+        across: n with its moment, times ``beta``.
+        bends: whether the force is off the corners, so that f has a curvature.
     """
 
     load: Affine
@@ -36,6 +39,7 @@ class _Slip:
     pull: Triple
     along: Triple
     across: Triple
+    bends: bool = True
 
 
 def _wrench(force: Vector, wheel: Wheel) -> Triple:
@@ -48,10 +52,12 @@ def _rim(wheel: Wheel) -> Vector:
 
 
 def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | None:
-    """The loaded wheels that have friction; None where one of them sticks."""
+    """The loaded wheels that have friction; None where one of them sticks, or is between arc and corner."""
     found: list[_Slip] = []
+    rule = smooth_rule_of(scene)
     for wheel, load in zip(scene.wheels, region.forces, strict=True):
-        roll, side = wheel.friction.roll, wheel.friction.side
+        limits = rule.friction_set(wheel.friction)
+        roll, side = limits.along, limits.across
         if not any(load) or not (roll or side):
             continue
         d, (x, y) = _rim(wheel), wheel.position
@@ -61,6 +67,14 @@ def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | Non
         if not square:
             return None
         own = scaled(_wrench(d, wheel), roll), scaled(_wrench(turned(d), wheel), side)
+        passed = (across * across - limits.cut * limits.cut * square).sign() if limits.is_cut else -1
+        if passed == 0 or (passed > 0 and not along):
+            return None
+        if passed > 0:
+            x, y = limits.corner * along.sign(), limits.cut * across.sign()
+            pull = total(scene.field.zero, (scaled(own[0], x), scaled(own[1], y)))
+            found.append(_Slip(load, scene.field.one, pull, *own, bends=False))
+            continue
         pull = total(scene.field.zero, (scaled(own[0], along), scaled(own[1], across)))
         found.append(_Slip(load, square.sqrt(), pull, *own))
     return found
@@ -92,6 +106,8 @@ def _weighted(scene: Scene, slips: Iterable[_Slip], part: int) -> Triple:
 def _hessian_row(scene: Scene, slips: Iterable[_Slip], k: int) -> Triple:
     rows = []
     for slip in slips:
+        if not slip.bends:
+            continue
         load = slip.load[0] / slip.size
         rows += [scaled(slip.along, load * slip.along[k]), scaled(slip.across, load * slip.across[k])]
         rows.append(scaled(slip.pull, -load * slip.pull[k] / (slip.size * slip.size)))
@@ -105,15 +121,18 @@ def _is_definite(rows: tuple[Triple, ...]) -> bool:
 
 
 def is_held(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:
-    """Whether forces of the wheels at rest, strictly inside their ellipses, answer those of the wheels that slip."""
+    """Whether forces of the wheels at rest, strictly inside their friction sets, answer those of the others."""
     stuck = {force.wheel: force for force in balance.stuck or ()}
     forces: list[Triple] = []
     spanned: list[Triple] = []
+    rule = smooth_rule_of(scene)
     for wheel, (load, *_) in zip(scene.wheels, region.forces, strict=True):
-        roll, side, d = wheel.friction.roll, wheel.friction.side, _rim(wheel)
+        limits, d = rule.friction_set(wheel.friction), _rim(wheel)
+        roll, side = limits.along, limits.across
         if wheel.index in stuck:
             own = stuck[wheel.index]
-            if not own.along * own.along + own.across * own.across < 1 or (roll and wheel.scaled_speed):
+            inside = own.along * own.along + own.across * own.across < 1 and -limits.cut < own.across < limits.cut
+            if not inside or (roll and wheel.scaled_speed):
                 return False
             along, across = _wrench(d, wheel), _wrench(turned(d), wheel)
             forces += [scaled(along, -load * roll * own.along), scaled(across, -load * side * own.across)]
@@ -127,10 +146,11 @@ def is_held(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:
 def carries(scene: Scene, region: LoadRegion, velocity: Vector, omega: Number) -> bool:
     """Whether every wheel that rubs moves with its rim, and the loaded ones fix the motion."""
     loaded: list[Triple] = []
+    rule = smooth_rule_of(scene)
     for wheel, (load, *_) in zip(scene.wheels, region.forces, strict=True):
-        d, (x, y) = _rim(wheel), wheel.position
+        limits, d, (x, y) = rule.friction_set(wheel.friction), _rim(wheel), wheel.position
         here = (velocity[0] - omega * y, velocity[1] + omega * x)
-        rubbing = (wheel.friction.roll, d, wheel.speed), (wheel.friction.side, turned(d), wheel.speed * 0)
+        rubbing = (limits.along, d, wheel.speed), (limits.across, turned(d), wheel.speed * 0)
         if any(friction and dot(direction, here) - speed for friction, direction, speed in rubbing):
             return False
         loaded += [_wrench(direction, wheel) for friction, direction, _ in rubbing if friction and load]

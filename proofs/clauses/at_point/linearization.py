@@ -1,4 +1,4 @@
-"""Spins and linearization under rule ``ellipse``, exactly.
+"""Spins and linearization under a rule without cells, exactly.
 
 With D, ``a_i`` and ``b_i`` of :mod:`nonsmooth.proofs.clauses.at_point.balance`: arrays with torque may *spin* at the
 equilibrium.  The twist ``(0, 0, omega)`` is a minimizer iff the gradient
@@ -10,14 +10,21 @@ About such a smooth minimizer, to first order ``xi = (0, 0, omega) - H^-1 G c`` 
 
 and ``c' = A c``, A the translation part of ``-H^-1 G`` plus ``omega J``: field operations on the scene's numbers, so
 the eigenvalues are decided exactly.  (At rest H is ``sum N_i mu_S^2/(mu_R |u_i|) b_i b_i^T``.)
+
+So it is where forces lie on the arcs of the friction sets, with ``alpha_i, beta_i`` for ``mu_R, mu_S``: under rule
+``roller``, whose rollers stand at rest, with mu_R for both.  Where a force is at a corner (rollers turn) the
+term of D is linear: it adds its force to the gradient and nothing to H.  Where arc and corner meet D has no second
+derivative, so there is no linearization.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.symbolic.constraints import (
     Triple,
     added,
@@ -30,6 +37,7 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
+from nonsmooth.symbolic.friction_set import FrictionSet, Piece
 from nonsmooth.symbolic.number_text import Real
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
@@ -114,51 +122,76 @@ class Slip:
         along: ``r_i``.
         across: ``s_i``.
         rows: ``a_i`` and ``b_i``.
-        friction: ``mu_R^2`` and ``mu_S^2``.
+        limits: the friction set.
     """
 
     force: Affine
     along: Number
     across: Number
     rows: tuple[Triple, Triple]
-    friction: tuple[Number, Number]
+    limits: FrictionSet
+
+    @property
+    def squares(self) -> tuple[Number, Number]:
+        """``alpha^2`` and ``beta^2``."""
+        return self.limits.along * self.limits.along, self.limits.across * self.limits.across
+
+    @cached_property
+    def piece(self) -> Piece:
+        """Where the force lies on the border of the set."""
+        return self.limits.piece(self.along, self.across)
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the wheel's term of D has two derivatives here."""
+        return self.piece in (Piece.ARC, Piece.CORNER)
 
     @property
     def squared_size(self) -> Number:
-        """``f_i^2``."""
-        return self.friction[0] * self.along * self.along + self.friction[1] * self.across * self.across
+        """``f_i^2`` on the arc."""
+        roll, side = self.squares
+        return roll * self.along * self.along + side * self.across * self.across
 
-    @property
+    @cached_property
+    def size(self) -> Number:
+        """What :attr:`pull` is divided by: f on the arc, one at a corner."""
+        return self.squared_size.sqrt() if self.piece is Piece.ARC else self.along.field.one
+
+    @cached_property
     def pull(self) -> Triple:
-        """``(mu_R^2 r_i a_i + mu_S^2 s_i b_i)``: the gradient of ``f_i^2/2``."""
+        """On the arc ``(alpha^2 r_i a_i + beta^2 s_i b_i)``, the gradient of ``f_i^2/2``; at a corner that of f."""
         a, b = self.rows
-        return added(scaled(a, self.friction[0] * self.along), scaled(b, self.friction[1] * self.across))
+        if self.piece is Piece.ARC:
+            roll, side = self.squares
+            return added(scaled(a, roll * self.along), scaled(b, side * self.across))
+        x, y = self.limits.corner * self.along.sign(), self.limits.cut * self.across.sign()
+        return added(scaled(a, self.limits.along * x), scaled(b, self.limits.across * y))
 
 
 def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip, ...]:
     """Slips of the loaded wheels that have friction, under the twist ``(0, 0, omega)``."""
-    slips = []
+    rule, slips = smooth_rule_of(scene), []
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
-        squares = (wheel.friction.roll**2, wheel.friction.side**2)
-        if any(form) and any(squares):
+        limits = rule.friction_set(wheel.friction)
+        if any(form) and (limits.along or limits.across):
             a, b = roll_row(wheel).unit_normal, side_row(wheel).unit_normal
-            slips.append(Slip(form, a[2] * omega - wheel.speed, b[2] * omega, (a, b), squares))
+            slips.append(Slip(form, a[2] * omega - wheel.speed, b[2] * omega, (a, b), limits))
     return tuple(slips)
 
 
 def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
-    """Gradient of D at c = 0, where no loaded wheel sticks."""
-    return total(scene.field.zero, (scaled(s.pull, s.force[0] / s.squared_size.sqrt()) for s in slips if s.force[0]))
+    """Gradient of D at c = 0, where every loaded wheel's term is smooth."""
+    return total(scene.field.zero, (scaled(s.pull, s.force[0] / s.size) for s in slips if s.force[0]))
 
 
 def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
     """Rates omega at which a wheel alone would have its least slip: the spin of arrays whose wheels are all alike.
 
-    ``mu_R^2 r a_3 + mu_S^2 s b_3 = 0`` gives ``omega = mu_R^2 a_3 u/(mu_R^2 a_3^2 + mu_S^2 b_3^2)``.
+    ``alpha^2 r a_3 + beta^2 s b_3 = 0`` gives ``omega = alpha^2 a_3 u/(alpha^2 a_3^2 + beta^2 b_3^2)``, on the arc.
     """
     rates: dict[Number, None] = {}
     for slip in slips_at(scene, region, scene.field.zero):
-        (a, b), (roll, side) = slip.rows, slip.friction
+        (a, b), (roll, side) = slip.rows, slip.squares
         stiffness = roll * a[2] * a[2] + side * b[2] * b[2]
         if stiffness:
             rates[-roll * a[2] * slip.along / stiffness] = None
@@ -166,17 +199,17 @@ def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
 
 
 def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization | None:
-    """First-order twist about ``(0, 0, omega)``; None where a wheel sticks there or H is singular."""
+    """First-order twist about ``(0, 0, omega)``; None where D is not smooth there or H is singular."""
     slips = slips_at(scene, region, omega)
-    if not all(slip.squared_size for slip in slips):
+    if not all(slip.is_smooth for slip in slips):
         return None
     zero = scene.field.zero
     hessian = [[zero] * 3 for _ in range(3)]
     slopes = [(zero, zero, zero), (zero, zero, zero)]
     for slip in slips:
-        size = slip.squared_size.sqrt()
-        _add_curvature(hessian, slip, size)
-        slopes = [added(g, scaled(slip.pull, slip.force[1 + axis] / size)) for axis, g in enumerate(slopes)]
+        if slip.piece is Piece.ARC:
+            _add_curvature(hessian, slip)
+        slopes = [added(g, scaled(slip.pull, slip.force[1 + axis] / slip.size)) for axis, g in enumerate(slopes)]
     rows = [(row[0], row[1], row[2]) for row in hessian]
     columns = cofactors(rows[0], rows[1], rows[2])
     determinant = inner(rows[0], columns[0])
@@ -187,11 +220,11 @@ def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization 
     return Linearization(omega, (rows[0], rows[1], rows[2]), (slopes[0], slopes[1]), (x, y))
 
 
-def _add_curvature(hessian: list[list[Number]], slip: Slip, size: Number) -> None:
-    """Add ``N mu_R^2 mu_S^2/f^3 w w^T``."""
-    a, b = slip.rows
+def _add_curvature(hessian: list[list[Number]], slip: Slip) -> None:
+    """Add ``N alpha^2 beta^2/f^3 w w^T``."""
+    (a, b), (roll, side) = slip.rows, slip.squares
     w = added(scaled(a, slip.across), scaled(b, -slip.along))
-    factor = slip.force[0] * slip.friction[0] * slip.friction[1] / (size * slip.squared_size)
+    factor = slip.force[0] * roll * side / (slip.size * slip.squared_size)
     for r in range(3):
         for s in range(3):
             hessian[r][s] = hessian[r][s] + factor * w[r] * w[s]

@@ -1,4 +1,4 @@
-"""Clause 4 under the rules ``box`` and ``ellipse``: a feedback for all wheels at once, or why there is none.
+"""Clause 4 under the rules that minimize the dissipation: a feedback for all wheels at once, or why there is none.
 
 With ``V = |c|^2 + l^2 theta^2`` one has ``V'/2 = g . xi``, ``g = (c, l^2 theta)``, under exact and leading-order
 kinematics.  The array is taken with l for its unit of length, where ``g = (c, theta)``: so all that follows is the same
@@ -15,7 +15,7 @@ in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's 
   Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.feedback.obstruction`).
 
 Between the two stand, under rule ``box``, an exact balance of frictions at c* (a slope of D that vanishes there), and
-under rule ``ellipse`` twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
+under rules without cells twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
 (:mod:`nonsmooth.analysis.minimizers.closed_loop`); samples decide nothing.
 """
 
@@ -48,6 +48,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     rank_of,
 )
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import balance_twist, exclude_twist
+from nonsmooth.proofs.clauses.feedback.inscribed_box import inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
 from nonsmooth.proofs.clauses.witness import Witness
@@ -131,7 +132,10 @@ class DrivenFeedback:
 
     @property
     def reach(self) -> Number | Lazy | None:
-        """Under rule ``box`` the rate holds while ``|x|, |y| < reach`` about c*, for every theta."""
+        """The rate holds while ``|x|, |y| < reach`` about c*, for every theta, where all slopes of D are known.
+
+        So it is under rule ``box``, and with boxes inside friction sets.
+        """
         bounds = dict.fromkeys(bound for cone in self.cones for bound in cone.bounds)
         floats = {bound: float(bound[0]) / float(bound[1]) for bound in bounds}
         least = min(floats.values(), default=0) * (1 + SAME_REACH)
@@ -165,7 +169,7 @@ class DrivenFeedback:
 
 
 def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
-    """Decide the feedback clause for a centred scene of rule ``box`` or ``ellipse``."""
+    """Decide the feedback clause for a centred scene of a rule that minimizes the dissipation."""
     blocked = side_friction_rules(scene.wheels)
     if blocked is not None:
         return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length)
@@ -178,7 +182,21 @@ def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
 
 
 def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
-    """The decision for an array with l for its unit of length; a plane of twists is given in the unit before."""
+    """The decision for an array with l for its unit of length; a plane of twists is given in the unit before.
+
+    What forces leave open, boxes inside the friction sets may prove (module ``inscribed_box``).
+    """
+    found = _decide_by_twists(scene, length)
+    if found.verdict is not Feedback.UNDECIDED or isinstance(rule_of(scene), CellRule):
+        return found
+    boxed = inscribed_boxes(scene)
+    held = None if boxed is None else _decide_by_twists(boxed, length)
+    if held is None or held.verdict is not Feedback.STABILIZABLE:
+        return found
+    return replace(held, reason=f"{held.reason}; no rim slips along, and rollers turn (boxes inside the friction sets)")
+
+
+def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
     zero = scene.field.zero
     regions = load_regions(scene, (zero, zero))
     candidates, complete = _candidates(scene, regions[0])

@@ -119,12 +119,13 @@ def gains(twists: Sequence[Triple], kappa: Fraction) -> bool:
 def rim_speeds(scene: Scene, imposed: ImposedTwist) -> tuple[float, ...]:
     """The speeds of all wheels of a centred scene that impose a twist, rounded; both with l for the unit of length.
 
-    Rule ``box``: ``u_i = d_i . v(p_i)``, no rim slips along.  Rule ``ellipse``: where a wheel slips across, the speed
-    turns its force to ``(rho, tau)``: ``u_i = a_i . xi - (mu_S/mu_R) (b_i . xi) rho/tau``.
+    Rule ``box``: ``u_i = d_i . v(p_i)``, no rim slips along.  Rules without cells: where a wheel slips across, the
+    speed turns its force to ``(rho, tau)``: ``u_i = a_i . xi - (beta/alpha) (b_i . xi) rho/tau``, or where its rollers
+    turn the rim does not slip.
     """
     speeds = {wheel.index: float(inner(roll_row(wheel).unit_normal, imposed.twist)) for wheel in scene.wheels}
     for index, ratio in imposed.slip_ratios.items():
         wheel = scene.wheels[scene.places[index]]
         across = float(inner(side_row(wheel).unit_normal, imposed.twist))
-        speeds[index] -= float(wheel.friction.side / wheel.friction.roll) * across * ratio
+        speeds[index] -= across * ratio
     return tuple(speeds.values())

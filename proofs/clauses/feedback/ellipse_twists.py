@@ -1,16 +1,17 @@
-"""Balanced twists: the motions that some speeds of the wheels impose under rule ``ellipse``.
+"""Balanced twists: the motions that some speeds of the wheels impose under a rule without cells.
 
-A twist xi minimizes D at c* for some speeds iff friction forces ``(rho_i, tau_i)``, in units of the axes of the
-ellipses, balance there ::
+A twist xi minimizes D at c* for some speeds iff friction forces ``(rho_i, tau_i)``, in units of the half-axes of the
+friction sets, balance there ::
 
-    sum_i N_i (rho_i mu_R a_i + tau_i mu_S b_i) = 0,     a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
+    sum_i N_i (rho_i alpha_i a_i + tau_i beta_i b_i) = 0,     a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
 
-where a wheel with side slip ``b_i . xi != 0`` carries a force on that side of the unit circle (the speed of its rim
-chooses which), and one without any force in the unit disc.  Forces on open half circles are ``rho = 2t/(1 + t^2)``,
-``tau = s (1 - t^2)/(1 + t^2)`` with -1 < t < 1.  If the forces of the wheels that stick are inside the disc, and three
-of the derivatives of the balance by t, rho and tau are independent, then xi is the only minimizer: D grows along every
-direction that moves a sticking wheel, or turns the slip of another.  A minimizer that is unique depends continuously on
-c, so near c* the same speeds impose a motion near xi.
+where a wheel with side slip ``b_i . xi != 0`` carries a force on that side of the border of its set (the speed of its
+rim chooses which; module ``wheel_forces``), at -1 < t < 1, and one without any force in the set.  If the forces of the
+wheels that stick are inside their sets, no other is at a corner, and three of the derivatives of the balance by t, rho
+and tau are independent, then xi is the only minimizer: D grows along every direction that moves a sticking wheel, or
+turns the slip of another.  (At a corner, where rollers turn and the rim slips, it need not: a force there stays one
+when the slip turns.)  A minimizer that is unique depends continuously on c, so near c* the same speeds impose a motion
+near xi.
 
 Floats propose the forces.  An interval Newton step in balls, in three of the unknowns with independent derivatives,
 proves that forces exist beside the proposal.  That there are none is proved by directions in which all admissible
@@ -36,7 +37,6 @@ from nonsmooth.proofs.clauses.feedback.wheel_forces import (
     PRECISION,
     WheelForces,
     ball_of,
-    on_circle,
     rounded,
     wheel_forces,
 )
@@ -78,9 +78,8 @@ class BalancedTwist:
 
     @property
     def slip_ratios(self) -> dict[int, float]:
-        """``rho/tau`` of each wheel that slips across, by its number."""
-        parts = self._parts(self.values)
-        return {wheel.index: float(2 * t[0] / (1 - t[0] ** 2)) * wheel.side for wheel, t in parts if wheel.side}
+        """Slip along over slip across the rim, of each wheel that slips across, by its number."""
+        return {wheel.index: wheel.slip_ratio(part[0]) for wheel, part in self._parts(self.values) if wheel.side}
 
     def _is_enclosed(self) -> bool:
         """Whether balls around the values hold forces in balance within their limits (interval Newton)."""
@@ -106,7 +105,7 @@ class BalancedTwist:
     def _force(self, values: Sequence[arb]) -> list[arb]:
         total = [arb(0), arb(0), arb(0)]
         for wheel, part in self._parts(values):
-            rho, tau = on_circle(part[0], wheel.side) if wheel.side else part
+            rho, tau = wheel.on_border(part[0]) if wheel.side else part
             for r, (a, b) in enumerate(zip(*wheel.balls, strict=True)):
                 total[r] += rho * a + tau * b
         return total
@@ -117,15 +116,15 @@ class BalancedTwist:
         for wheel, part in self._parts(values):
             along, across = wheel.balls
             if wheel.side:
-                rho, tau = _circle_slope(part[0], wheel.side)
+                rho, tau = wheel.border_slope(part[0])
                 columns.append([rho * a + tau * b for a, b in zip(along, across, strict=True)])
             else:
                 columns += [list(along), list(across)]
         return columns
 
     def _is_admissible(self, values: Sequence[arb]) -> bool:
-        """Whether all forces of sticking wheels are inside the disc, those of others on the open half circle."""
-        return all(bool(sum((x * x for x in part), arb(0)) < 1) for _, part in self._parts(values))
+        """Whether all forces of sticking wheels are inside their sets, those of others off the corners."""
+        return all(_admits(wheel, part) for wheel, part in self._parts(values))
 
 
 def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTwist:
@@ -136,7 +135,8 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
     along = np.array([[float(x) for x in wheel.along] for wheel in wheels])
     across = np.array([[float(x) for x in wheel.across] for wheel in wheels])
     search = search_forces if len(wheels) <= MANY else search_many_forces
-    forces = search(along, across, np.array([wheel.side for wheel in wheels]))
+    cuts = np.array([float(wheel.limits.cut) for wheel in wheels])
+    forces = search(along, across, np.array([wheel.side for wheel in wheels]), cuts)
     if forces is None:
         return BalancedTwist(twist, wheels)
     angles, held = iter(forces.angles), iter(forces.held)
@@ -162,7 +162,9 @@ def exclude_twist(trial: BalancedTwist) -> BalancedTwist:
     return replace(trial, exclusion=search_exclusion(trial.wheels))
 
 
-def _circle_slope(t: arb, side: int) -> tuple[arb, arb]:
-    """Derivatives of rho and tau."""
-    size = (1 + t * t) ** 2
-    return 2 * (1 - t * t) / size, -4 * side * t / size
+def _admits(wheel: WheelForces, part: Sequence[arb]) -> bool:
+    if wheel.side:
+        (t,) = part
+        return bool(t * t < 1) and wheel.is_straight(t) is not None
+    rho, tau = part
+    return wheel.holds(rho, tau)

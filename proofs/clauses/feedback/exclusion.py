@@ -1,20 +1,23 @@
-"""No friction forces of rule ``ellipse`` balance: proved piece by piece.
+"""No friction forces of a rule without cells balance: proved piece by piece.
 
 A wheel that slips across carries a force on an open half of the unit circle, which is not convex; over all of it a
 separating direction sees at least the half disc, and that holds small forces.  So the half circles are cut into arcs,
 ``rho = 2t/(1 + t^2)``, ``tau = s (1 - t^2)/(1 + t^2)`` for t between two rationals.  Each arc is enclosed by the
-triangle of its ends and the point where the tangents there meet, an uncut half circle by a rectangle.  For every
+triangle of its ends and the point where the tangents there meet, an uncut half circle by a rectangle.  Where the
+friction set is cut at kappa (rule ``roller``), tau stops at ``s kappa``, and so does what encloses it.  For every
 combination of arcs a direction y is given in which the largest forces of all wheels add up to less than nothing;
-wheels that stick reach ``|(y . a, y . b)|``.  Linear programs propose y, balls verify it, and where there is none the
-widest arc is halved.
+wheels that stick reach ``|(y . a, y . b)|``, with a cut at most ``|(y . a, y . b - t)| + kappa |t|`` for any t.  Linear
+programs propose y, balls verify it, and where there is none the widest arc is halved.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
+from itertools import permutations
 from typing import TypeAlias
 
 import numpy as np
@@ -68,9 +71,32 @@ def _most_along(wheel: WheelForces, direction: Sequence[arb], arc: Arc) -> arb:
     """A bound of ``y . force`` over the forces of the arc, or of the disc where the wheel sticks."""
     a, b = (sum((x * y for x, y in zip(column, direction, strict=True)), arb(0)) for column in wheel.balls)
     if not wheel.side:
-        return (a * a + b * b).sqrt()
-    products = (ball_of(rho) * a + ball_of(tau) * b for rho, tau in enclosure(arc, wheel.side))
-    return reduce(arb.max, products)
+        t = _best_speed(wheel, float(a), float(b))
+        return (a * a + (b - t) ** 2).sqrt() + (abs(t) * wheel.cut if wheel.cut is not None else 0)
+    return reduce(arb.max, (rho * a + tau * b for rho, tau in border_enclosure(wheel, arc)))
+
+
+def _best_speed(wheel: WheelForces, a: float, b: float) -> arb:
+    """The t of the least bound, about."""
+    if wheel.cut is None:
+        return arb(0)
+    corner = float(wheel.limits.corner)
+    return arb(math.copysign(max(0.0, abs(b) - float(wheel.cut) / corner * abs(a)), b))
+
+
+def border_enclosure(wheel: WheelForces, arc: Arc) -> list[tuple[arb, arb]]:
+    """Points ``(rho, tau)`` whose hull holds the forces of an arc; of a cut border the image of what holds the arc."""
+    corners = [(ball_of(rho), wheel.side * ball_of(tau)) for rho, tau in enclosure(arc, wheel.side)]
+    if wheel.cut is None:
+        return [(rho, wheel.side * height) for rho, height in corners]
+    cut, points = wheel.cut, []
+    for rho, height in corners:
+        points += [(rho, height)] if not height > cut else []
+        points += [(rho, cut)] if not height < cut else []
+    for (rho, low), (far, high) in permutations(corners, 2):
+        if low < cut and high > cut:
+            points.append((rho + (cut - low) / (high - low) * (far - rho), cut))
+    return [(rho, wheel.side * height) for rho, height in points]
 
 
 def search_exclusion(wheels: Sequence[WheelForces]) -> Exclusion | None:
@@ -125,11 +151,12 @@ class Search:
     def _corners(self, k: int, arc: Arc) -> Iterator[tuple[float, float]]:
         """A polygon around the forces of a wheel."""
         if self.wheels[k].side:
-            yield from ((float(rho), float(tau)) for rho, tau in enclosure(arc, self.wheels[k].side))
+            yield from ((float(rho), float(tau)) for rho, tau in border_enclosure(self.wheels[k], arc))
         else:
             angles = np.arange(FACETS) * 2 * np.pi / FACETS
-            size = 1 / np.cos(np.pi / FACETS)
-            yield from zip(size * np.cos(angles), size * np.sin(angles), strict=True)
+            size, cut = 1 / np.cos(np.pi / FACETS), float(self.wheels[k].limits.cut) * np.ones(FACETS)
+            heights = np.clip(size * np.sin(angles), -size * cut, size * cut)
+            yield from zip(size * np.cos(angles), heights, strict=True)
 
 
 def enclosure(arc: Arc, side: int) -> tuple[tuple[Fraction, Fraction], ...]:

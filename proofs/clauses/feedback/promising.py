@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.minimizers.dissipation import Functional, weighted_size
 from nonsmooth.proofs.clauses.feedback.box_twists import edge_of, side_planes
 from nonsmooth.symbolic.constraints import Triple, roll_row, side_row
 from nonsmooth.symbolic.scene import Scene
@@ -84,17 +85,23 @@ class _Grip:
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         loads = np.array([float(form[0]) for form in region.forces])
+        rule = rule_of(scene)
         friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels])
+        cuts = np.ones(len(friction))
+        if isinstance(rule, SmoothRule):
+            sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
+            friction = np.array([[float(one.along), float(one.across)] for one in sets])
+            cuts = np.array([float(one.cut) for one in sets])
         rolls = _floats([roll_row(wheel).unit_normal for wheel in scene.wheels])
         self.sides = _floats([side_row(wheel).unit_normal for wheel in scene.wheels])
         along, across = (loads * friction[:, 0])[:, None] * rolls, (loads * friction[:, 1])[:, None] * self.sides
         m = _least_grip(along, across)
         a, b = np.abs(along @ m.T), across @ m.T
         self.all = (a + np.abs(b)).sum(axis=0)
-        if isinstance(rule_of(scene), CellRule):
+        if not isinstance(rule, SmoothRule):
             self.still, self.left, self.right = a + np.abs(b), a - b, a + b
         else:
-            disc = np.hypot(a, b)
+            disc = weighted_size(Functional.ELLIPSE, np.stack([a, b], axis=-1).swapaxes(0, 1), cuts).T
             self.still, self.left, self.right = disc, np.where(b < 0, disc, a), np.where(b > 0, disc, a)
 
     def room(self, twists: Floats) -> Floats:

@@ -97,7 +97,7 @@ def decide_translation_at(
     """
     sampled = None
     if samples and (lemma is None or always):
-        from nonsmooth.analysis.minimizers.sampling import sample_ellipse_derivative
+        from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 
-        sampled = sample_ellipse_derivative(point.scene, samples)
+        sampled = sample_smooth_derivative(point.scene, samples)
     return EllipseTranslation(point, lemma, sampled)

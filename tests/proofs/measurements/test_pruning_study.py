@@ -17,7 +17,9 @@ SECONDS = 120
 def test_no_verdict_differs_and_no_work_is_added() -> None:
     plan = PRUNING.build(load_scene("four-wheel"))
     found = {trial.method: trial.judge(trial.work(Clock(SECONDS))) for trial in plan.trials}
-    assert list(found) == [f"{rule}, {what}" for rule in ("nearest", "box", "ellipse") for what in ("whole", "pruned")]
+    assert list(found) == [
+        f"{rule}, {what}" for rule in ("nearest", "box", "ellipse", "roller") for what in ("whole", "pruned")
+    ]
     assert all(finding.error == 0 for finding in found.values())
     for rule in ("nearest", "box"):
         pruned, whole = found[f"{rule}, pruned"].work, found[f"{rule}, whole"].work

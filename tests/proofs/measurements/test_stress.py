@@ -69,7 +69,7 @@ def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
     for case, name in ((SCALES, "paths"), (FEEDBACK, "feedback gain")):
         (row,) = case.rows(scene)
         assert (row.name, row.outcome, row.ok) == (name, Outcome.REFUSED, True)
-        assert "its field is continuous" in row.note
+        assert "for cells, received" in row.note
     assert measure(scene, (STARTS, HYSTERESIS, SWITCHES)).rows == []
 
 

@@ -1,0 +1,52 @@
+"""Rules without cells: the motion dissipates the least against forces in a set for each wheel.
+
+A class on :class:`FrictionSetRule` states the set, an ellipse that a strip may cut; minimizers with proofs, exact
+linearization, feedback and paths follow from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from nonsmooth.analysis.contact_rule import SmoothRule
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+    from nonsmooth.analysis.minimizers.dissipation import Functional
+    from nonsmooth.analysis.minimizers.minimum import Minima
+    from nonsmooth.analysis.trajectories.result import Trajectory
+    from nonsmooth.symbolic.scene import Scene
+
+
+class FrictionSetRule(SmoothRule):
+    """``D = sum_i N_i h_i``, h_i the support function of the friction set of wheel i."""
+
+    needs_loads = True
+
+    @property
+    def functional(self) -> Functional:
+        """The sum of the support functions."""
+        from nonsmooth.analysis.minimizers.dissipation import Functional
+
+        return Functional.ELLIPSE
+
+    def contacts(self, scene: Scene) -> ContactModel:
+        """Each exact number rounded once."""
+        from nonsmooth.analysis.fields.contact_model import contact_model, with_friction_sets
+
+        return with_friction_sets(contact_model(scene), [self.friction_set(wheel.friction) for wheel in scene.wheels])
+
+    def minima(self, scene: Scene, points: Floats) -> Minima:
+        """By interior points, finished by Newton steps."""
+        from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+        from nonsmooth.analysis.minimizers.float_loads import loads_at
+
+        model = self.contacts(scene)
+        return EllipseInterior().minimize(model, loads_at(model, points))
+
+    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
+        """The minimizer of D, integrated."""
+        from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+
+        return ellipse_path(self.contacts(scene), start, until)

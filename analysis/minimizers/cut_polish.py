@@ -1,0 +1,110 @@
+"""Newton's method on a sum of support functions of cut discs: the last steps of the interior point method.
+
+As :mod:`nonsmooth.analysis.minimizers.newton_polish`, with four kinds of terms.  The force z of a wheel is ::
+
+    inside    the wheel sticks, r = 0, and z is a multiplier
+    side      the rollers turn and the rim does not slip: r_1 = 0, z_1 is a multiplier, z_2 = -+kappa
+    arc       the rollers stand and the contact slips: z = -r/|r|
+    corner    the rollers turn and the rim slips: z is a corner, and D is linear there
+
+Which of them holds is read off the point ``z - c r``: the part of the border of the cut disc that is nearest to it
+(c > 0; the fixed point of that projection is optimality).  As there, a wrong guess is harmless: a problem is accepted
+only with multipliers that balance, keep inside the cut disc and leave no gap.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.dissipation import corners
+from nonsmooth.analysis.minimizers.newton_polish import (
+    ACCEPTED_EXCESS,
+    ACCEPTED_FLOOR,
+    ACCEPTED_GAP,
+    ACCEPTED_IMBALANCE,
+    BALANCE_PASSES,
+    STIFFNESS,
+    Curvature,
+    Norms,
+)
+from nonsmooth.analysis.minimizers.norm_scaling import TINY, norm
+
+NEWTON_STEPS = 10  # corners leave the Hessian singular until the right rims stop slipping
+
+
+class Pieces(NamedTuple):
+    """Which part of the border is nearest to a point, shape (n, m) each; on none of them it is inside."""
+
+    side: NDArray[np.bool_]
+    arc: NDArray[np.bool_]
+    corner: NDArray[np.bool_]
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Wheels that stick."""
+        return ~(self.side | self.arc | self.corner)
+
+
+def pieces(points: Floats, cuts: Floats) -> Pieces:
+    """Where points (2, n, m) lie beside discs cut at cuts (n, 1): the normal cones of the border's parts."""
+    x, y = np.abs(points)
+    corner = corners(cuts)
+    side = (y > cuts) & (x < corner)
+    beyond = (x >= corner) & (corner * y > cuts * x) & (y > cuts)
+    arc = ~side & ~beyond & (norm(points) > 1)
+    return Pieces(side, arc, beyond)
+
+
+def polish_cut(
+    weights: Floats, maps: Floats, targets: Floats, cuts: Floats, y: Floats, z: Floats
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Finish ``min_y sum_i w_i h_i(E_i y - e_i)`` from an interior point; arguments as in ``polish``, cuts (n, 1)."""
+    norms = Norms(weights, maps, targets)
+    r = norms.residuals(y)
+    stiffness = STIFFNESS * len(weights) / (norm(r).sum(axis=0) + TINY)
+    part = pieces(z - stiffness * r, cuts)
+    for _ in range(NEWTON_STEPS):
+        force = _forces(part, r, z, cuts)
+        fixed = np.where(part.inside, stiffness, np.where(part.side, stiffness, 0.0))
+        scale = np.where(part.arc, 1 / (norm(r) + TINY), fixed)
+        across = np.stack([np.zeros_like(scale), np.where(part.side, 1.0, 0.0)])
+        axis = np.where(part.arc, force, across)
+        pushed = force - np.where(part.inside, stiffness * r, 0.0)
+        pushed[0] -= np.where(part.side, stiffness * r[0], 0.0)
+        curvature = Curvature(norms, scale, axis)
+        y = y + curvature.solve(norms.imbalance(pushed))
+        r = norms.residuals(y)
+        z = _forces(part, r, z, cuts)
+        z = z - np.where(part.inside, stiffness * r, 0.0)
+        z[0] -= np.where(part.side, stiffness * r[0], 0.0)
+        part = pieces(z - stiffness * np.where(part.inside, 0.0, r), cuts)
+    z = _forces(part, r, z, cuts)
+    for _ in range(BALANCE_PASSES):
+        z = z - curvature.change(curvature.solve(norms.imbalance(z)))
+    return y, z, _solved(norms, r, z, cuts)
+
+
+def _forces(part: Pieces, r: Floats, z: Floats, cuts: Floats) -> Floats:
+    """The forces that the parts and the slips r give; where a multiplier is free, that of z."""
+    bound = np.where(part.side, -np.sign(r[1]) * cuts, np.where(part.arc, -r[1] / (norm(r) + TINY), z[1]))
+    free = np.where(part.arc, -r[0] / (norm(r) + TINY), z[0])
+    corner = -np.sign(r) * np.stack(np.broadcast_arrays(corners(cuts), cuts))
+    return np.where(part.corner, corner, np.stack([free, bound]))
+
+
+def _solved(norms: Norms, r: Floats, z: Floats, cuts: Floats) -> NDArray[np.bool_]:
+    """Whether residuals and multipliers prove each other optimal, shape (m,)."""
+    x, y = np.abs(r)
+    corner = corners(cuts)
+    sizes = np.where(corner * y > cuts * x, corner * x + cuts * y, norm(r))
+    gap = np.abs((sizes + r[0] * z[0] + r[1] * z[1]).sum(axis=0))
+    small = gap <= ACCEPTED_GAP * sizes.sum(axis=0) + ACCEPTED_FLOOR * norms.start
+    small &= np.isfinite(gap)
+    admissible = norm(z).max(axis=0) <= 1 + ACCEPTED_EXCESS
+    admissible &= (np.abs(z[1]) <= cuts * (1 + ACCEPTED_EXCESS)).all(axis=0)
+    balanced = np.abs(norms.imbalance(z)).max(axis=0) <= ACCEPTED_IMBALANCE * norms.weights.sum(axis=0)
+    return np.asarray(small & admissible & balanced)

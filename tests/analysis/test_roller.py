@@ -1,0 +1,155 @@
+"""Rule ``roller``: D against the rolling that it is made of, its minimizers under symmetries, and its paths."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, weighted_size
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.scene import Friction
+from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+
+PAIRS = [(1.0, 0.02), (1.0, 0.3), (0.7, 0.69), (2.0, 0.5)]  # (mu_R, mu_S)
+
+
+def of_rolling(roll: float, side: float, r: float, s: float) -> float:
+    """``min over t of mu_R |(r, s - t)| + mu_S |t|`` by a general-purpose minimizer between the kinks."""
+
+    def lost(t: float) -> float:
+        return roll * float(np.hypot(r, s - t)) + side * abs(t)
+
+    span = (min(0.0, s), max(0.0, s))
+    found = minimize_scalar(lost, bounds=span, method="bounded", options={"xatol": 1e-13})
+    return min(float(found.fun), lost(0.0), lost(s))
+
+
+@pytest.mark.parametrize("friction", PAIRS)
+def test_the_dissipation_is_that_of_contact_and_rolling(friction: tuple[float, float]) -> None:
+    roll, side = friction
+    slips = np.random.default_rng(1).normal(size=(300, 2))
+    found = weighted_size(Functional.ELLIPSE, roll * slips, side / roll)
+    expected = [of_rolling(roll, side, r, s) for r, s in slips]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    angle = side / np.sqrt(roll**2 - side**2)
+    turning = np.abs(slips[:, 1]) > angle * np.abs(slips[:, 0])
+    assert 0 < turning.sum() < len(slips)
+    np.testing.assert_allclose(found[~turning], roll * np.hypot(*slips[~turning].T), rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("roll", "side", "axes", "cut"),
+    [(1, 2, (1, 1), 1), (1, 1, (1, 1), 1), (2, 1, (2, 2), Fraction(1, 2)), (3, 0, (3, 0), 1), (0, 1, (0, 0), 1)],
+)
+def test_the_friction_set(roll: int, side: int, axes: tuple[int, int], cut: Fraction | int) -> None:
+    """The disc cut by the strip; whole where bearings hold more, a segment without bearing friction."""
+    field = NumberField()
+    found = contact_rule("roller").friction_set(Friction(field(roll), field(side)))  # type: ignore[attr-defined]
+    assert (found.along, found.across, found.cut) == (*axes, cut)
+
+
+def random_rollers(seed: int) -> tuple[ContactModel, Floats]:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 8))
+    wheels = ContactModel.build(
+        rng.normal(size=(count, 2)), rng.normal(size=(count, 2)), rng.normal(size=count), (1.0, 1.0)
+    )
+    wheels = replace(wheels, cuts=rng.uniform(0.05, 0.9, count))
+    return wheels, elastic_loads(wheels, rng.dirichlet(np.ones(count), size=20) @ wheels.positions)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_forces_are_the_gradient_where_rims_slip(seed: int) -> None:
+    """Minus the gradient of each wheel's term by its slips is its force, by differences."""
+    wheels, loads = random_rollers(seed)
+    minima = EllipseInterior().minimize(wheels, loads)
+    slips, step = wheels.slips(minima.twists), 1e-7
+    moved = (
+        np.stack([slips + step * np.eye(2)[k] for k in range(2)]),
+        np.stack([slips - step * np.eye(2)[k] for k in range(2)]),
+    )
+    sizes = [weighted_size(Functional.ELLIPSE, part, wheels.cuts) for part in moved]
+    slopes = loads[..., None] * np.moveaxis((sizes[0] - sizes[1]) / (2 * step), 0, -1)
+    slipping = np.abs(slips[..., 0]) > 1e-4
+    assert slipping.any()
+    np.testing.assert_allclose(minima.forces[slipping], -slopes[slipping], atol=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_twist_dissipates_less(seed: int) -> None:
+    wheels, loads = random_rollers(seed)
+    minima = EllipseInterior().minimize(wheels, loads)
+    assert minima.check(1e-12).all()
+    near = minima.twists + 1e-3 * np.random.default_rng(seed).normal(size=(50, 1, 3))
+    assert (dissipation(Functional.ELLIPSE, wheels, loads, near) >= minima.values * (1 - 1e-13)).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_mirrored_turned_and_faster_arrays_move_alike(seed: int) -> None:
+    wheels, loads = random_rollers(seed)
+    twists = EllipseInterior().minimize(wheels, loads).twists
+    speeds = wheels.speeds
+
+    def minimizers(positions: Floats, rims: Floats, surface: Floats) -> Floats:
+        other = replace(ContactModel.build(positions, rims, surface, (1.0, 1.0)), cuts=wheels.cuts)
+        return EllipseInterior().minimize(other, loads).twists
+
+    turn = np.array([[0.6, -0.8], [0.8, 0.6]])
+    turned = minimizers(wheels.positions @ turn.T, wheels.rims @ turn.T, speeds)
+    np.testing.assert_allclose(turned[:, :2], twists[:, :2] @ turn.T, atol=1e-9)
+    np.testing.assert_allclose(turned[:, 2], twists[:, 2], atol=1e-9)
+    flip = np.array([1.0, -1.0])
+    mirrored = minimizers(wheels.positions * flip, wheels.rims * flip, speeds)
+    np.testing.assert_allclose(mirrored, twists * [1, -1, -1], atol=1e-9)
+    np.testing.assert_allclose(minimizers(wheels.positions, -wheels.rims, -speeds), twists, atol=1e-9)
+    np.testing.assert_allclose(minimizers(wheels.positions, wheels.rims, 3 * speeds), 3 * twists, atol=1e-8)
+
+
+def test_bearings_that_hold_make_it_rule_ellipse_with_equal_friction() -> None:
+    scene = with_friction_ratio(load_scene("elliptic", rule="roller"), Fraction(2))
+    points = np.random.default_rng(0).uniform(-0.3, 0.3, (20, 2))
+    equal = with_friction_ratio(load_scene("elliptic", rule="ellipse"), Fraction(1))
+    found, expected = (smooth_rule_of(one).minima(one, points) for one in (scene, equal))
+    np.testing.assert_array_equal(found.twists, expected.twists)
+    assert "never turn" in smooth_rule_of(scene).remark(scene)
+
+
+def test_cuts_are_checked() -> None:
+    rows, free = np.zeros((2, 3)), np.zeros(2)
+    for cuts in ([0.0], [1.5], [0.5, 0.5], [np.nan]):
+        with pytest.raises(ValueError, match="cuts above 0 and at most 1"):
+            ContactRows(rows, free, free, cuts=np.array(cuts))
+
+
+@pytest.mark.parametrize("ratio", [Fraction(1, 50), Fraction(1, 2)])
+def test_a_path_slides_home_where_the_twist_jumps(ratio: Fraction) -> None:
+    """Easy rollers: box-like jumps far from the point, and the exact linearization close to it."""
+    scene = with_friction_ratio(load_scene("four-wheel", rule="roller"), ratio)
+    path = smooth_rule_of(scene).path(scene, (0.2, 0.13, 0.0), 4.0)
+    distances = np.hypot(*path.sample(np.linspace(0, 4, 40))[:, :2].T)
+    assert (np.diff(distances) < 0).all()
+    late = path.sample(np.array([3.0, 4.0]))
+    shrunk = np.hypot(*late[1, :2]) / np.hypot(*late[0, :2])
+    assert shrunk == pytest.approx(np.exp(-np.sqrt(2)), rel=1e-2)
+
+
+def test_a_path_has_the_twist_of_the_rule() -> None:
+    """The drag changes it by a millionth or so."""
+    scene = load_scene("elliptic", rule="roller")
+    rule = smooth_rule_of(scene)
+    path = rule.path(scene, (0.2, 0.13, 0.0), 0.2)
+    model = rule.contacts(scene)
+    for t in (0.05, 0.1, 0.15):
+        before, here, after = path.sample(np.array([t - 1e-3, t, t + 1e-3]))
+        (twist,) = EllipseInterior().minimize(model, loads_at(model, here[None, :2])).twists
+        rate = twist + twist[2] * np.array([-here[1], here[0], 0.0])
+        np.testing.assert_allclose((after - before) / 2e-3, rate, atol=1e-4)
