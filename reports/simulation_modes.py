@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError, refusals_named
+from nonsmooth.symbolic.contact_set import require_no_outline
 
 if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
@@ -155,6 +156,7 @@ class StartsMap(ArrayMode):
             raise RefusedError(f"--heading: required a finite number (radian), received {options.heading}")
         run = GridRun(count, options.heading, options.until, options.kinematics)
         scene = self._load()
+        require_no_outline(scene)
         with refusals_named(scene):
             partition = build_partition(scene)
         return ShownMap(partition, run, build_map(partition, run))
@@ -180,6 +182,8 @@ class ArrayPath(ArrayMode):
         scene = self._load()
         rule = rule_of(scene)
         is_plain = (run.method, run.kinematics, run.law) == (Method.EVENTS, Kinematics.EXACT, None)
+        if not (isinstance(rule, SmoothRule) and is_plain):
+            require_no_outline(scene)
         if isinstance(rule, SmoothRule) and is_plain:
             try:
                 with refusals_named(scene):
@@ -216,6 +220,7 @@ class BodyPath(ArrayMode):
 
         run = _pose_run(options)
         scene = self._load()
+        require_no_outline(scene)
         model = contact_model(scene)
         try:
             body = chosen_body(model, options.mass, options.inertia)

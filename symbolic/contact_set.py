@@ -95,7 +95,7 @@ def standing(scene: Scene) -> Scene:
     if scene.body is None:
         return scene
     point = scene.check.equilibrium
-    wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
+    wheels = whole(scene).wheels
     carrying = tuple(wheel for wheel in wheels if _carries(scene, scene.body, wheel, point))
     idle = tuple(wheel for wheel in wheels if wheel not in carrying)
     _require_standing(scene, carrying, point)
@@ -112,6 +112,30 @@ def standing(scene: Scene) -> Scene:
     if widest < check.radius:
         check = replace(check, radius=widest)
     return replace(scene, wheels=carrying, idle=idle, check=check)
+
+
+def whole(scene: Scene) -> Scene:
+    """The array with all its wheels in their order, whether they carry or not."""
+    if not scene.idle:
+        return scene
+    return replace(scene, wheels=tuple(sorted((*scene.wheels, *scene.idle), key=_number)), idle=())
+
+
+def require_no_outline(scene: Scene) -> None:
+    """For simulations that do not follow wheels under an edge.
+
+    Raises:
+        SceneError: where the scene has a body.
+    """
+    if scene.body is not None:
+        expected = (
+            "an open loop by events under a rule without cells (ellipse, roller) to simulate a body with an outline"
+        )
+        raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
+
+
+def _number(wheel: Wheel) -> int:
+    return wheel.index
 
 
 def alone(scene: Scene) -> Scene:

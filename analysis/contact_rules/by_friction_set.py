@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.contact_rule import SmoothRule
+from nonsmooth.symbolic.contact_set import whole
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
@@ -46,7 +47,11 @@ class FrictionSetRule(SmoothRule):
         return EllipseInterior().minimize(model, loads_at(model, points))
 
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The minimizer of D, integrated."""
+        """The minimizer of D, integrated; of a body with an outline from contact set to contact set."""
+        if scene.body is not None:
+            from nonsmooth.analysis.bodies.path import BodyPath
+
+            return BodyPath(whole(scene), self).follow(start, until)
         from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 
         return ellipse_path(self.contacts(scene), start, until)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.symbolic.number_text import place_text
+
+Minimize: TypeAlias = Callable[[Floats], Minima]  # from loads (n,)
 
 RELATIVE_TOLERANCE = 1e-9  # per step; the minimizer itself is right to about 1e-12
 ABSOLUTE_TOLERANCE = 1e-11  # length and radians
@@ -45,7 +48,7 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
     if not (np.isfinite(state).all() and 0 < until < math.inf):
         raise ValueError(f"required a finite start and a positive last time, received {state.tolist()} and {until}")
     loads, dragged = MovingLoads(model, state[:2]), needs_drag(model)
-    minimize = _dragged(model) if dragged else partial(EllipseInterior().minimize, model)
+    minimize = path_minimizer(model) if dragged else partial(EllipseInterior().minimize, model)
 
     def rate(t: float, pose: Floats) -> Floats:
         here = loads.at(pose[:2])[0]
@@ -64,7 +67,9 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
     return as_trajectory("minimizer", solution, loads)
 
 
-def _dragged(model: ContactModel) -> Callable[[Floats], Minima]:
-    """The minimizer of D plus drag at loads (n,)."""
+def path_minimizer(model: ContactModel) -> Minimize:
+    """The minimizer at loads (n,), one after the other along a path: of D, plus drag where the twist may jump."""
+    if not needs_drag(model):
+        return WarmInterior(model).minimize
     minimizer = WarmInterior(with_drag(model))
     return lambda loads: minimizer.minimize(loads_with_drag(loads))

@@ -11,12 +11,14 @@ sticks where its slip is zero to within :data:`STICKS`; floats tell no more.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import Speeds
@@ -91,7 +93,7 @@ def build_frames(
     poses, twists = poses_at(trajectory, at), path_twists(trajectory, at, pivot)
     keeps_rows = partition is not None and contact_rule(partition.rule).keeps_rows
     if partition is None or not keeps_rows:
-        carrying = loads_at(model, poses[:, :2]) > LOADED
+        carrying = _loaded(scene, model, poses)
         speeds = np.broadcast_to(model.speeds, carrying.shape)
     else:
         cells = _CellsAt(partition)
@@ -106,6 +108,23 @@ def build_frames(
     slips = wheel_slips(model, twists, speeds)
     contacts = np.where(carrying, np.where(_sticks(slips, twists, model, speeds), Contact.STICKS, Contact.SLIPS), 0)
     return Frames(at, poses, twists, np.array(speeds), slips, contacts)
+
+
+def _loaded(scene: Scene, model: ContactModel, poses: Floats) -> NDArray[np.bool_]:
+    """The wheels whose load is not zero, shape (m, n); of a body with an outline among those under it."""
+    if scene.body is None:
+        return loads_at(model, poses[:, :2]) > LOADED
+    under = MovingOutline(scene.body, model.positions).depths(poses) >= 0
+    loaded = np.zeros_like(under)
+    for carrying in np.unique(under, axis=0):
+        places, frames = np.flatnonzero(carrying), np.flatnonzero((under == carrying).all(axis=1))
+        own = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in places)))
+        try:
+            loads = loads_at(own, poses[frames, :2])
+        except LoadError:  # where it tips
+            loads = np.ones((len(frames), len(places)))
+        loaded[np.ix_(frames, places)] = loads > LOADED
+    return loaded
 
 
 def wheel_slips(model: ContactModel, twists: Floats, speeds: Floats) -> Floats:

@@ -27,7 +27,9 @@ class EventKind(StrEnum):
 
     CROSS = "cross"
     SLIDE = "slide"
-    LEAVE = "leave"
+    LEAVE = "leave"  # a surface of sliding; of a wheel, the body
+    ENTER = "enter"  # of a wheel: it comes under the body
+    TIPS = "tips"
     REST = "rest"
     NONUNIQUE = "nonunique"
     LIMIT = "limit"

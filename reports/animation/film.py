@@ -14,7 +14,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.frames import Contact, Frames, build_frames
 from nonsmooth.analysis.motion.twists import last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
-from nonsmooth.reports.animation.outline import Floats, outline_points, placed, shape_of
+from nonsmooth.reports.figures.outline import Floats, outline_of, placed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -160,7 +160,6 @@ def build_film(
     inputs = None if loop is None or partition is None else loop.inputs(partition)
     pivot = _pivot(scene, trajectory, closed=loop is not None)
     frames = build_frames(scene, trajectory, times, partition=partition, inputs=inputs, pivot=pivot)
-    shape = shape_of(scene)
     return Film(
         scene=scene,
         title=_title(scene, trajectory, partition, loop),
@@ -168,7 +167,7 @@ def build_film(
         events=tuple(event for event in trajectory.events if float(event.t) <= duration),
         seconds=seconds,
         trail=poses_at(trajectory, np.linspace(0, duration, TRAIL))[:, :2],
-        outline=None if shape is None else outline_points(shape),
+        outline=outline_of(scene),
         is_closed=loop is not None,
     )
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from nonsmooth.analysis.motion.frames import Contact
 from nonsmooth.reports.animation.film import RATE, Film
-from nonsmooth.reports.animation.outline import placed
 from nonsmooth.reports.figures.cell_map import INKED, LABEL
 from nonsmooth.reports.figures.labels import length_label, wrapped
+from nonsmooth.reports.figures.outline import placed
 from nonsmooth.reports.figures.trajectory import MARKERS, PATH, marked
 from nonsmooth.reports.figures.wheels import INK
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from nonsmooth.analysis.motion.frames import Contact
 from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
-from nonsmooth.reports.animation.outline import Floats
 from nonsmooth.reports.figures.labels import length_label
+from nonsmooth.reports.figures.outline import Floats
 from nonsmooth.reports.figures.trajectory import marked
 from nonsmooth.symbolic.number_text import float_text
 

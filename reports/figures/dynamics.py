@@ -15,6 +15,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, length_label, pose_labels, time_label, wrapped
+from nonsmooth.reports.figures.outline import outline_of, placed
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
@@ -29,6 +30,7 @@ SMALL = (6.4, 5.0)  # inches
 SAMPLES = 600  # times at which curves are drawn
 BODY: dict[str, Any] = {"color": "#0072B2", "linewidth": 1.8, "label": "full dynamics"}
 RULE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.4, "linestyle": "--", "label": "rule ellipse (mass 0)"}
+MOST_OUTLINES = 20  # events at which the body is drawn
 RIM = 0.07  # half the length of a drawn rim, as a share of the array
 MARKS = (("#D55E00", "o"), ("#0072B2", "s"), ("#009E73", "^"), ("#CC79A7", "D"), ("#56B4E9", "v"), ("#E69F00", "P"))
 
@@ -47,7 +49,30 @@ def rule_path_figure(scene: Scene, path: Trajectory, suffix: str) -> bytes:
     title = f"{one_line(scene.name)}: rule {scene.contact.rule}, {path.kinematics} kinematics"
     style = {**RULE, "label": f"rule {scene.contact.rule}", "linestyle": "-"}
     model = contact_model(scene)
-    return figure_bytes(lambda: build_path_figure(title, model, (path,), scene.units, (style,)), suffix)
+
+    def build() -> Figure:
+        figure = build_path_figure(title, model, (path,), scene.units, (style,))
+        _draw_outlines(figure.axes[-1], scene, path)
+        return figure
+
+    return figure_bytes(build, suffix)
+
+
+def _draw_outlines(axes: Axes, scene: Scene, path: Trajectory) -> None:
+    """The body where it starts, at its events, and where it ends."""
+    outline = outline_of(scene)
+    if outline is None:
+        return
+    poses = [path.states[0], *(event.state for event in path.events[:MOST_OUTLINES]), path.end.state]
+    for k, pose in enumerate(poses):
+        corners = placed(outline, np.array([float(value) for value in pose]))
+        is_end = k in (0, len(poses) - 1)
+        style: dict[str, Any] = {
+            "edgecolor": INK,
+            "alpha": 1.0 if is_end else 0.3,
+            "linestyle": "--" if k == 0 else "-",
+        }
+        axes.fill(*corners.T, fill=False, linewidth=1.4 if is_end else 0.8, **style)
 
 
 def build_path_figure(

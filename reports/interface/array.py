@@ -143,9 +143,15 @@ class Array:
             RefusalError: where the motion is not determined, and under a rule without cells.
         """
         from nonsmooth.analysis.cells.contact_partition import build_partition
+
+        return build_partition(self._standing)
+
+    @property
+    def _standing(self) -> Scene:
+        """The array of the wheels that carry the body at the checked pose."""
         from nonsmooth.symbolic.contact_set import standing
 
-        return build_partition(standing(self.scene))
+        return standing(self.scene)
 
     def __repr__(self) -> str:
         from nonsmooth.symbolic.number_text import short_text
@@ -281,7 +287,7 @@ class Array:
         """
         from nonsmooth.reports.interface.comparison_result import compare_scene
 
-        return compare_scene(self.scene)
+        return compare_scene(self._standing)
 
     def derive(
         self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
@@ -298,7 +304,7 @@ class Array:
         """
         from nonsmooth.reports.interface.report_result import derive_scene, named_parts
 
-        return derive_scene(self.scene, named_parts(only, without))
+        return derive_scene(self._standing, named_parts(only, without))
 
     def report(
         self,

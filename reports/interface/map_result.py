@@ -16,6 +16,7 @@ from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.settle_maps import ShownMap, build_map
 from nonsmooth.reports.shown import file_bytes
 from nonsmooth.reports.simulation_modes import MAX_GRID
+from nonsmooth.symbolic.contact_set import require_no_outline
 from nonsmooth.symbolic.number_text import percent_text
 
 if TYPE_CHECKING:
@@ -72,5 +73,6 @@ def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kine
     if until is not None and not 0 < until < math.inf:
         raise ValueError(f"until: required a positive number, received {until}")
     run = GridRun(grid, heading, until, Kinematics(kinematics))
+    require_no_outline(scene)
     partition = build_partition(scene)
     return MapResult(ShownMap(partition, run, build_map(partition, run)))

@@ -19,6 +19,7 @@ from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.simulate import POSE, PathRun, follow, loop_of
+from nonsmooth.symbolic.contact_set import require_no_outline
 from nonsmooth.symbolic.number_text import float_text, place_text
 
 if TYPE_CHECKING:
@@ -135,6 +136,7 @@ def follow_array(  # one keyword for each option of the command
     if not (math.isfinite(gain) and gain > 0):
         raise ValueError(f"gain: required a positive number, received {gain}")
     run = PathRun((x, y, theta), until, Kinematics(kinematics), Method(method), law, width, gain)
+    require_no_outline(scene)
     partition = build_partition(scene)
     loop = loop_of(partition, run)
     return PathResult(scene.name, POSE, follow(partition, run, loop), partition, scene, loop)

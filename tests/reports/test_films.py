@@ -152,7 +152,7 @@ def test_the_outline_follows_the_pose() -> None:
 
 def test_an_object_is_drawn_with_its_outline(tmp_path: Path) -> None:
     box = {"shape": "rectangle", "width": "3/2", "height": 1}
-    array = ns.load("four-wheel").with_(object=box)
+    array = ns.load("four-wheel").with_(body=box)
     path = array.simulate((0.2, 0.4, 0.1), until=0.5)
     page = path.animate(tmp_path / "path.html").read_text(encoding="utf-8")
     assert '<polygon class="outline"' in page

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.continuum import Disc, Footprint
+from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.scene import Scene
 
 CORNERS = 72  # of the polygon that a disc is drawn as: its sides leave the circle by less than 0.1 % of the radius
@@ -13,17 +13,16 @@ CORNERS = 72  # of the polygon that a disc is drawn as: its sides leave the circ
 Floats = NDArray[np.float64]
 
 
-def shape_of(scene: Scene) -> Footprint | None:
-    """The outline that a scene gives its body; None where it gives none."""
-    return None if scene.continuum is None else scene.continuum.footprint
-
-
-def outline_points(shape: Footprint) -> Floats:
-    """Corners (m, 2) of a polygon or disc, from the body's reference point, at heading zero (length)."""
-    if isinstance(shape, Disc):
+def outline_of(scene: Scene) -> Floats | None:
+    """Corners (m, 2) of the body at theta = 0, from its centre of mass (length); None where the scene names none."""
+    if scene.body is None:
+        return None
+    outline = scene.body.outline
+    if isinstance(outline, Disc):
         angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
-        return float(shape.radius) * np.column_stack([np.cos(angles), np.sin(angles)])
-    return np.array([[float(x), float(y)] for x, y in shape.vertices])
+        middle = np.array([float(entry) for entry in scene.body.centroid])
+        return middle + float(outline.radius) * np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.array([[float(x), float(y)] for x, y in scene.body.vertices])
 
 
 def placed(points: Floats, pose: Floats) -> Floats:

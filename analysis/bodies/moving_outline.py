@@ -1,0 +1,67 @@
+"""The outline of a moving body in floats: how deep each wheel lies under it, and how fast that changes.
+
+With ``q_i = R(theta)^T (p_i - c)`` the place of wheel i in the body's frame (turned to the checked heading), its depth
+is ``g_i = min over sides of (h_e - n_e . q_i)`` for a polygon with outward unit normals n_e, and ``R - |q_i - m|`` for
+a disc about m: positive strictly under the body, negative beside it.  ``q_i' = -R(theta)^T (c' + omega J (p_i - c))``,
+minus the velocity of the body at the wheel, seen from the body.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.continuum import Disc
+
+SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
+
+
+class MovingOutline:
+    """Depths of wheels under a body at poses ``(x, y, theta)``."""
+
+    def __init__(self, body: Body, places: Floats) -> None:
+        """For wheels at places (n, 2)."""
+        self.places = np.asarray(places, float)
+        self._middle = np.array([float(entry) for entry in body.centroid])
+        self._radius: float | None = None
+        if isinstance(body.outline, Disc):
+            self._radius = float(body.outline.radius)
+            self.size = self._radius + float(np.hypot(*self._middle))
+            return
+        corners = np.array([[float(x), float(y)] for x, y in body.vertices])
+        along = np.roll(corners, -1, axis=0) - corners
+        self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
+        self._heights = (self._normals * corners).sum(axis=1)
+        self.corners = corners
+        self.size = float(np.hypot(*corners.T).max())
+
+    def depths(self, pose: Floats) -> Floats:
+        """``g_i`` at one pose (3,), shape (n,); at poses (m, 3), shape (m, n)."""
+        places = self._seen(pose)
+        if self._radius is not None:
+            return self._radius - np.hypot(*np.moveaxis(places - self._middle, -1, 0))
+        return np.asarray((self._heights - places @ self._normals.T).min(axis=-1))
+
+    def rates(self, pose: Floats, rate: Floats, wheels: list[int]) -> Floats:
+        """``g_i'`` of some wheels at a pose whose rate is ``(c', theta')``, along the motion; shape (k,)."""
+        (x, y, theta), (vx, vy, omega) = pose, rate
+        away = self.places[wheels] - [x, y]
+        seen = self._seen(pose)[wheels]
+        c, s = np.cos(theta), np.sin(theta)
+        drift = -np.array([vx, vy]) - omega * np.column_stack([-away[:, 1], away[:, 0]])
+        moved = drift @ np.array([[c, -s], [s, c]])  # R^T on the left of every row
+        if self._radius is not None:
+            out = seen - self._middle
+            return np.asarray(-(out * moved).sum(axis=1) / np.hypot(*out.T))
+        depths = self._heights - seen @ self._normals.T
+        deepest = depths.min(axis=1, keepdims=True)
+        slopes = np.where(depths <= deepest + SAME_SIDE * self.size, -(moved @ self._normals.T), np.inf)
+        return np.asarray(slopes.min(axis=1))
+
+    def _seen(self, pose: Floats) -> Floats:
+        """``q_i``."""
+        pose = np.asarray(pose, float)
+        away = self.places - pose[..., None, :2]
+        c, s = np.cos(pose[..., None, 2]), np.sin(pose[..., None, 2])
+        return np.stack([c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]], axis=-1)

@@ -1,0 +1,284 @@
+"""The path of a body with an outline under a rule without cells, from event to event.
+
+Between events the same wheels carry and the pose follows their motion, by LSODA with dense output; every step is
+searched for wheels that come to the edge, and the time is refined until it is right to rounding.  There Filippov's
+construction says how the body goes on (:mod:`nonsmooth.analysis.bodies.switching`).  Events: ``enter``, ``leave``,
+``slide``.  The path ends in time, at rest, or where the body tips.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.switching import Mode, Switching
+from nonsmooth.analysis.contact_rule import SmoothRule
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.trajectories.result import (
+    End,
+    EndReason,
+    Event,
+    EventKind,
+    Piece,
+    State,
+    Trajectory,
+    TrajectoryError,
+    samples,
+)
+from nonsmooth.symbolic.plane import Vector, around
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.support_polygon import support_polygon
+
+RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-10, 1e-12  # per step; the minimizer is right to about 1e-12
+ON_EDGE = 1e-10  # of the body's size: depths below are zero
+LOOKS = 8  # places within a step where depths are looked at
+MOST_EVENTS = 2_000
+RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
+
+
+@dataclass
+class _Log:
+    """The path so far."""
+
+    pieces: list[Piece] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    unique: bool = True
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """One solution between events: its end, and why it ends (None: a wheel comes to the edge)."""
+
+    times: tuple[float, ...]
+    state: Callable[[float], Floats]
+    reason: EndReason | None
+
+
+class BodyPath:
+    """Follows one body."""
+
+    def __init__(self, scene: Scene, rule: SmoothRule) -> None:
+        """For a scene with a body, all its wheels in ``scene.wheels``.
+
+        Raises:
+            ValueError: for a scene without a body.
+        """
+        if scene.body is None:
+            raise ValueError("required a scene with a body")
+        self._scene = scene
+        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        self._outline = MovingOutline(scene.body, places)
+        self._sets = ContactSets(scene, rule)
+        self._switching = Switching(self._sets, self._outline)
+        self._slow = RESTS * max(abs(float(wheel.speed)) for wheel in scene.wheels)
+        self._edge_depth = ON_EDGE * self._outline.size
+
+    def follow(self, start: Sequence[float], until: float) -> Trajectory:
+        """The path from ``(x, y, theta)``, theta measured from the checked heading.
+
+        Raises:
+            ValueError: for a last time that is not positive, numbers that are not finite, and a start where the body
+                tips.
+            TrajectoryError: where the path cannot be followed.
+        """
+        pose = np.array(start, float)
+        if not (np.isfinite(pose).all() and 0 < until < math.inf):
+            raise ValueError(f"required a finite start and a positive last time, received {pose.tolist()} and {until}")
+        log, time = _Log(), 0.0
+        try:
+            mode = self._mode_at(pose)
+            self._sets.rate(mode.carrying | frozenset(mode.sliding), pose)
+        except TippedError:
+            raise ValueError(
+                "required a start where the body stands on its wheels, received one where it tips"
+            ) from None
+        while True:
+            stretch = self._stretch(mode, pose, time, until)
+            pose = stretch.state(stretch.times[-1])
+            self._keep(log, mode, stretch, time)
+            time = stretch.times[-1]
+            if stretch.reason is not None:
+                return self._ended(log, time, pose, stretch.reason)
+            if len(log.events) >= MOST_EVENTS:
+                return self._ended(log, time, pose, EndReason.EVENTS)
+            try:
+                following = self._mode_at(pose, mode)
+            except TippedError:
+                return self._ended(log, time, pose, EndReason.TIPS)
+            self._note(log, time, pose, mode, following)
+            mode = following
+
+    # ---- modes -----------------------------------------------------------------------------------
+
+    def _mode_at(self, pose: Floats, before: Mode | None = None) -> Mode:
+        """How the body goes on from a pose; wheels that slide stay under the edge whatever rounding says."""
+        depths = self._outline.depths(pose)
+        near = {int(k) for k in np.flatnonzero(np.abs(depths) <= self._edge_depth)}
+        if before is not None:
+            near |= set(before.sliding)
+        inside = frozenset(int(k) for k in np.flatnonzero(depths > 0) if int(k) not in near)
+        if near:
+            return self._switching.next_mode(pose, inside, sorted(near))
+        if not self._sets.carries(inside, pose):
+            raise TippedError
+        return Mode(inside)
+
+    def _stretch(self, mode: Mode, pose: Floats, start: float, until: float) -> _Stretch:
+        """Integrate one mode until a wheel comes to the edge, a slide ends, the body tips or rests, or time is over."""
+        from scipy.integrate import BDF, LSODA
+
+        weights = np.full(len(mode.sliding), 0.5)
+        rate, weights = self._rate(mode, pose, weights)
+        if np.hypot(*rate[:2]) + abs(rate[2]) * self._outline.size <= self._slow:
+            return _Stretch((start, start), lambda t: pose, EndReason.REST)
+        kept = weights
+
+        def right(t: float, at: Floats) -> Floats:
+            nonlocal kept
+            found, kept = self._rate(mode, at, kept)
+            return found
+
+        method = BDF if self._sets.is_stiff else LSODA
+        solver = method(right, start, pose, until, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
+        times: list[float] = [start]
+        dense: list[Any] = []
+        while solver.status == "running":
+            message = solver.step()
+            if solver.status == "failed":
+                raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
+            piece, low = solver.dense_output(), times[-1]
+            dense.append(piece)
+            found = self._first_change(mode, piece, low, solver.t, first=low == start)
+            times.append(solver.t if found is None else found[0])
+            if found is not None:
+                return _joined(times, dense, pose, found[1])
+            if self._rests(piece(low), solver.y, solver.t - low):
+                return _joined(times, dense, pose, EndReason.REST)
+        return _joined(times, dense, pose, EndReason.TIME)
+
+    def _rests(self, before: Floats, after: Floats, time: float) -> bool:
+        """Whether the body hardly moved in a step."""
+        moved = np.abs(after - before) * [1.0, 1.0, self._outline.size]
+        return bool(moved.max() <= self._slow * time)
+
+    def _rate(self, mode: Mode, pose: Floats, weights: Floats) -> tuple[Floats, Floats]:
+        return self._switching.rate(mode, pose, weights)
+
+    def _first_change(
+        self, mode: Mode, piece: Any, low: float, high: float, *, first: bool
+    ) -> tuple[float, EndReason | None] | None:
+        """The first time in a step at which the mode ends, and why."""
+        marks = np.linspace(low, high, LOOKS + 1)
+        values = [self._signals(mode, piece(mark)) for mark in marks]
+        for k in range(LOOKS):
+            before, after = values[k], values[k + 1]
+            crossed = np.flatnonzero((after < 0) & ((before > 0) | (k > 0) | (not first)))
+            if not len(crossed):
+                continue
+            times = [self._root(mode, piece, marks[k], marks[k + 1], int(signal)) for signal in crossed]
+            earliest = int(np.argmin(times))
+            tips = crossed[earliest] == len(before) - 1
+            return times[earliest], EndReason.TIPS if tips else None
+        return None
+
+    def _signals(self, mode: Mode, pose: Floats) -> Floats:
+        """What is positive as long as the mode goes on: signed depths, weights of a slide, and the support's margin."""
+        depths = self._outline.depths(pose)
+        signs = np.where([k in mode.carrying for k in range(len(depths))], 1.0, -1.0)
+        signed = signs * depths
+        extra = []
+        if mode.sliding:
+            signed[list(mode.sliding)] = 1.0
+            _, weights = self._rate(mode, pose, np.full(len(mode.sliding), 0.5))
+            extra = [*weights, *(1 - weights)]
+        margin = self._sets.margin(mode.carrying | frozenset(mode.sliding), pose)
+        return np.array([*signed, *extra, margin])
+
+    def _root(self, mode: Mode, piece: Any, low: float, high: float, signal: int) -> float:
+        """When a signal changes its sign, by bisection down to rounding: the later side, where it has changed."""
+        while True:
+            middle = (low + high) / 2
+            if not low < middle < high:
+                return high
+            if self._signals(mode, piece(middle))[signal] < 0:
+                high = middle
+            else:
+                low = middle
+
+    # ---- what is kept ----------------------------------------------------------------------------
+
+    def _keep(self, log: _Log, mode: Mode, stretch: _Stretch, start: float) -> None:
+        def state(since: Any) -> State:
+            return tuple(float(value) for value in stretch.state(start + float(since)))
+
+        wheels = self._names(mode.carrying | frozenset(mode.sliding))
+        place = f"wheels {', '.join(wheels)}"
+        log.pieces.append(Piece(start, stretch.times[-1], place, tuple(wheels), state, stretch.times))
+        log.unique &= mode.unique
+
+    def _note(self, log: _Log, time: float, pose: Floats, before: Mode, after: Mode) -> None:
+        """One event for each kind of change."""
+        state = tuple(float(value) for value in pose)
+        changes = (
+            (EventKind.SLIDE, frozenset(after.sliding) - frozenset(before.sliding), "under the edge"),
+            (EventKind.ENTER, after.carrying - before.carrying, "under the body"),
+            (EventKind.LEAVE, _touched(before) - _touched(after), "beside the body"),
+        )
+        for kind, wheels, words in changes:
+            if wheels:
+                note = "" if after.unique else "other choices go on too"
+                names = ", ".join(self._names(wheels))
+                log.events.append(Event(time, state, kind, f"wheel {names} {words}", note=note))
+
+    def _names(self, wheels: Wheels) -> list[str]:
+        return [str(self._scene.wheels[k].index) for k in sorted(wheels)]
+
+    def _tipping_edge(self, log: _Log, pose: Floats) -> str:
+        """The side of the support polygon over which the body tips: the one nearest to the centre of mass."""
+        carrying = [wheel for wheel in self._scene.wheels if str(wheel.index) in log.pieces[-1].cells]
+        corners = support_polygon([wheel.position for wheel in carrying])
+        number = {wheel.position: wheel.index for wheel in carrying}
+        sides = [(number[a], number[b], _line_distance(a, b, pose)) for a, b in around(corners)]
+        first, second, _ = min(sides, key=lambda side: side[2])
+        return f"over the line through wheels {first} and {second}"
+
+    def _ended(self, log: _Log, time: float, pose: Floats, reason: EndReason) -> Trajectory:
+        state = tuple(float(value) for value in pose)
+        if reason is EndReason.TIPS:
+            log.events.append(Event(time, state, EventKind.TIPS, self._tipping_edge(log, pose)))
+        end = End(time, state, reason)
+        times, states = samples(log.pieces, end)
+        return Trajectory(
+            Kinematics.EXACT.value, "minimizer", times, states, tuple(log.events), end, log.unique, tuple(log.pieces)
+        )
+
+
+def _line_distance(a: Vector, b: Vector, pose: Floats) -> float:
+    """Distance of the centre of mass from the inner side of the line through two corners; negative beyond it."""
+    (ax, ay), (bx, by) = ((float(x), float(y)) for x, y in (a, b))
+    along = np.array([bx - ax, by - ay])
+    return float((along[0] * (pose[1] - ay) - along[1] * (pose[0] - ax)) / np.hypot(*along))
+
+
+def _touched(mode: Mode) -> Wheels:
+    return mode.carrying | frozenset(mode.sliding)
+
+
+def _joined(times: list[float], dense: list[Any], pose: Floats, reason: EndReason | None) -> _Stretch:
+    """A stretch from the steps of a solver."""
+    if not dense:
+        return _Stretch((times[0], times[0]), lambda t: pose, reason)
+    borders = np.array(times[1:])
+
+    def state(t: float) -> Floats:
+        k = min(int(np.searchsorted(borders, t)), len(dense) - 1)
+        return np.asarray(dense[k](t))
+
+    return _Stretch(tuple(times), state, reason)

@@ -1,0 +1,163 @@
+"""Which motion follows where wheels lie exactly under the edge of a body: Filippov's construction.
+
+At a pose where the wheels Z lie under the edge, each subset of Z may carry beside the wheels B well under the body, and
+has a motion ``f_S`` of its own.  A subset *goes on* if its own motion takes its wheels under the body and the others
+of Z out.  Where none does, the path slides: weights ``0 <= w_i <= 1`` of the wheels mix the motions,
+``f = sum over S of prod_(i in S) w_i prod_(i not in S) (1 - w_i) f_S``, so that the sliding wheels stay under the edge,
+``g_i' = 0``.  One wheel leaves no choice; for more of them that product is one of Filippov's solutions (Alexander
+and Seidman 1998), and the path is not called unique.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, combinations, product
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+
+MOST_AT_ONCE = 6  # wheels under the edge at one pose: 64 subsets
+STEPS = 40  # of Newton's method for the weights
+WEIGHT_ERROR = 1e-12  # of the rates of the depths, relative to the largest
+
+
+@dataclass(frozen=True)
+class Mode:
+    """How a body goes on: on carrying wheels, some of which may stay under the edge.
+
+    Attributes:
+        carrying: well under the body.
+        sliding: stay under the edge, ascending; empty for a motion on ``carrying`` alone.
+        unique: whether no other choice goes on too.
+    """
+
+    carrying: Wheels
+    sliding: tuple[int, ...] = ()
+    unique: bool = True
+
+
+class Switching:
+    """Motions near the edge of one body."""
+
+    def __init__(self, sets: ContactSets, outline: MovingOutline) -> None:
+        self._sets, self._outline = sets, outline
+
+    def next_mode(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> Mode:
+        """How the body goes on from a pose with the wheels ``edge`` under its edge.
+
+        Raises:
+            TippedError: where no way to go on carries the body.
+            TrajectoryError: where none is found, or too many wheels lie under the edge.
+        """
+        if len(edge) > MOST_AT_ONCE:
+            raise TrajectoryError(
+                f"required at most {MOST_AT_ONCE} wheels under the edge at once, received {len(edge)}"
+            )
+        motions = self._motions(pose, carrying, edge)
+        going = [subset for subset, rates in motions.items() if self._goes_on(subset, rates, edge)]
+        if going:
+            return Mode(carrying | max(going, key=len), unique=len(going) == 1)
+        for size in range(1, len(edge) + 1):
+            for sliding in combinations(edge, size):
+                mode = self._slide(pose, carrying, edge, sliding, motions)
+                if mode is not None:
+                    return mode
+        if len(motions) < 2 ** len(edge):
+            raise TippedError
+        raise TrajectoryError("required a way to go on from wheels under the edge, received none that was found")
+
+    def rate(self, mode: Mode, pose: Floats, weights: Floats) -> tuple[Floats, Floats]:
+        """The pose rate of a mode, and the weights of its sliding wheels; the given ones are where Newton starts."""
+        if not mode.sliding:
+            return self._sets.rate(mode.carrying, pose), weights
+        wheels = list(mode.sliding)
+        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in _subsets(wheels)]
+        depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
+        found = _weights(np.array(depths), len(wheels), weights)
+        if found is None:
+            raise TrajectoryError("required weights that keep the wheels under the edge, received none")
+        return _mixed(np.array(corners), found), found
+
+    def _motions(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> dict[Wheels, Floats]:
+        """The rates of the depths of the edge's wheels, by the subset that carries; without those that tip."""
+        motions: dict[Wheels, Floats] = {}
+        for subset in _subsets(edge):
+            if not self._sets.carries(carrying | subset, pose):
+                continue
+            rate = self._sets.rate(carrying | subset, pose)
+            motions[subset] = self._outline.rates(pose, rate, list(edge))
+        if not motions:
+            raise TippedError
+        return motions
+
+    @staticmethod
+    def _goes_on(subset: Wheels, rates: Floats, edge: Sequence[int]) -> bool:
+        return all((rate > 0) == (wheel in subset) and rate != 0 for wheel, rate in zip(edge, rates, strict=True))
+
+    def _slide(
+        self,
+        pose: Floats,
+        carrying: Wheels,
+        edge: Sequence[int],
+        sliding: tuple[int, ...],
+        motions: dict[Wheels, Floats],
+    ) -> Mode | None:
+        """A mode in which these wheels stay under the edge while the other wheels of the edge go one way."""
+        others = [wheel for wheel in edge if wheel not in sliding]
+        places = [edge.index(wheel) for wheel in sliding]
+        for inside in _subsets(others):
+            chosen = [motions.get(inside | subset) for subset in _subsets(sliding)]
+            if any(rates is None for rates in chosen):
+                continue
+            corners = np.array(chosen)
+            weights = _weights(corners[:, places], len(sliding), np.full(len(sliding), 0.5))
+            if weights is None or not ((weights > 0) & (weights < 1)).all():
+                continue
+            mixed = dict(zip(edge, _mixed(corners, weights), strict=True))
+            if all((mixed[wheel] > 0) == (wheel in inside) and mixed[wheel] != 0 for wheel in others):
+                return Mode(carrying | inside, sliding, unique=len(sliding) == 1)
+        return None
+
+
+def _subsets(wheels: Sequence[int]) -> Iterator[Wheels]:
+    """All subsets, in the order in which :func:`_mixed` weighs them: the last wheel changes first."""
+    for bits in product((False, True), repeat=len(wheels)):
+        yield frozenset(chain.from_iterable((wheel,) for wheel, bit in zip(wheels, bits, strict=True) if bit))
+
+
+def _shares(weights: Floats) -> Floats:
+    """``prod_(i in S) w_i prod_(i not in S) (1 - w_i)`` for every subset S."""
+    shares = np.ones(1)
+    for weight in weights:
+        shares = np.outer(shares, [1 - weight, weight]).ravel()
+    return shares
+
+
+def _mixed(corners: Floats, weights: Floats) -> Floats:
+    """The motions (2^k, d) of all subsets of k wheels, mixed."""
+    return np.asarray(_shares(weights) @ corners)
+
+
+def _weights(rates: Floats, count: int, start: Floats) -> Floats | None:
+    """Weights with which the rates (2^k, k) of the depths vanish, by Newton's method; None where it does not end."""
+    weights = np.clip(start, 0.0, 1.0) if start.shape == (count,) else np.full(count, 0.5)
+    scale = np.abs(rates).max() or 1.0
+    for _ in range(STEPS):
+        here = _mixed(rates, weights)
+        if np.abs(here).max() <= WEIGHT_ERROR * scale:
+            return weights
+        slopes = np.empty((count, count))
+        for k in range(count):  # linear in each weight
+            low, high = weights.copy(), weights.copy()
+            low[k], high[k] = 0.0, 1.0
+            slopes[:, k] = _mixed(rates, high) - _mixed(rates, low)
+        try:
+            weights = weights - np.linalg.solve(slopes, here)
+        except np.linalg.LinAlgError:
+            return None
+    return None
