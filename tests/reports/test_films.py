@@ -15,12 +15,10 @@ from PIL import Image
 
 import nonsmooth as ns
 from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
-from nonsmooth.reports.animation.outline import outline_points, placed
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.figures.outline import outline_of, placed
 from nonsmooth.reports.files import OutputError
-from nonsmooth.symbolic.continuum import Disc, PolygonShape
-from nonsmooth.symbolic.numbers.number_field import NumberField
 
 START = ("--from", "0.2,0.4,0.1")
 LARGEST_GIF = 3_000_000  # bytes
@@ -140,20 +138,24 @@ def test_names_of_scenes_are_text(tmp_path: Path) -> None:
 
 
 def test_the_outline_follows_the_pose() -> None:
-    field = NumberField(1)
-    disc = outline_points(Disc(field.rational(2)))
+    array = ns.load("four-wheel")
+    disc = outline_of(array.with_(body={"shape": "disc", "radius": 2}).scene)
+    assert disc is not None
     assert np.allclose(np.hypot(*disc.T), 2)
-    square = outline_points(
-        PolygonShape(tuple((field.rational(x), field.rational(y)) for x, y in ((1, 0), (0, 1), (-1, -1))))
-    )
-    turned = placed(square, np.array([3.0, 4.0, np.pi / 2]))
-    assert np.allclose(turned, [(3, 5), (2, 4), (4, 3)])
+    corners = [[1, 0], [0, 1], [-1, -1]]
+    body = {"shape": "polygon", "vertices": corners, "centre_of_mass": [0, 0], "heading": "90 deg"}
+    turned = outline_of(array.with_(body=body).scene)
+    assert turned is not None
+    assert np.allclose(sorted(turned.tolist()), sorted([[0, 1], [-1, 0], [1, -1]]))
+    there = placed(turned, np.array([3.0, 4.0, -np.pi / 2]))
+    assert np.allclose(sorted(there.tolist()), sorted([[4, 4], [3, 5], [2, 3]]))
+    assert outline_of(array.scene) is None
 
 
-def test_an_object_is_drawn_with_its_outline(tmp_path: Path) -> None:
-    box = {"shape": "rectangle", "width": "3/2", "height": 1}
-    array = ns.load("four-wheel").with_(body=box)
-    path = array.simulate((0.2, 0.4, 0.1), until=0.5)
+def test_a_body_is_drawn_with_its_outline(tmp_path: Path) -> None:
+    box = {"shape": "rectangle", "width": "5/2", "height": "11/5"}
+    array = ns.load("four-wheel").with_(body=box, rule="ellipse")
+    path = array.simulate((0.1, 0.05, 0.1), until=0.5)
     page = path.animate(tmp_path / "path.html").read_text(encoding="utf-8")
     assert '<polygon class="outline"' in page
     with Image.open(io.BytesIO(path.animate(tmp_path / "path.gif").read_bytes())) as film:
