@@ -9,7 +9,7 @@ import pytest
 from pydantic import BaseModel
 
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
-from nonsmooth.symbolic.files.object_table import ObjectTable
+from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.scene_document import (
     CheckTable,
     Document,
@@ -29,7 +29,7 @@ TABLES: dict[str, type[BaseModel]] = {
     "[ring]": Ring,
     "[grid]": Grid,
     "[wheels]": WheelFile,
-    "[object]": ObjectTable,
+    "[body]": BodyTable,
     "[check]": CheckTable,
 }
 

@@ -138,7 +138,7 @@ def test_names_of_scenes_are_text(tmp_path: Path) -> None:
 
 
 def test_the_outline_follows_the_pose() -> None:
-    array = ns.load("four-wheel")
+    array = ns.Array.grid(2, 2, pitch=2, mu_roll=1, mu_side="1/2")
     disc = outline_of(array.with_(body={"shape": "disc", "radius": 2}).scene)
     assert disc is not None
     assert np.allclose(np.hypot(*disc.T), 2)
@@ -153,7 +153,7 @@ def test_the_outline_follows_the_pose() -> None:
 
 
 def test_a_body_is_drawn_with_its_outline(tmp_path: Path) -> None:
-    box = {"shape": "rectangle", "width": "5/2", "height": "11/5"}
+    box = {"shape": "rectangle", "width": "5/2", "height": 3}
     array = ns.load("four-wheel").with_(body=box, rule="ellipse")
     path = array.simulate((0.1, 0.05, 0.1), until=0.5)
     page = path.animate(tmp_path / "path.html").read_text(encoding="utf-8")
