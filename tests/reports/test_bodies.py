@@ -1,0 +1,145 @@
+"""Bodies with an outline through the commands: who carries, how far that holds, tipping, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.symbolic.contact_set import TipsError
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.rule import CONTACT_RULES
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+CARTON = """name = "carton"
+[friction]
+mu_roll = 1
+mu_side = "1/2"
+[grid]
+rows = 6
+columns = 6
+[body]
+shape = "rectangle"
+width = 2.6
+height = 1.6
+"""
+COVER = '[body]\nshape = "disc"\nradius = 9\n'
+ALIKE = ("seconds", "contact_set")
+
+
+@pytest.fixture
+def carton(tmp_path: Path) -> str:
+    file = tmp_path / "carton.toml"
+    file.write_text(CARTON)
+    return str(file)
+
+
+def record(invoke: Invoke, *arguments: str) -> tuple[int, dict[str, Any]]:
+    done = invoke(*arguments, "--json")
+    return done.status, done.record
+
+
+@pytest.mark.parametrize("rule", CONTACT_RULES)
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "off-center"])
+def test_a_body_over_all_wheels_changes_no_verdict(name: str, rule: str, invoke: Invoke, tmp_path: Path) -> None:
+    source = Path(load_scene.__code__.co_filename).parents[1] / "scenes" / f"{name}.toml"
+    file = tmp_path / "covered.toml"
+    file.write_text(f"{source.read_text()}\n{COVER}")
+    bare, covered = (record(invoke, "check", scene, "--rule", rule) for scene in (name, str(file)))
+    without, within = ({k: v for k, v in found[1].items() if k not in ALIKE} for found in (bare, covered))
+    assert (bare[0], without) == (covered[0], within)
+    assert covered[1]["contact_set"]["wheels"] == bare[1]["contact_set"]["wheels"]
+    assert bare[1]["contact_set"]["margin"] is None
+    assert covered[1]["contact_set"]["angle"] is None
+
+
+def test_the_first_lines_say_who_carries(carton: str, invoke: Invoke) -> None:
+    text = " ".join(invoke("check", carton).out.split())
+    assert "rectangle 13/5 x 8/5: wheels 15, 16, 21, 22 of 36 carry it" in text
+    assert "for certain within 0.2 of here, or 0.1264 rad of this heading" in text
+    bare = " ".join(invoke("check", "four-wheel").out.split())
+    assert "all wheels carry the body, at every pose: the scene names no [body]" in bare
+
+
+def test_the_wheels_that_carry_are_an_array_of_their_own(carton: str, invoke: Invoke, tmp_path: Path) -> None:
+    """The same verdicts as of a grid of those four wheels alone, in the same square."""
+    file = tmp_path / "four.toml"
+    file.write_text(CARTON.split("[grid]", maxsplit=1)[0] + "[grid]\nrows = 2\ncolumns = 2\n[check]\nradius = 0.2\n")
+    for rule in CONTACT_RULES:
+        own, four = (record(invoke, "check", scene, "--rule", rule)[1] for scene in (carton, str(file)))
+        for clause in ("equilibrium", "translation", "rotation", "theorem4"):
+            assert own[clause]["verdict"] == four[clause]["verdict"]
+        assert own["answers"]["position"]["verdict"] == four["answers"]["position"]["verdict"]
+        assert own["translation"]["worst_rate"] == four["translation"]["worst_rate"]
+
+
+@pytest.mark.parametrize("rule", CONTACT_RULES)
+def test_tipping_is_the_answer_under_every_rule(rule: str, carton: str, invoke: Invoke) -> None:
+    status, found = record(invoke, "check", carton, "--at", "2.9,2.9", "--rule", rule)
+    assert status == 1
+    assert found["answers"]["position"]["verdict"] == "tips"
+    assert found["contact_set"]["wheels"] == [36]
+    assert found["theorem4"]["verdict"] == "hypotheses not met"
+
+
+def test_tipping_among_many_scenes(carton: str, invoke: Invoke) -> None:
+    done = invoke("check", carton, "four-wheel", "--at", "2.9,2.9")
+    assert done.status != 0
+    assert "tips" in done.out
+
+
+def test_tipping_in_python(carton: str) -> None:
+    array = ns.load(carton)
+    assert isinstance(array, ns.Array)
+    with pytest.raises(TipsError, match="wheel 36 alone under it"):
+        array.check(at=(2.9, 2.9))
+    assert array.check().contact_set.wheels == (15, 16, 21, 22)
+
+
+@pytest.mark.parametrize("command", ["check", "partition", "derive"])
+def test_a_wheel_under_the_edge_is_refused(command: str, carton: str, invoke: Invoke) -> None:
+    done = invoke(command, carton, "--at", "1/5,0")
+    assert done.status == 2
+    assert "received wheel 17 under its edge" in done.err
+
+
+def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke, tmp_path: Path) -> None:
+    file = str(tmp_path / "c.json")
+    assert invoke("check", carton, "--certificate", file).status == 0
+    assert invoke("verify", file, carton).status == 0
+    assert invoke("verify", file, carton, "--at", "1/10,0").status == 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--rule", "nearest"), ("--rule", "box"), ("--feedback",), ("--method", "dynamics")],
+)
+def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], carton: str, invoke: Invoke) -> None:
+    assert invoke("simulate", carton, "--from", "0.1,0,0", *options).status == 2
+
+
+def test_a_path_through_the_command_and_python(carton: str, invoke: Invoke) -> None:
+    status, found = record(invoke, "simulate", carton, "--rule", "ellipse", "--from", "0.5,0.15,0", "--until", "0.5")
+    assert status == 0
+    assert {event["kind"] for event in found["events"]} <= {"enter", "leave", "slide"}
+    array = ns.load(carton)
+    assert isinstance(array, ns.Array)
+    path = array.with_(rule="ellipse").simulate((0.5, 0.15, 0), until=0.5)
+    assert np.allclose(found["end"]["state"], path.trajectory.end.state, rtol=0, atol=1e-12)
+
+
+def test_reports_name_the_wheels_that_carry(carton: str, invoke: Invoke) -> None:
+    done = invoke("derive", carton, "--only", "answers,verdict")
+    assert done.status == 0
+    assert "wheels 15, 16, 21, 22 of 36 carry it" in " ".join(done.out.split())
+
+
+def test_auto_finds_a_point_where_the_body_stands(carton: str, invoke: Invoke) -> None:
+    status, found = record(invoke, "check", carton, "--at", "auto", "--rule", "ellipse")
+    assert status in {0, 1}
+    assert found["equilibrium"]["verdict"] == "holds"
