@@ -8,6 +8,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.maps import SettleMap
 from nonsmooth.analysis.trajectories.result import EndReason
 
+MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
 PLACED = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)  # ends whose place is where the body stays
 
 

@@ -52,6 +52,11 @@ class PathRun:
     width: float
     gain: float = GAIN
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is the open loop by events with exact kinematics, which every rule offers."""
+        return (self.method, self.kinematics, self.law) == (Method.EVENTS, Kinematics.EXACT, None)
+
 
 def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
     """The closed loop that a run asks for; None for the scene's own speeds.

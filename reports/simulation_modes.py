@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 2.0  # last time of a single path, where none is given
-MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
 
 # Parameters of the command by the mode they belong to.
 OF_LOOPS = ("feedback", "law", "gain")
@@ -146,7 +145,7 @@ class StartsMap(ArrayMode):
     def shown(self, options: Options) -> Shown:
         """The ends of a grid of paths."""
         from nonsmooth.analysis.cells.contact_partition import build_partition
-        from nonsmooth.reports.basins import GridRun
+        from nonsmooth.reports.basins import MAX_GRID, GridRun
         from nonsmooth.reports.settle_maps import ShownMap, build_map
 
         count = options.grid or 0
@@ -172,31 +171,21 @@ class ArrayPath(ArrayMode):
 
     def shown(self, options: Options) -> Shown:
         """By events, hysteresis or smoothing through the cells of the contact rule; where it has none, by itself."""
-        from nonsmooth.analysis.cells.contact_partition import build_partition
-        from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+        from nonsmooth.analysis.contact_rule import CellRule, rule_of
         from nonsmooth.analysis.trajectories.result import TrajectoryError
-        from nonsmooth.reports.simulate import ShownTrajectory, follow, loop_of
-        from nonsmooth.reports.smooth_paths import follow_smooth_rule
+        from nonsmooth.reports.interface.path_result import follow_array
+        from nonsmooth.symbolic.scene_error import SceneError
 
         run = _pose_run(options)
         scene = self._load()
-        rule = rule_of(scene)
-        is_plain = (run.method, run.kinematics, run.law) == (Method.EVENTS, Kinematics.EXACT, None)
-        if not (isinstance(rule, SmoothRule) and is_plain):
-            require_no_outline(scene)
-        if isinstance(rule, SmoothRule) and is_plain:
-            try:
-                with refusals_named(scene):
-                    return follow_smooth_rule(scene, rule, run)
-            except (ValueError, TrajectoryError) as error:
-                raise RefusedError(f"{scene.origin}: {error}") from None
-        with refusals_named(scene):
-            partition = build_partition(scene)
         try:
-            loop = loop_of(partition, run)
-            return ShownTrajectory(partition, run, follow(partition, run, loop), loop)
+            with refusals_named(scene):
+                return follow_array(scene, run).shown
+        except SceneError:
+            raise
         except (ValueError, TrajectoryError) as error:
-            raise RefusedError(_outside(scene, run.start) or f"{scene.origin}: {error}") from None
+            outside = _outside(scene, run.start) if isinstance(rule_of(scene), CellRule) else ""
+            raise RefusedError(outside or f"{scene.origin}: {error}") from None
 
 
 class BodyPath(ArrayMode):

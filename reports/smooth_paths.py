@@ -8,10 +8,9 @@ from typing import Any
 
 from rich.console import RenderableType
 
-from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.animation.output import FILMS, film_bytes
-from nonsmooth.reports.simulate import POSE, SCHEMA, PathRun, events_view, path_summary, sample_lines
+from nonsmooth.reports.simulate import POSE, SCHEMA, events_view, path_summary, sample_lines
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -51,13 +50,3 @@ class SmoothPath:
         rule, path = self.scene.contact.rule, self.trajectory
         head = f"{one_line(self.scene.name)}: {path.kinematics} kinematics, method {path.method} (rule {rule})"
         return events_view(head, path, POSE)
-
-
-def follow_smooth_rule(scene: Scene, rule: SmoothRule, run: PathRun) -> SmoothPath:
-    """Follow the rule's own path.
-
-    Raises:
-        RefusalError: where the motion is not determined.
-        TrajectoryError: where the path cannot be followed.
-    """
-    return SmoothPath(scene, rule.path(scene, run.start, run.until))

@@ -216,11 +216,11 @@ class Array:
             RefusalError: where the motion is not determined.
         """
         from nonsmooth.reports.interface.path_result import follow_array
+        from nonsmooth.reports.interface.path_runs import path_run
 
         array = self.with_(**changes) if changes else self
-        return follow_array(
-            array.scene, start, until, feedback=feedback, method=method, kinematics=kinematics, width=width, gain=gain
-        )
+        run = path_run(start, until, feedback=feedback, method=method, gain=gain, kinematics=kinematics, width=width)
+        return follow_array(array.scene, run)
 
     def map(
         self, grid: int, *, heading: float = 0.0, until: float | None = None, kinematics: str = "exact"

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.basins import GridRun, basins
+from nonsmooth.reports.basins import MAX_GRID, GridRun, basins
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.settle_maps import ShownMap, build_map
 from nonsmooth.reports.shown import file_bytes
-from nonsmooth.reports.simulation_modes import MAX_GRID
 from nonsmooth.symbolic.contact_set import require_no_outline
 from nonsmooth.symbolic.number_text import percent_text
 

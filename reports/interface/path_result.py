@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,12 +11,14 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
-from nonsmooth.reports.simulate import POSE, PathRun, follow, loop_of
+from nonsmooth.reports.shown import file_bytes
+from nonsmooth.reports.simulate import POSE, PathRun, ShownTrajectory, follow, loop_of
+from nonsmooth.reports.smooth_paths import SmoothPath
+from nonsmooth.reports.system_paths import SystemPath
 from nonsmooth.symbolic.contact_set import require_no_outline
 from nonsmooth.symbolic.number_text import float_text, place_text
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.feedback_loop import FeedbackLoop
     from nonsmooth.symbolic.scene import Scene
 
-WIDTH = 1e-3  # of hysteresis and smoothing
+PATH_FORMATS = (".csv", ".json", *PICTURES)
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,18 +39,29 @@ class PathResult(Tabular):
     Attributes:
         name: of the array or system.
         states: names of the states.
-        trajectory: samples, events, pieces, end, and whether the solution is unique.
-        partition: the cells it goes through; None for systems and rules without cells.
+        shown: the path in every form that the command ``simulate`` offers.
         scene: the array; None for systems.
-        loop: the closed loop, where a law sets the speeds.
     """
 
     name: str
     states: tuple[str, ...]
-    trajectory: Trajectory
-    partition: Partition | None = None
+    shown: ShownTrajectory | SmoothPath | SystemPath
     scene: Scene | None = None
-    loop: FeedbackLoop | None = None
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """Samples, events, pieces, end, and whether the solution is unique."""
+        return self.shown.trajectory
+
+    @property
+    def partition(self) -> Partition | None:
+        """The cells it goes through; None for systems and rules without cells."""
+        return self.shown.partition if isinstance(self.shown, ShownTrajectory) else None
+
+    @property
+    def loop(self) -> FeedbackLoop | None:
+        """The closed loop, where a law sets the speeds."""
+        return self.shown.loop if isinstance(self.shown, ShownTrajectory) else None
 
     @property
     def t(self) -> NDArray[np.float64]:
@@ -68,13 +79,23 @@ class PathResult(Tabular):
         return str(self.trajectory.end.reason)
 
     def to_dict(self) -> dict[str, Any]:
-        """Samples, events, pieces and end, as JSON has them."""
-        return self.trajectory.record()
+        """The JSON record of ``nonsmooth simulate --json``."""
+        return self.shown.record()
 
     def rows(self) -> list[dict[str, float]]:
         """One row for each sample: time and states."""
         names = ("t", *self.states)
         return [dict(zip(names, (t, *state), strict=True)) for t, state in zip(self.t, self.state, strict=True)]
+
+    def save(self, file: str | Path) -> Path:
+        """Write it as ``nonsmooth simulate -o`` does: samples (.csv, .json), or a picture (.svg, .png, .pdf).
+
+        Raises:
+            OutputError: for another ending, and for a file that cannot be written.
+        """
+        path = output_path(str(file), PATH_FORMATS)
+        write_whole(path, file_bytes(self.shown, path.suffix.lower()))
+        return path
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the path in the plane of the first two states, over the cells where there are some."""
@@ -91,7 +112,6 @@ class PathResult(Tabular):
         """
         from nonsmooth.reports.animation.film import build_film
         from nonsmooth.reports.animation.output import FILMS, film_bytes
-        from nonsmooth.reports.files import output_path, write_whole
 
         path = output_path(str(file), FILMS)
         if self.scene is None:
@@ -111,32 +131,19 @@ class PathResult(Tabular):
         return self.trajectory._repr_html_()
 
 
-def follow_array(  # one keyword for each option of the command
-    scene: Scene,
-    start: Sequence[float],
-    until: float,
-    *,
-    feedback: bool | str = False,
-    method: str = "events",
-    gain: float = 1.0,
-    kinematics: str = "exact",
-    width: float = WIDTH,
-) -> PathResult:
-    """The path of a body over an array; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
+def follow_array(scene: Scene, run: PathRun) -> PathResult:
+    """The path of a body over an array: by the cells of its rule, or by the rule's own field where it has none.
 
     Raises:
-        ValueError: for a start outside the checked square, a law that does not apply, or an unknown method.
+        ValueError: for a start outside the checked square, and a law that does not apply.
         RefusalError: where the motion is not determined.
+        SceneError: for a body with an outline that this run does not follow.
+        TrajectoryError: where the path cannot be followed.
     """
-    x, y, theta = (float(value) for value in start)
     rule = rule_of(scene)
-    if isinstance(rule, SmoothRule) and not feedback:
-        return PathResult(scene.name, POSE, rule.path(scene, (x, y, theta), until), scene=scene)
-    law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
-    if not (math.isfinite(gain) and gain > 0):
-        raise ValueError(f"gain: required a positive number, received {gain}")
-    run = PathRun((x, y, theta), until, Kinematics(kinematics), Method(method), law, width, gain)
+    if isinstance(rule, SmoothRule) and run.is_plain:
+        return PathResult(scene.name, POSE, SmoothPath(scene, rule.path(scene, run.start, run.until)), scene)
     require_no_outline(scene)
     partition = build_partition(scene)
     loop = loop_of(partition, run)
-    return PathResult(scene.name, POSE, follow(partition, run, loop), partition, scene, loop)
+    return PathResult(scene.name, POSE, ShownTrajectory(partition, run, follow(partition, run, loop), loop), scene)

@@ -122,7 +122,7 @@ class System:
 
         place = tuple(float(value) for value in start)
         path = follow_system(self.system, place, until, Method(method), width)
-        return PathResult(self.system.name, tuple(self.system.states), path.trajectory)
+        return PathResult(self.system.name, tuple(self.system.states), path)
 
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:

@@ -18,13 +18,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields import feedback_laws
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.reports.derivation import derive_report
 from nonsmooth.reports.document import Figure, Math, Paragraph, Section, Text
-from nonsmooth.reports.interface.path_result import follow_array
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
@@ -443,6 +443,8 @@ def test_the_law_goes_on_where_a_wheel_is_nearest_that_is_not_at_the_point(tmp_p
     assert feedback.cascade is not None
     nearest = {state.rows[0].wheel.index for state in build_partition(scene).states}
     assert nearest > {wheel.index for wheel in feedback.cascade.wheels}
-    path = follow_array(scene, (0.19, 0.19, 0.1), 20.0, feedback=True)
+    array = ns.load(file)
+    assert isinstance(array, ns.Array)
+    path = array.simulate((0.19, 0.19, 0.1), 20.0, feedback=True)
     assert np.hypot(*path.state[-1, :2]) < 1e-6
     assert abs(path.state[-1, 2]) < 1e-6

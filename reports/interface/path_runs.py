@@ -1,0 +1,32 @@
+"""What to simulate, from the keywords of a script."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.simulate import PathRun
+
+
+def path_run(  # one keyword for each option of the command
+    start: Sequence[float],
+    until: float,
+    *,
+    feedback: bool | str,
+    method: str,
+    gain: float,
+    kinematics: str,
+    width: float,
+) -> PathRun:
+    """The run; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
+
+    Raises:
+        ValueError: for a start that is no pose, a gain that is not positive, and unknown names.
+    """
+    x, y, theta = (float(value) for value in start)
+    if not (math.isfinite(gain) and gain > 0):
+        raise ValueError(f"gain: required a positive number, received {gain}")
+    law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
+    return PathRun((x, y, theta), until, Kinematics(kinematics), Method(method), law, width, gain)
