@@ -144,7 +144,8 @@ def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
     x, y, theta = (float(value) for value in end.state)
     first, last = ("", "") if loop.region is None else (loop.region.value(path.start), loop.region.value((x, y, theta)))
     levels = [value if isinstance(value, str) else float_text(value, 2) for value in (first, last)]
-    place = [float_text(value, 2) for value in (x, y, theta)]
+    # What rounding leaves of zero differs from machine to machine: it is shown as zero.
+    place = [float_text(round(value, 12) + 0.0, 2) for value in (x, y, theta)]
     return start_text(path.start), levels[0], float_text(end.t, 4), *place, levels[1], str(end.reason)
 
 
