@@ -85,15 +85,15 @@ class ManyTwists:
     ) -> tuple[Floats, Floats]:
         """The Newton step (m, d), and the forces after it, kept in their unit discs (m, k, 2)."""
         slips = (flat @ x[..., None]).reshape(targets.shape) - targets
-        sizes = np.sqrt((slips**2).sum(axis=-1) + (smoothing * self._unit) ** 2)
+        sizes = np.sqrt(_inner(slips, slips) + (smoothing * self._unit) ** 2)
         units = slips / sizes[..., None]
         z = units if forces is None else forces
         pull = loads / sizes
         gradient = (flat.transpose(0, 2, 1) @ (loads[..., None] * units).reshape(len(x), -1, 1))[..., 0]
         # sum of N/rho W^T (1 - sym(z w^T)/rho) W
         whole = flat.reshape(*targets.shape, -1)
-        along_w = (units[..., None] * whole).sum(axis=2)
-        along_z = (z[..., None] * whole).sum(axis=2)
+        along_w = _inner(units[..., None], whole, axis=2)
+        along_z = _inner(z[..., None], whole, axis=2)
         weighted = np.repeat(pull, 2, axis=1)[..., None] * flat
         mixed = (pull[..., None] * along_z).transpose(0, 2, 1) @ along_w
         hessian = flat.transpose(0, 2, 1) @ weighted - (mixed + mixed.transpose(0, 2, 1)) / 2
@@ -101,9 +101,15 @@ class ManyTwists:
         hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(x.shape[1])
         step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
         moved = (flat @ step[..., None]).reshape(targets.shape)
-        z = units + (moved - z * (units * moved).sum(axis=-1, keepdims=True)) / sizes[..., None]
-        z /= np.maximum(np.sqrt((z**2).sum(axis=-1, keepdims=True)), 1.0)
-        return step, z
+        z = units + (moved - z * _inner(units, moved)[..., None]) / sizes[..., None]
+        z /= np.maximum(np.sqrt(_inner(z, z)), 1.0)[..., None]
+        return np.asarray(step, float), z
+
+
+def _inner(first: Floats, second: Floats, axis: int = -1) -> Floats:
+    """Inner products over an axis of length two: several times as fast as a sum over so short an axis."""
+    a, b = (np.moveaxis(array, axis, 0) for array in (first, second))
+    return np.asarray(a[0] * b[0] + a[1] * b[1])
 
 
 def with_rollers(rows: Floats, targets: Floats, loads: Floats, cuts: Floats) -> tuple[Floats, Floats, Floats]:

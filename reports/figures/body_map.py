@@ -41,7 +41,7 @@ def build_figure(shown: ShownBodyMap) -> Figure:
     from matplotlib.figure import Figure
 
     entries = _legend(shown.destinations)
-    figure = Figure(figsize=(SIZE[0], SIZE[1] + LINE * -(-len(entries) // 2)), layout="constrained")
+    figure = Figure(figsize=(SIZE[0], SIZE[1] + LINE * -(-len(entries) // 2)), layout="compressed")
     starts, ends = figure.subplots(1, 2)
     _draw_starts(starts, shown)
     _draw_bodies(ends, shown)
@@ -100,7 +100,8 @@ def _draw_bodies(axes: Axes, shown: ShownBodyMap) -> None:
             axes.fill(*placed(outline, np.array([x, y, heading])).T, fill=False, edgecolor=color, alpha=0.5, zorder=2)
         axes.fill(*placed(outline, np.array([x, y, theta])).T, fill=False, edgecolor=color, linewidth=2.0, zorder=3)
         nose = np.array([x, y]) + 0.5 * reach * np.array([np.cos(theta), np.sin(theta)])
-        axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color}, zorder=4)
+        arrow = axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color})
+        arrow.set_in_layout(False)
     centres = np.array([one.pose[:2] for one, _ in resting if one.pose is not None])
     low, high = centres.min(axis=0) - NEAR * reach, centres.max(axis=0) + NEAR * reach
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))

@@ -19,7 +19,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 
-PLACE_ERROR, HEADING_ERROR = 0.01, 0.01  # of the spacing, and radians: Heun's steps of 0.04, chattering at edges
+PLACE_ERROR, HEADING_ERROR = 0.01, 0.02  # of the spacing, and radians: Heun's steps of 0.04, chattering at edges
 RATE_ERROR = {"ellipse": 1e-4, "roller": 2e-2}  # of the fastest wheel: norms are smoothed
 
 
