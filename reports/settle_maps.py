@@ -39,6 +39,16 @@ class ShownMap:
     run: GridRun
     found: SettleMap
 
+    @property
+    def title(self) -> str:
+        """The scene and the rule."""
+        return f"{self.partition.scene.name}, rule {self.partition.rule}"
+
+    @property
+    def shares(self) -> list[tuple[str, str]]:
+        """Share and words of every kind of end."""
+        return [(percent_text(basin.share), basin.text) for basin in basins(self.found)]
+
     def record(self) -> dict[str, Any]:
         """JSON with stable keys; starts run along x first."""
         return {

@@ -155,8 +155,11 @@ class StartsMap(ArrayMode):
             raise RefusedError(f"--heading: required a finite number (radian), received {options.heading}")
         run = GridRun(count, options.heading, options.until, options.kinematics)
         scene = self._load()
-        require_no_outline(scene)
         with refusals_named(scene):
+            if scene.body is not None:
+                from nonsmooth.reports.body_maps import build_body_map
+
+                return build_body_map(scene, run)
             partition = build_partition(scene)
         return ShownMap(partition, run, build_map(partition, run))
 

@@ -129,7 +129,7 @@ def require_no_outline(scene: Scene) -> None:
     """
     if scene.body is not None:
         expected = (
-            "an open loop by events under a rule without cells (ellipse, roller) to simulate a body with an outline"
+            "an open loop by events, or a map of starts, under a rule without cells (ellipse, roller) for an outline"
         )
         raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
 

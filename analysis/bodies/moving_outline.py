@@ -38,7 +38,14 @@ class MovingOutline:
 
     def depths(self, pose: Floats) -> Floats:
         """``g_i`` at one pose (3,), shape (n,); at poses (m, 3), shape (m, n)."""
-        places = self._seen(pose)
+        return self._below(_seen(self.places, pose))
+
+    def depths_at(self, places: Floats, poses: Floats) -> Floats:
+        """Depths (m, k) of places (m, k, 2) of their own at each of the poses (m, 3)."""
+        return self._below(_seen(places, poses))
+
+    def _below(self, places: Floats) -> Floats:
+        """Depths of places in the body's frame."""
         if self._radius is not None:
             return self._radius - np.hypot(*np.moveaxis(places - self._middle, -1, 0))
         return np.asarray((self._heights - places @ self._normals.T).min(axis=-1))
@@ -47,7 +54,7 @@ class MovingOutline:
         """``g_i'`` of some wheels at a pose whose rate is ``(c', theta')``, along the motion; shape (k,)."""
         (x, y, theta), (vx, vy, omega) = pose, rate
         away = self.places[wheels] - [x, y]
-        seen = self._seen(pose)[wheels]
+        seen = _seen(self.places, pose)[wheels]
         c, s = np.cos(theta), np.sin(theta)
         drift = -np.array([vx, vy]) - omega * np.column_stack([-away[:, 1], away[:, 0]])
         moved = drift @ np.array([[c, -s], [s, c]])  # R^T on the left of every row
@@ -59,9 +66,10 @@ class MovingOutline:
         slopes = np.where(depths <= deepest + SAME_SIDE * self.size, -(moved @ self._normals.T), np.inf)
         return np.asarray(slopes.min(axis=1))
 
-    def _seen(self, pose: Floats) -> Floats:
-        """``q_i``."""
-        pose = np.asarray(pose, float)
-        away = self.places - pose[..., None, :2]
-        c, s = np.cos(pose[..., None, 2]), np.sin(pose[..., None, 2])
-        return np.stack([c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]], axis=-1)
+
+def _seen(places: Floats, pose: Floats) -> Floats:
+    """``q_i``."""
+    pose = np.asarray(pose, float)
+    away = places - pose[..., None, :2]
+    c, s = np.cos(pose[..., None, 2]), np.sin(pose[..., None, 2])
+    return np.stack([c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]], axis=-1)

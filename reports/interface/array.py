@@ -227,6 +227,8 @@ class Array:
     ) -> MapResult:
         """Where ``grid x grid`` starts all over the square end, in the open loop by events.
 
+        A body with an outline is followed under a rule without cells, by explicit steps: where it ends is sampled.
+
         Args:
             grid: starts in a row and in a column.
             heading: of all starts (radian).
@@ -235,7 +237,7 @@ class Array:
 
         Raises:
             ValueError: for a grid, a heading or a last time that cannot be used.
-            RefusalError: where the motion is not determined, and under a rule without cells.
+            RefusalError: where the motion is not determined, and without a body under a rule without cells.
         """
         from nonsmooth.reports.interface.map_result import map_scene
 

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.basins import MAX_GRID, GridRun, basins
+from nonsmooth.reports.basins import MAX_GRID, GridRun
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.settle_maps import ShownMap, build_map
 from nonsmooth.reports.shown import file_bytes
-from nonsmooth.symbolic.contact_set import require_no_outline
-from nonsmooth.symbolic.number_text import percent_text
 
 if TYPE_CHECKING:
+    from nonsmooth.reports.body_maps import ShownBodyMap
     from nonsmooth.symbolic.scene import Scene
 
 MAP_FORMATS = (".csv", ".json", *PICTURES)
@@ -29,10 +28,10 @@ class MapResult(Tabular):
     """Where, when and at which heading the bodies of a grid of starts end; shares are sampled.
 
     Attributes:
-        shown: the cells, what was mapped, and what was found.
+        shown: the cells or the body, what was mapped, and what was found.
     """
 
-    shown: ShownMap
+    shown: ShownMap | ShownBodyMap
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON record of ``nonsmooth simulate --grid --json``."""
@@ -54,8 +53,7 @@ class MapResult(Tabular):
         return path
 
     def __repr__(self) -> str:
-        head = f"{self.shown.partition.scene.name}, rule {self.shown.partition.rule}: {self.shown.summary()} (sampled)"
-        return short_lines(head, [(percent_text(basin.share), basin.text) for basin in basins(self.shown.found)])
+        return short_lines(f"{self.shown.title}: {self.shown.summary()} (sampled)", self.shown.shares)
 
 
 def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kinematics: str) -> MapResult:
@@ -72,6 +70,9 @@ def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kine
     if until is not None and not 0 < until < math.inf:
         raise ValueError(f"until: required a positive number, received {until}")
     run = GridRun(grid, heading, until, Kinematics(kinematics))
-    require_no_outline(scene)
+    if scene.body is not None:
+        from nonsmooth.reports.body_maps import build_body_map
+
+        return MapResult(build_body_map(scene, run))
     partition = build_partition(scene)
     return MapResult(ShownMap(partition, run, build_map(partition, run)))

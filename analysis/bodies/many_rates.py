@@ -1,0 +1,107 @@
+"""Pose rates of one body at many poses at once, in floats, and which of them do not stand.
+
+At each pose the wheels strictly under the outline carry; their loads and the least dissipation give ``(c', theta')``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.many_contacts import (
+    NOBODY,
+    Mask,
+    Numbers,
+    RowsOfWheels,
+    elastic_loads_of,
+    nearest_wheels,
+    widest_gaps,
+)
+from nonsmooth.analysis.bodies.many_twists import ManyTwists, turning_rollers, with_rollers
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+
+AROUND = 0.25  # of the body's size: how far it moves before the wheels near it are looked up again
+
+
+@dataclass(frozen=True)
+class Rates:
+    """What is known at m poses.
+
+    Attributes:
+        rates: ``(c', theta')``, shape (m, 3), zero where the body does not stand.
+        tips: where it does not.
+        over: numbers of the two wheels (m, 2) over whose line it tips, -1 for none.
+        none: where no wheel is under the body.
+        known: where the motion was found.
+    """
+
+    rates: Floats
+    tips: Mask
+    over: Numbers
+    none: Mask
+    known: Mask
+
+
+class ManyRates:
+    """Rates along many paths; each path keeps the wheels near it and its last twist."""
+
+    def __init__(self, model: ContactModel, outline: MovingOutline, poses: Floats) -> None:
+        """For paths that begin at poses (m, 3)."""
+        self._outline, self._rows, self._cuts = outline, RowsOfWheels(model), model.cuts
+        self._size = outline.size
+        speed = float(np.abs(model.friction * model.targets).max())
+        self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
+        self._last = np.zeros((len(poses), 3))
+        self._centres = poses[:, :2].copy()
+        self._near = nearest_wheels(outline.places, self._centres, self._size * (1 + AROUND))
+
+    def at(self, poses: Floats, paths: Numbers) -> Rates:
+        """The rates at poses (m, 3) of the paths of these numbers (m,)."""
+        self._look_around(poses, paths)
+        near = self._near[paths]
+        levers = self._outline.places[near] - poses[:, None, :2]
+        depths = self._outline.depths_at(self._outline.places[near], poses)
+        carrying = (depths > 0) & (near != NOBODY)
+        order = np.argsort(~carrying, axis=1, kind="stable")[:, : max(int(carrying.sum(axis=1).max()), 1)]
+        near, carrying = np.take_along_axis(near, order, axis=1), np.take_along_axis(carrying, order, axis=1)
+        levers = np.take_along_axis(levers, order[..., None], axis=1)
+        gaps, first, second = widest_gaps(levers, carrying)
+        tips = np.asarray(~(gaps < np.pi))
+        over = np.stack([np.take_along_axis(near, k[:, None], axis=1)[:, 0] for k in (first, second)], axis=1)
+        over[~tips | (carrying.sum(axis=1) < 2)] = NOBODY
+        rates, known = np.zeros((len(poses), 3)), tips.copy()
+        stands = np.flatnonzero(~tips)
+        if len(stands):
+            found = self._motions(near[stands], levers[stands], carrying[stands], paths[stands])
+            rates[stands], known[stands] = found
+        return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known)
+
+    def _motions(self, near: Numbers, levers: Floats, carrying: Mask, paths: Numbers) -> tuple[Floats, Mask]:
+        """``(c', theta')`` where the body stands, and whether it was found."""
+        loads, balanced = elastic_loads_of(levers, carrying)
+        rows, targets = self._rows.at(near, levers, self._size)
+        start = self._last[paths]
+        cuts = self._cuts[near]
+        if (cuts < 1).any():
+            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
+            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
+        found, settled = self._twists.minimize(rows, targets, loads, start)
+        found = np.where(settled[:, None], found[:, :3], 0.0)
+        self._last[paths] = found
+        return found / [1.0, 1.0, self._size], settled & balanced
+
+    def _look_around(self, poses: Floats, paths: Numbers) -> None:
+        """Look up the wheels near those bodies that have moved far, of all paths that are asked for."""
+        moved = np.hypot(*(poses[:, :2] - self._centres[paths]).T)
+        if moved.max(initial=0.0) < AROUND * self._size:
+            return
+        self._centres[paths] = poses[:, :2]
+        found = nearest_wheels(self._outline.places, poses[:, :2], self._size * (1 + AROUND))
+        width = max(found.shape[1], self._near.shape[1])
+        near = np.full((len(self._near), width), NOBODY)
+        near[:, : self._near.shape[1]] = self._near
+        near[paths] = NOBODY
+        near[paths, : found.shape[1]] = found
+        self._near = near

@@ -1,0 +1,167 @@
+"""The command ``simulate --grid`` for a body with an outline: where it ends, sampled; text, JSON, table or picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from nonsmooth.analysis.bodies.destinations import TOGETHER, Destination, destinations
+from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.reports.basins import GridRun
+from nonsmooth.reports.progress import progress
+from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+
+SCHEMA = "nonsmooth-body-map/1"
+SHOWN = 12  # destinations listed on a terminal
+
+
+def pose_starts(scene: Scene, count: int, heading: float) -> Floats:
+    """``count x count`` poses (m, 3) of one heading, evenly over the checked square, borders included; x runs first."""
+    radius = float(scene.check.radius)
+    axes = [np.linspace(-radius, radius, count) + float(middle) for middle in scene.check.equilibrium]
+    x, y = np.meshgrid(*axes)
+    return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, heading)])
+
+
+def build_body_map(scene: Scene, run: GridRun) -> ShownBodyMap:
+    """Follow a body from every start of the grid over the whole array's square, with progress on a terminal.
+
+    Raises:
+        SceneError: under a rule with cells, for leading-order kinematics, and for a table of loads.
+    """
+    rule = rule_of(scene)
+    if not isinstance(rule, SmoothRule):
+        expected = "a rule without cells (ellipse, roller) to map where a body with an outline ends"
+        raise SceneError(scene.origin, "body", expected, StatedFact(f"rule {rule.name}"))
+    if run.kinematics is not Kinematics.EXACT:
+        expected = "--kinematics exact for a body with an outline"
+        raise SceneError(scene.origin, "body", expected, StatedFact(str(run.kinematics)))
+    array = whole(scene)
+    paths = ManyPaths(array, rule)
+    with progress(f"{run.count} x {run.count} starts") as report:
+        ends = paths.follow(pose_starts(array, run.count, run.theta), run.until, report)
+    return ShownBodyMap(array, run, ends, TOGETHER * paths.spacing)
+
+
+@dataclass(frozen=True)
+class ShownBodyMap:
+    """Sampled ends of a grid of paths of a body.
+
+    Attributes:
+        scene: with all wheels.
+        run: what was mapped.
+        found: the ends.
+        distance: below which bodies rest at one place (length).
+    """
+
+    scene: Scene
+    run: GridRun
+    found: BodyEnds
+    distance: float
+
+    @cached_property
+    def destinations(self) -> list[Destination]:
+        """Where the paths end, with shares."""
+        return destinations(self.found, self.distance)
+
+    @cached_property
+    def destination_of(self) -> list[int]:
+        """The place in the list of destinations of every start."""
+        numbers = np.zeros(len(self.found.starts), int)
+        for k, destination in enumerate(self.destinations):
+            numbers[destination.starts] = k
+        return [int(k) for k in numbers]
+
+    @property
+    def shares(self) -> list[tuple[str, str]]:
+        """Share and words of every destination."""
+        return [(percent_text(one.share), one.text) for one in self.destinations]
+
+    @property
+    def title(self) -> str:
+        """The scene and the rule."""
+        return f"{one_line(self.scene.name)}, rule {self.scene.contact.rule}"
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys; starts run along x first."""
+        found = self.found
+        return {
+            "schema": SCHEMA,
+            "scene": self.scene.name,
+            "rule": self.scene.contact.rule,
+            "status": "sampled",
+            "grid": self.run.count,
+            "theta_0": self.run.theta,
+            "until": found.until,
+            "destinations": [_record(one) for one in self.destinations],
+            "starts": found.starts[:, :2].tolist(),
+            "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
+            "destination": self.destination_of,
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """One start per line; the wheels over whose line it tips, where it does."""
+        yield ("x", "y", "theta", "t_end", "x_end", "y_end", "theta_end", "reason", "tips_over", "destination")
+        found = self.found
+        for k, (start, pose) in enumerate(zip(found.starts.tolist(), found.poses.tolist(), strict=True)):
+            numbers = (repr(value) for value in (*start, float(found.times[k]), *pose))
+            over = "-".join(str(wheel) for wheel in found.over[k].tolist() if wheel)
+            yield (*numbers, ENDS[found.reasons[k]].value, over, self.destination_of[k] + 1)
+
+    def picture(self, suffix: str) -> bytes:
+        """Starts by where they end, and the body at each destination."""
+        from nonsmooth.reports.figures.body_map import body_map_figure
+
+        return body_map_figure(self, suffix)
+
+    def summary(self) -> str:
+        """How many starts, places of rest and tips."""
+        places = sum(one.reason is BodyEnd.REST for one in self.destinations)
+        tips = int(self.found.by(BodyEnd.TIPS).sum())
+        return f"{len(self.found.starts)} starts, {places} {'place' if places == 1 else 'places'} of rest, {tips} tip"
+
+    def view(self) -> RenderableType:
+        """The shares of the destinations."""
+        rows, shares = two_columns(), self.shares
+        for share, text in shares[:SHOWN]:
+            rows.add_row(Text(share), Text(text))
+        if others := self.destinations[SHOWN:]:
+            rows.add_row(Text(percent_text(sum(one.share for one in others))), Text(f"{len(others)} others"))
+        tips = self.found.by(BodyEnd.TIPS)
+        if tips.any():
+            at_once = float((tips & (self.found.times == 0)).mean())
+            rows.add_row(Text(percent_text(at_once)), Text("tip where they start"))
+        rows.add_row(Text("latest end"), Text(f"t = {self.found.times.max():.6g}"))
+        return Group(*self._head(), rows)
+
+    def _head(self) -> tuple[Text, Text]:
+        (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
+        count = f"{self.run.count} x {self.run.count} starts until t = {self.found.until:.6g}, sampled"
+        square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {self.run.theta:.6g}"
+        return Text(f"{self.title}: {count}"), Text(square)
+
+
+def _record(one: Destination) -> dict[str, Any]:
+    pose = None if one.pose is None else list(one.pose)
+    headings = None if one.headings is None else list(one.headings)
+    return {"reason": one.reason.value, "share": one.share, "pose": pose, "headings": headings}
+
+
+def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
+    x, y, theta = pose
+    over = [int(wheel) for wheel in found.over[k] if wheel]
+    reason = ENDS[found.reasons[k]].value
+    return {"x": x, "y": y, "theta": theta, "t": float(found.times[k]), "reason": reason, "tips_over": over or None}

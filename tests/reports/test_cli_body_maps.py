@@ -1,0 +1,114 @@
+"""``simulate --grid`` for a body with an outline: the same numbers in every form, tips, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+import nonsmooth
+from nonsmooth.symbolic.scene_error import SceneError
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+SCENE = """
+[grid]
+rows = 6
+columns = 6
+[field]
+kind = "radial"
+speed = "unit"
+[body]
+shape = "rectangle"
+width = 3
+height = 2
+[friction]
+mu_roll = 1
+mu_side = 1
+[contact]
+rule = "ellipse"
+[check]
+radius = 3
+"""
+KEYS = [
+    "schema",
+    "scene",
+    "rule",
+    "status",
+    "grid",
+    "theta_0",
+    "until",
+    "destinations",
+    "starts",
+    "ends",
+    "destination",
+]
+GRID = ("simulate", "carton.toml", "--grid", "4", "--heading", "0.3")
+
+
+@pytest.fixture
+def carton(tmp_path: Path) -> Path:
+    file = tmp_path / "carton.toml"
+    file.write_text(SCENE)
+    return file
+
+
+def test_json_and_table_are_the_same_numbers(carton: Path, invoke: Invoke) -> None:
+    record = invoke(*GRID, "--json").record
+    assert list(record) == KEYS
+    assert (record["schema"], record["status"], record["theta_0"]) == ("nonsmooth-body-map/1", "sampled", 0.3)
+    assert record["starts"][0] == [-3.0, -3.0]  # the file's radius: the square of the whole array
+    assert sum(one["share"] for one in record["destinations"]) == pytest.approx(1)
+    assert invoke(*GRID, "-o", "map.csv").status == 0
+    rows = list(csv.DictReader(io.StringIO((carton.parent / "map.csv").read_text())))
+    assert len(rows) == 16
+    for row, end, number in zip(rows, record["ends"], record["destination"], strict=True):
+        assert [float(row[key]) for key in ("x_end", "y_end", "theta_end")] == [end[key] for key in ("x", "y", "theta")]
+        assert (row["reason"], int(row["destination"])) == (end["reason"], number + 1)
+        assert record["destinations"][number]["reason"] == end["reason"]
+    assert record["ends"][0]["reason"] == "the body tips"
+    assert any(end["reason"] == "the body rests" for end in record["ends"])
+
+
+def test_a_terminal_says_sampled_and_how_many_tip(carton: Path, invoke: Invoke) -> None:
+    out = invoke(*GRID).out
+    assert "sampled" in out
+    assert "the body tips" in out
+    assert "tip where they start" in out
+    assert "proved" not in out
+
+
+def test_a_picture_is_drawn(carton: Path, invoke: Invoke) -> None:
+    done = invoke(*GRID, "-o", "map.svg")
+    assert (done.status, done.err) == (0, "")
+    assert (carton.parent / "map.svg").read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("options", "received"),
+    [
+        (("--rule", "box"), "rule box"),
+        (("--rule", "nearest"), "rule nearest"),
+        (("--kinematics", "leading"), "received leading"),
+    ],
+)
+def test_refused_in_one_line(options: tuple[str, ...], received: str, carton: Path, invoke: Invoke) -> None:
+    done = invoke("simulate", carton.name, "--grid", "4", *options)
+    assert (done.status, done.out) == (2, "")
+    assert done.err.count("\n") == 1
+    assert received in done.err
+
+
+def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
+    array = nonsmooth.load(carton)
+    assert isinstance(array, nonsmooth.Array)
+    found = array.map(4, heading=0.3)
+    assert found.to_dict() == invoke(*GRID, "--json").record
+    assert "(sampled)" in repr(found)
+    assert len(found.rows()) == 16
+    with pytest.raises(SceneError, match="rule box"):
+        array.with_(rule="box").map(3)
