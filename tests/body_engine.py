@@ -204,15 +204,16 @@ def inward_grid(side: Fraction) -> Scene:
 def with_random_body(scene: Scene, rng: np.random.Generator, reach: float) -> Scene:
     """A rectangle or a disc of 4 to 9 wheels at a random pose, its centre of mass a little beside its middle."""
     field = scene.field
-    at = tuple(field(Fraction(round(1000 * x), 1000)) for x in rng.uniform(-reach, reach, 2))
-    centre = tuple(field(Fraction(int(k), 20)) for k in rng.integers(-4, 5, 2))
-    heading = tuple(field(entry) for entry in Arrays().circle_point(Fraction(int(rng.integers(-30, 31)), 20)))
+    x, y = (field(Fraction(round(1000 * entry), 1000)) for entry in rng.uniform(-reach, reach, 2))
+    across, along = (field(Fraction(int(k), 20)) for k in rng.integers(-4, 5, 2))
+    c, s = Arrays().circle_point(Fraction(int(rng.integers(-30, 31)), 20))
+    centre, heading = (across, along), (field(c), field(s))
     if rng.random() < 0.5:
         body = Body(Disc(field(Fraction(int(rng.integers(120, 171)), 100))), centre, heading)
     else:
         a, b = (field(Fraction(int(k), 100)) for k in rng.integers(100, 161, 2))
         body = Body(rectangle(a, b), centre, heading)
-    return replace(scene, body=body, contact=Contact("ellipse"), check=replace(scene.check, equilibrium=at))
+    return replace(scene, body=body, contact=Contact("ellipse"), check=replace(scene.check, equilibrium=(x, y)))
 
 
 def ellipse() -> SmoothRule:
