@@ -34,9 +34,10 @@ from nonsmooth.analysis.trajectories.result import (
 )
 from nonsmooth.symbolic.plane import Vector, around
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 
-RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-10, 1e-12  # per step; the minimizer is right to about 1e-12
+RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-12, 1e-14  # per step, with which events are right to 1e-10
+STIFF_TOLERANCES = 1e-10, 1e-12  # of the same where drag makes the field stiff and forces carry its rounding
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 LOOKS = 8  # places within a step where depths are looked at
 MOST_EVENTS = 2_000
@@ -105,13 +106,13 @@ class BodyPath:
             self._keep(log, mode, stretch, time)
             time = stretch.times[-1]
             if stretch.reason is not None:
-                return self._ended(log, time, pose, stretch.reason)
+                return self._ended(log, time, pose, stretch.reason, mode.carrying)
             if len(log.events) >= MOST_EVENTS:
-                return self._ended(log, time, pose, EndReason.EVENTS)
+                return self._ended(log, time, pose, EndReason.EVENTS, mode.carrying)
             try:
                 following = self._mode_at(pose, mode)
             except TippedError:
-                return self._ended(log, time, pose, EndReason.TIPS)
+                return self._ended(log, time, pose, EndReason.TIPS, self._well_under(pose, mode))
             self._note(log, time, pose, mode, following)
             mode = following
 
@@ -145,8 +146,9 @@ class BodyPath:
             found, kept = self._rate(mode, at, kept)
             return found
 
-        method = BDF if self._sets.is_stiff else LSODA
-        solver = method(right, start, pose, until, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
+        stiff = self._sets.is_stiff
+        relative, absolute = STIFF_TOLERANCES if stiff else (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)
+        solver = (BDF if stiff else LSODA)(right, start, pose, until, rtol=relative, atol=absolute)
         times: list[float] = [start]
         dense: list[Any] = []
         while solver.status == "running":
@@ -198,7 +200,7 @@ class BodyPath:
             signed[list(mode.sliding)] = 1.0
             _, weights = self._rate(mode, pose, np.full(len(mode.sliding), 0.5))
             extra = [*weights, *(1 - weights)]
-        margin = self._sets.margin(mode.carrying | frozenset(mode.sliding), pose)
+        margin = self._sets.margin(mode.carrying, pose)  # a slide is over where the body could not leave its wheels
         return np.array([*signed, *extra, margin])
 
     def _root(self, mode: Mode, piece: Any, low: float, high: float, signal: int) -> float:
@@ -240,19 +242,27 @@ class BodyPath:
     def _names(self, wheels: Wheels) -> list[str]:
         return [str(self._scene.wheels[k].index) for k in sorted(wheels)]
 
-    def _tipping_edge(self, log: _Log, pose: Floats) -> str:
-        """The side of the support polygon over which the body tips: the one nearest to the centre of mass."""
-        carrying = [wheel for wheel in self._scene.wheels if str(wheel.index) in log.pieces[-1].cells]
-        corners = support_polygon([wheel.position for wheel in carrying])
-        number = {wheel.position: wheel.index for wheel in carrying}
+    def _well_under(self, pose: Floats, before: Mode) -> Wheels:
+        """The wheels that carried the body and have not come to its edge."""
+        depths = self._outline.depths(pose)
+        return frozenset(k for k in before.carrying if depths[k] > self._edge_depth)
+
+    def _tipping_edge(self, carrying: Wheels, pose: Floats) -> str:
+        """Over what a body tips: the side of the hull of the wheels left that the centre of mass is farthest beyond."""
+        number = {self._scene.wheels[k].position: self._scene.wheels[k].index for k in carrying}
+        if not number:
+            return "with no wheel under it"
+        if len(number) == 1:
+            return f"over wheel {min(number.values())}"
+        corners = support_polygon(outer_positions(list(number)))
         sides = [(number[a], number[b], _line_distance(a, b, pose)) for a, b in around(corners)]
         first, second, _ = min(sides, key=lambda side: side[2])
         return f"over the line through wheels {first} and {second}"
 
-    def _ended(self, log: _Log, time: float, pose: Floats, reason: EndReason) -> Trajectory:
+    def _ended(self, log: _Log, time: float, pose: Floats, reason: EndReason, carrying: Wheels) -> Trajectory:
         state = tuple(float(value) for value in pose)
         if reason is EndReason.TIPS:
-            log.events.append(Event(time, state, EventKind.TIPS, self._tipping_edge(log, pose)))
+            log.events.append(Event(time, state, EventKind.TIPS, self._tipping_edge(carrying, pose)))
         end = End(time, state, reason)
         times, states = samples(log.pieces, end)
         return Trajectory(

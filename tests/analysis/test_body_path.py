@@ -1,0 +1,314 @@
+"""The path of a body with an outline against references that know nothing of it, geometry written anew.
+
+Event times against DOP853 with event functions of its own; slides against a chattering path of small Euler steps; a
+body over all wheels against the array without a body; tipping against the side of the hull that is crossed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from nonsmooth.analysis.bodies.path import BodyPath
+from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.continuum import Disc, PolygonShape
+from nonsmooth.symbolic.scene import Contact, Scene
+from tests.conftest import WheelData
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+Floats: TypeAlias = NDArray[np.float64]
+Depths: TypeAlias = Callable[[Floats, Floats], Floats]  # of places (n, 2) at a pose
+Pair: TypeAlias = tuple[Fraction | int, Fraction | int]
+
+TIME_ERROR = 1e-9  # the largest seen 2e-10
+POSE_ERROR = 1e-9
+LEAST_CHANGES = 10
+CHATTER = 2.0  # distance of a chattering path at the last time, in units of its step
+LIKE_NO_BODY = 1e-8  # lengths and radians: the path without a body is right to 1e-9 per step
+
+
+def ellipse() -> SmoothRule:
+    rule = contact_rule("ellipse")
+    assert isinstance(rule, SmoothRule)
+    return rule
+
+
+# ---- bodies, and the same bodies in floats -------------------------------------------------------
+
+
+def on(scene: Scene, outline: Disc | PolygonShape, centre: Pair = (0, 0)) -> Scene:
+    """The scene with a body whose centroid lies at ``centre`` from its centre of mass."""
+    field = scene.field
+    body = Body(outline, (field(centre[0]), field(centre[1])), (field(1), field(0)))
+    return replace(scene, body=body, contact=Contact("ellipse"))
+
+
+def polygon_of(scene: Scene, corners: list[Pair]) -> PolygonShape:
+    return PolygonShape(tuple((scene.field(x), scene.field(y)) for x, y in corners))
+
+
+def seen(places: Floats, pose: Floats) -> Floats:
+    """Places from the body: complex numbers turned back."""
+    away = (places[:, 0] - pose[0]) + 1j * (places[:, 1] - pose[1])
+    turned = away * np.exp(-1j * pose[2])
+    return np.column_stack([turned.real, turned.imag])
+
+
+def disc_depths(radius: float, centre: Floats, places: Floats, pose: Floats) -> Floats:
+    return np.asarray(radius - np.linalg.norm(seen(places, pose) - centre, axis=1))
+
+
+def polygon_depths(corners: Floats, places: Floats, pose: Floats) -> Floats:
+    """Twice the area of the triangle over a side, over its length; the least over all sides."""
+    depths = []
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        away, along = seen(places, pose) - a, b - a
+        depths.append((along[0] * away[:, 1] - along[1] * away[:, 0]) / np.linalg.norm(along))
+    return np.asarray(np.min(depths, axis=0))
+
+
+# ---- the motion on a set of wheels, with springs of its own ---------------------------------------
+
+
+class Motion(NamedTuple):
+    """The motion on any wheels of an array, from the interior point minimizer."""
+
+    positions: Floats
+    rims: Floats
+    speeds: Floats
+    friction: Floats
+
+    @classmethod
+    def of(cls, scene: Scene) -> Motion:
+        positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
+        speeds = np.array([float(wheel.speed) for wheel in scene.wheels])
+        friction = [[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels]
+        return cls(positions, rims, speeds, np.array(friction))
+
+    def loads(self, wheels: list[int], centre: Floats) -> Floats:
+        """Springs of equal stiffness; those that pull are taken away one by one."""
+        pressed = list(wheels)
+        while True:
+            moments = np.vstack([np.ones(len(pressed)), self.positions[pressed].T])
+            forces, *_ = np.linalg.lstsq(moments, np.array([1.0, *centre]), rcond=None)
+            if forces.min() >= 0:
+                break
+            pressed.pop(int(np.argmin(forces)))
+        loads = np.zeros(len(self.positions))
+        loads[pressed] = forces
+        return loads[wheels]
+
+    def rate(self, carrying: frozenset[int], pose: Floats) -> Floats:
+        """``(c', theta')``."""
+        wheels = sorted(carrying)
+        model = ContactModel.build(
+            self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels]
+        )
+        twist = EllipseInterior().minimize(model, self.loads(wheels, pose[:2])[None]).twists[0]
+        v, omega = twist[:2], twist[2]
+        return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
+
+
+def under(depths: Floats) -> frozenset[int]:
+    return frozenset(int(k) for k in np.flatnonzero(depths > 0))
+
+
+class Reference(NamedTuple):
+    """What the reference path met: times and sets at changes, and its last pose."""
+
+    times: list[float]
+    sets: list[frozenset[int]]
+    last: Floats
+
+
+def reference_path(motion: Motion, depths: Depths, start: Floats, until: float) -> Reference:
+    """DOP853 from change to change; each change lets one wheel enter or leave."""
+    pose, time = start, 0.0
+    carrying = under(depths(motion.positions, pose))
+    times: list[float] = []
+    sets = [carrying]
+    while True:
+        events = [edge_event(k, k in carrying, motion, depths) for k in range(len(motion.positions))]
+        here = carrying
+
+        def rate(t: float, at: Floats, here: frozenset[int] = here) -> Floats:
+            return motion.rate(here, at)
+
+        path = solve_ivp(
+            rate, (time, until), pose, method="DOP853", rtol=1e-12, atol=1e-13, events=events, max_step=0.2
+        )
+        if path.status == 0:
+            return Reference(times, sets, path.y[:, -1])
+        (wheel,) = (k for k, found in enumerate(path.t_events) if len(found))
+        time, pose = float(path.t_events[wheel][0]), path.y_events[wheel][0]
+        carrying ^= {wheel}
+        times.append(time)
+        sets.append(carrying)
+
+
+def edge_event(wheel: int, inside: bool, motion: Motion, depths: Depths) -> Callable[[float, Floats], float]:
+    """An event function that ends a stretch where a wheel leaves or enters."""
+
+    def event(t: float, pose: Floats) -> float:
+        return float(depths(motion.positions[[wheel]], pose)[0])
+
+    event.terminal = True  # type: ignore[attr-defined]
+    event.direction = -1 if inside else 1  # type: ignore[attr-defined]
+    return event
+
+
+# ---- arrays --------------------------------------------------------------------------------------
+
+
+def conveyor(arrays: Arrays, columns: int = 10) -> Scene:
+    """Four rows of wheels that run along x, no two alike, the fastest at the bottom: the body turns on its way."""
+    rng = np.random.default_rng(11)
+    wheels = []
+    for column in range(columns):
+        for row in range(4):
+            slope, extra = rng.integers(-3, 4), rng.integers(0, 5)
+            speed = 1 + Fraction(int(extra), 10) - Fraction(row, 20)
+            wheels.append(WheelData((column, row), (10, int(slope)), speed))
+    return arrays.scene(wheels)
+
+
+SHIELD: list[Pair] = [(-2, -1), (1, Fraction(-3, 2)), (2, 0), (Fraction(1, 2), Fraction(3, 2)), (-2, 1)]
+
+
+def disc_case(scene: Scene) -> tuple[Scene, Depths]:
+    radius, centre = Fraction(8, 5), (Fraction(1, 5), Fraction(-1, 10))
+    outlined = on(scene, Disc(scene.field(radius)), centre)
+    return outlined, partial(disc_depths, float(radius), np.array(centre, float))
+
+
+def polygon_case(scene: Scene) -> tuple[Scene, Depths]:
+    outlined = on(scene, polygon_of(scene, SHIELD))
+    return outlined, partial(polygon_depths, np.array(SHIELD, float))
+
+
+CASES = {"disc": (disc_case, 1.3), "polygon": (polygon_case, 1.9)}
+
+
+def sets_of(path: Trajectory) -> list[frozenset[int]]:
+    return [frozenset(int(name) - 1 for name in piece.cells) for piece in path.pieces]
+
+
+@pytest.mark.parametrize(("case", "until"), CASES.values(), ids=CASES)
+def test_changes_come_when_another_integrator_says(
+    case: Callable[[Scene], tuple[Scene, Depths]], until: float, arrays: Arrays
+) -> None:
+    scene, depths = case(conveyor(arrays))
+    start = np.array([2.03, 1.52, 0.1])
+    path = BodyPath(scene, ellipse()).follow(start.tolist(), until)
+    expected = reference_path(Motion.of(scene), depths, start, until)
+    assert path.end.reason is EndReason.TIME
+    assert len(expected.times) >= LEAST_CHANGES
+    assert {event.kind for event in path.events} == {EventKind.ENTER, EventKind.LEAVE}
+    assert sets_of(path) == expected.sets
+    found = [event.t for event in path.events]
+    assert np.abs(np.array(found) - expected.times).max() < TIME_ERROR
+    assert np.abs(np.array(path.end.state) - expected.last).max() < POSE_ERROR
+
+
+# ---- sliding -------------------------------------------------------------------------------------
+
+
+def pushed_back(arrays: Arrays) -> tuple[Scene, Depths]:
+    """Four wheels carry a plate to the right and up, onto a fifth of more grip that runs to the left."""
+    ways = [(10, 3), (10, 4), (12, 3), (11, 5)]
+    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    wheels = [WheelData(at, way, Fraction(1, 2)) for at, way in zip(corners, ways, strict=True)]
+    fifth = WheelData((2, Fraction(3, 10)), (-10, 1), 2, (8, 4))
+    half, high = Fraction(8, 5), Fraction(9, 5)
+    scene = arrays.scene([*wheels, fifth])
+    plate: list[Pair] = [(-half, -high), (half, -high), (half, high), (-half, high)]
+    return on(scene, polygon_of(scene, plate)), partial(polygon_depths, np.array(plate, float))
+
+
+def chatter(motion: Motion, depths: Depths, start: Floats, until: float, steps: int) -> Floats:
+    """Euler steps, each on the wheels that are under the body at its beginning."""
+    pose = start
+    for _ in range(steps):
+        pose = pose + until / steps * motion.rate(under(depths(motion.positions, pose)), pose)
+    return pose
+
+
+def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(arrays: Arrays) -> None:
+    scene, depths = pushed_back(arrays)
+    start, until = np.array([0.3, -0.2, 0.0]), 1.0
+    motion = Motion.of(scene)
+    path = BodyPath(scene, ellipse()).follow(start.tolist(), until)
+    assert [event.kind for event in path.events] == [EventKind.SLIDE]
+    (slide,) = path.events
+    assert slide.surface == "wheel 5 under the edge"
+    for time in np.linspace(slide.t, until, 7):
+        assert abs(depths(motion.positions, np.array(path.at(time)))[4]) < POSE_ERROR
+    assert np.abs(np.subtract(path.at(until), path.at(slide.t))).max() > 0.1
+    for steps in (100, 400):
+        error = np.abs(chatter(motion, depths, start, until, steps) - path.at(until)).max()
+        assert error < CHATTER * until / steps
+
+
+# ---- all wheels under the body, and none enough --------------------------------------------------
+
+
+def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> None:
+    scene = replace(conveyor(arrays, columns=3), contact=Contact("ellipse"))
+    start = np.array([0.7, 1.4, 0.3])
+    covered = on(scene, Disc(scene.field(20)), (1, 2))
+    path, expected = (ellipse().path(each, start.tolist(), 0.5) for each in (covered, scene))
+    assert not path.events
+    for time in np.linspace(0, 0.5, 6):
+        assert np.abs(np.subtract(path.at(time), expected.at(time))).max() < LIKE_NO_BODY
+    assert np.abs(path.at(0.5) - start).max() > 0.1
+
+
+def square(arrays: Arrays, way: Pair) -> Scene:
+    """Four wheels that all run one way."""
+    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    return arrays.scene([WheelData(at, way, 1) for at in corners])
+
+
+WAYS: dict[str, tuple[Pair, int, float]] = {
+    "wheels 1 and 2": ((1, 20), 1, 1.0),
+    "wheels 2 and 3": ((-20, 1), 0, -1.0),
+    "wheels 3 and 4": ((1, -20), 1, -1.0),
+    "wheels 4 and 1": ((20, 1), 0, 1.0),
+}
+
+
+@pytest.mark.parametrize("side", WAYS)
+def test_a_body_tips_over_the_side_its_centre_crosses(side: str, arrays: Arrays) -> None:
+    way, axis, place = WAYS[side]
+    scene = square(arrays, way)
+    path = BodyPath(on(scene, Disc(scene.field(9))), ellipse()).follow((0.1, 0.05, 0.0), 5.0)
+    assert path.end.reason is EndReason.TIPS
+    assert path.end.state[axis] == pytest.approx(place, abs=POSE_ERROR)
+    assert path.events[-1].kind is EventKind.TIPS
+    assert path.events[-1].surface == f"over the line through {side}"
+
+
+def test_a_body_that_leaves_a_wheel_tips_over_the_side_that_is_left(arrays: Arrays) -> None:
+    """Wheel 4 carries the lower right of the centre of mass; then the slanted edge leaves it behind."""
+    scene = square(arrays, (-20, 19))
+    slanted: list[Pair] = [(-3, -3), (Fraction(-3, 2), -3), (3, Fraction(3, 2)), (3, 3), (-3, 3)]
+    path = BodyPath(on(scene, polygon_of(scene, slanted)), ellipse()).follow((0.6, -0.2, 0.0), 5.0)
+    assert path.end.reason is EndReason.TIPS
+    x, y, _ = path.end.state
+    assert x - y == pytest.approx(0.5, abs=POSE_ERROR)
+    assert path.events[-1].surface == "over the line through wheels 3 and 1"
