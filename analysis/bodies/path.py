@@ -40,7 +40,7 @@ RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-12, 1e-14  # per step, with which ev
 STIFF_TOLERANCES = 1e-10, 1e-12  # of the same where drag makes the field stiff and forces carry its rounding
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 LOOKS = 8  # places within a step where depths are looked at
-MOST_EVENTS = 2_000
+MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 
 
@@ -107,7 +107,7 @@ class BodyPath:
             time = stretch.times[-1]
             if stretch.reason is not None:
                 return self._ended(log, time, pose, stretch.reason, mode.carrying)
-            if len(log.events) >= MOST_EVENTS:
+            if len(log.pieces) >= MOST_EVENTS:
                 return self._ended(log, time, pose, EndReason.EVENTS, mode.carrying)
             try:
                 following = self._mode_at(pose, mode)
