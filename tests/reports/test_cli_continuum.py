@@ -75,11 +75,11 @@ def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[st
     file = tmp_path / "my.toml"
     wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 4\ncolumns = 4\n'
     law = '[field]\nkind = "elliptic"\na = 2\nb = 1\nspeed = "magnitude"\n'
-    file.write_text(f'{wheels}{law}[body]\nshape = "polygon"\nvertices = [[0, 0], [3, 0], [0, 1]]\n')
+    file.write_text(f'{wheels}{law}[body]\nshape = "polygon"\nvertices = [[0, 0], [30, 0], [0, 10]]\n')
     _, record = printed(capsys, str(file), "--continuum")
     (triangle,) = record["continuum"]["objects"]
     assert record["continuum"]["given"] is True
-    assert triangle["exact"]["vertices"][0] == ["-1", "-1/3"]
+    assert triangle["exact"]["vertices"][0] == ["-10", "-10/3"]
     axis = math.atan2(-2 * 9 / 72, 27 / 36 - 3 / 36) / 2  # of the long principal axis; the weaker pull is along y
     stable = next(heading["theta"] for heading in triangle["headings"] if heading["stable"])
     assert stable == pytest.approx(math.pi / 2 - axis, abs=HEADING)
