@@ -90,7 +90,7 @@ def _start(loop: DrivenLoop, direction: Vector, size: float) -> Start:
 
 def _ends(loop: DrivenLoop, paths: list[_Path]) -> Block:
     header = ("start (x, y, theta)", "V there", "last t", "x", "y", prose("`theta`"), "V", "switches")
-    return table(header, [_row(loop, path) for path in paths], (2.8, 2, 1.5, 2.1, 2.1, 2.1, 1.9, 1.5))
+    return table(header, [_row(loop, path) for path in paths], (2.8, 1.7, 1.5, 1.7, 1.7, 1.7, 1.7, 2.2))
 
 
 def _row(loop: DrivenLoop, path: _Path) -> tuple[Entry, ...]:

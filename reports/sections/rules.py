@@ -22,8 +22,8 @@ def without_rules(subject: Subject) -> str:
     try:
         _ = subject.agreement
     except LoadError as error:
-        refusing = " and ".join(rule.name for rule in all_rules() if rule.needs_loads)
-        return f"rules {refusing} refuse the scene: {error}"
+        *first, last = (rule.name for rule in all_rules() if rule.needs_loads)
+        return f"rules {', '.join(first)} and {last} refuse the scene: {error}"
     except RefusalError as error:
         return f"not every rule determines a motion: {error}"
     return ""

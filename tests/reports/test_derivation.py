@@ -168,7 +168,7 @@ def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:
 def test_a_square_beyond_the_wheels_is_reported_without_the_comparison() -> None:
     """Rules with loads refuse it, rule nearest does not."""
     text = render_report(derive_report(load_scene("four-wheel", radius="3")), ".md")
-    assert "Section rules: rules box and ellipse refuse the scene" in text
+    assert "Section rules: rules box, ellipse and roller refuse the scene" in text
     assert "the body tips over its support polygon" in text
 
 
