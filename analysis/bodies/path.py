@@ -95,7 +95,6 @@ class BodyPath:
         log, time = _Log(), 0.0
         try:
             mode = self._mode_at(pose)
-            self._sets.rate(mode.carrying | frozenset(mode.sliding), pose)
         except TippedError:
             raise ValueError(
                 "required a start where the body stands on its wheels, received one where it tips"
@@ -136,14 +135,14 @@ class BodyPath:
         from scipy.integrate import BDF, LSODA
 
         weights = np.full(len(mode.sliding), 0.5)
-        rate, weights = self._rate(mode, pose, weights)
+        rate, weights = self._switching.rate(mode, pose, weights)
         if np.hypot(*rate[:2]) + abs(rate[2]) * self._outline.size <= self._slow:
             return _Stretch((start, start), lambda t: pose, EndReason.REST)
         kept = weights
 
         def right(t: float, at: Floats) -> Floats:
             nonlocal kept
-            found, kept = self._rate(mode, at, kept)
+            found, kept = self._switching.rate(mode, at, kept)
             return found
 
         stiff = self._sets.is_stiff
@@ -170,9 +169,6 @@ class BodyPath:
         moved = np.abs(after - before) * [1.0, 1.0, self._outline.size]
         return bool(moved.max() <= self._slow * time)
 
-    def _rate(self, mode: Mode, pose: Floats, weights: Floats) -> tuple[Floats, Floats]:
-        return self._switching.rate(mode, pose, weights)
-
     def _first_change(
         self, mode: Mode, piece: Any, low: float, high: float, *, first: bool
     ) -> tuple[float, EndReason | None] | None:
@@ -198,7 +194,7 @@ class BodyPath:
         extra = []
         if mode.sliding:
             signed[list(mode.sliding)] = 1.0
-            _, weights = self._rate(mode, pose, np.full(len(mode.sliding), 0.5))
+            _, weights = self._switching.rate(mode, pose, np.full(len(mode.sliding), 0.5))
             extra = [*weights, *(1 - weights)]
         margin = self._sets.margin(mode.carrying, pose)  # a slide is over where the body could not leave its wheels
         return np.array([*signed, *extra, margin])
