@@ -64,9 +64,25 @@ class MovingLoads:
         carried = piece.loaded & (loads > 0)
         return np.where(carried, loads, 0.0), np.where(carried[:, None], piece.springs[:, 1:], 0.0)
 
+    @property
+    def has_table(self) -> bool:
+        """Whether the loads were given."""
+        return self.model.load_table is not None
+
+    def continued(self, centre: Floats) -> tuple[Floats, float]:
+        """Loads (n,) with the table of the last point, wherever it leads, and its validity: negative beyond its end."""
+        piece = self._pieces[-1]
+        pressed = piece.springs @ np.array([1.0, centre[0], centre[1]])
+        validity = float(np.where(piece.loaded, pressed, -pressed).min()) + LIFTED
+        return np.where(piece.loaded, pressed, 0.0), np.inf if self.has_table else validity
+
     def margin(self, centre: Floats) -> float:
         """How far the loads exist around a point: distance to the support's border, or the table's smallest load."""
         return float((self._sides @ np.array([1.0, *centre])).min())
+
+    def margins(self, centres: Floats) -> Floats:
+        """:meth:`margin` at centres (m, 2)."""
+        return np.asarray((self._sides[:, :1] + self._sides[:, 1:] @ centres.T).min(axis=0))
 
     def _borders(self) -> Floats:
         """Affine forms (k, 3) of (1, c), all of them >= 0 where loads exist."""
