@@ -136,16 +136,9 @@ class BodyPath:
         rate, weights = self._switching.rate(mode, pose, weights)
         if np.hypot(*rate[:2]) + abs(rate[2]) * self._outline.size <= self._slow:
             return _Stretch((start, start), lambda t: pose, EndReason.REST)
-        kept = weights
-
-        def right(t: float, at: Floats) -> Floats:
-            nonlocal kept
-            found, kept = self._switching.rate(mode, at, kept)
-            return found
-
         times: list[float] = [start]
         dense: list[Any] = []
-        parts = Parts(right, self._switching.motions(mode, pose), self._scale, self._outline.size, drags=self._sets.is_stiff)
+        parts = Parts(self._switching, mode, pose, self._scale, self._outline.size, drags=self._sets.is_stiff)
         for part in parts.from_pose(pose, start, until):
             dense.append(part.state)
             found = self._first_change(mode, part, first=part.start == start)

@@ -2,8 +2,9 @@
 
 Between changes of the contact set the motion still has kinks: where a spring comes free or a contact begins or ends to
 stick.  Beside them it is analytic, and each of its pieces goes on analytically beyond the kink.  So a regime (which
-wheels are loaded, which contact sticks) can be held while an integrator makes its step, and :meth:`SetMotion.validity`
-says afterwards where it ended.
+wheels are loaded, which contacts stick) can be held while an integrator makes its step: its unknowns, the twist and
+forces, follow their derivatives (:meth:`SetMotion.slope`) beside the pose, and :meth:`SetMotion.validities` says
+afterwards where the regime ended.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from nonsmooth.analysis.dynamics.ellipse_path import path_minimizer
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
-from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
+from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.number_text import place_text
 
@@ -32,8 +33,7 @@ class SetMotion:
         self._model, self._loads = model, MovingLoads(model, pose[:2])
         self._minimize = path_minimizer(model)
         self._quick = None if needs_drag(model) else SmoothNewton(model)
-        self._held = False
-        self.lowest = np.inf  # validity of the regime held, over all poses since it was set to infinity
+        self._regime = NOBODY
 
     def margins(self, poses: Floats) -> Floats:
         """Distance of the centre of mass from the border of the support polygon, negative outside; poses (m, 3)."""
@@ -42,13 +42,10 @@ class SetMotion:
     def rate(self, pose: Floats) -> Floats:
         """``(c', theta')`` with exact kinematics; a little beyond the support polygon it is continued.
 
-        Not a number where the regime held cannot be continued.
-
         Raises:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
-        twist = self._held_twist(pose) if self._held else self._twist(self._loads.at(pose[:2])[0], pose)
-        return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
+        return with_kinematics(self._twist(self._loads.at(pose[:2])[0], pose), pose)
 
     def _twist(self, loads: Floats, pose: Floats) -> Floats:
         """The minimizer of D: by Newton steps from the last one, else by interior points."""
@@ -62,37 +59,42 @@ class SetMotion:
             raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
         (twist,) = minima.twists
         if quick is not None:
-            quick.start_from(twist, loads)
+            quick.start_from(twist)
+            quick.minimize(loads)  # finds the regime, if it can
         return np.asarray(twist)
 
     # ---- regimes ---------------------------------------------------------------------------------
 
-    def hold(self, pose: Floats) -> None:
-        """Hold the regime of a pose, where there is one that can be continued."""
-        self.release()
-        self.rate(pose)
-        self._held = self._quick is not None and self._quick.is_ready and self._loads.margin(pose[:2]) > 0
-        self.lowest = np.inf
+    def hold(self, ahead: Floats, pose: Floats) -> Floats | None:
+        """Hold the regime of a pose a little ahead; its unknowns at the pose itself, None where it has none."""
+        self.rate(ahead)
+        if self._quick is None or self._quick.last is None or self.margins(ahead[None])[0] <= 0:
+            return None
+        self._regime, unknowns = self._quick.last
+        return self.settled(pose, unknowns)
 
-    def release(self) -> None:
-        """Take the regime of each pose from now on."""
-        self._held = False
-
-    def validity(self, pose: Floats) -> float:
-        """Positive where the regime held is the one of the pose, negative where it is not; infinite where none is."""
-        if not self._held:
-            return np.inf
-        before, self.lowest = self.lowest, np.inf
-        lost = np.isnan(self._held_twist(pose, proof=True)).any()
-        found, self.lowest = self.lowest, before
-        return -np.inf if lost else found
-
-    def _held_twist(self, pose: Floats, *, proof: bool = False) -> Floats:
-        """The minimizer in the regime held, continued beyond its end; not a number where the continuation is lost."""
+    def settled(self, pose: Floats, unknowns: Floats) -> Floats | None:
+        """The unknowns at a pose, proved to be those of the only minimizer while the regime holds; None without."""
         assert self._quick is not None
-        loads, free = self._loads.continued(pose[:2])
-        twist = self._quick.continued(loads, proof=proof) if np.isfinite(free) or self._loads.has_table else None
-        if twist is None:
-            return np.full(3, np.nan)
-        self.lowest = min(self.lowest, free, self._quick.validity)
-        return twist
+        return self._quick.settled(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+
+    def slope(self, pose: Floats, rate: Floats, unknowns: Floats) -> Floats:
+        """How fast the unknowns change while the pose does; not a number where they cannot be continued."""
+        assert self._quick is not None
+        loads, slopes = self._loads.continued(pose[:2])
+        return self._quick.slope(self._regime, unknowns, loads, slopes @ rate[:2])
+
+    def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
+        """Whether a contact nearly sticks by now that the regime does not know."""
+        assert self._quick is not None
+        return self._quick.is_near_rest(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+
+    def validities(self, poses: Floats, unknowns: Floats) -> Floats:
+        """Negative where the regime held has ended, at poses (m, 3) with unknowns (m, k); shape (m,)."""
+        lacks = self._regime.lacks(unknowns).min(axis=1, initial=np.inf)
+        return np.minimum(lacks, self._loads.validities(poses[:, :2]))
+
+
+def with_kinematics(twist: Floats, pose: Floats) -> Floats:
+    """``(c', theta')`` of a spatial twist."""
+    return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])

@@ -76,8 +76,14 @@ class Switching:
         """The pose rate of a mode, and the weights of its sliding wheels; the given ones are where Newton starts."""
         if not mode.sliding:
             return self._sets.rate(mode.carrying, pose), weights
+        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in _subsets(mode.sliding)]
+        return self.mixed(mode, pose, corners, weights)
+
+    def mixed(self, mode: Mode, pose: Floats, corners: list[Floats], weights: Floats) -> tuple[Floats, Floats]:
+        """:meth:`rate` from the rates of :meth:`motions`."""
+        if not mode.sliding:
+            return corners[0], weights
         wheels = list(mode.sliding)
-        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in _subsets(wheels)]
         depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
         found = _weights(np.array(depths), len(wheels), weights)
         if found is None:

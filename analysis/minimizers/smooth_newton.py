@@ -13,11 +13,15 @@ solution is a minimizer, and friction forces are ``-N_i (mu_R e_i1, mu_S e_i2)``
 of the others is positive definite along the motions that leave the ``w_k`` (or their directions) as they are.  So
 nothing else has to be proved.  Where the steps do not settle, another method is needed
 (:class:`nonsmooth.analysis.minimizers.ellipse_minimizer.WarmInterior`).
+
+Which contacts stick is a *regime*.  In it the unknowns follow the loads analytically, ``J unknowns' = -sum_i N_i' W_i^T
+e_i`` with J the Jacobian of Newton's method, also beyond the place where a force or a slip forbids it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,25 +36,40 @@ RESTS = 1e-9  # the same: a slip that is rounding of the other method
 SETTLED = 1e-9  # change of a slip and of a force; the error after it is its square over the slips
 RESIDUAL = 1e-13  # slip of contacts that stick, of the fastest wheel's speed
 SINGULAR = 1e-10  # ratio of the extreme eigenvalues of a Hessian, columns scaled, below which it may be singular
-SLOWEST = 1 / 16  # of the way from the last loads to the next
 LOST = 1e6  # a slip that is so many times as fast leads nowhere
 CHANGES = 6  # of contacts that stick for contacts that slip, before the other method is asked
 
 
 @dataclass(frozen=True, eq=False)
-class _Solution:
-    """A twist, and the contacts (t,) that nearly stick: forces (t, 2), slips s (t,), and which stick (t,)."""
+class Regime:
+    """The contacts (t,) that nearly stick, and which of them do (t,); unknowns are (twist, forces, slips) in a row."""
 
-    twist: Floats
     contacts: NDArray[np.int_]
-    forces: Floats
-    slips: Floats
     sticks: NDArray[np.bool_]
 
-    @property
-    def lacks(self) -> Floats:
+    @cached_property
+    def end(self) -> int:
+        """Where the forces end and the slips begin."""
+        return 3 + 2 * len(self.contacts)
+
+    def parts(self, unknowns: Floats) -> tuple[Floats, Floats, Floats]:
+        """Twists (..., 3), forces (..., t, 2) and slips of contacts (..., t), zero of those that stick."""
+        forces = unknowns[..., 3 : self.end].reshape(*unknowns.shape[:-1], -1, 2)
+        slips = np.zeros(forces.shape[:-1])
+        slips[..., ~self.sticks] = unknowns[..., self.end :]
+        return unknowns[..., :3], forces, slips
+
+    def whole(self, twist: Floats, forces: Floats, slips: Floats) -> Floats:
+        """The inverse of :meth:`parts`, of one solution."""
+        return np.concatenate([twist, forces.ravel(), slips[~self.sticks]])
+
+    def lacks(self, unknowns: Floats) -> Floats:
         """``1 - |f|^2`` of contacts that stick, s of those that slip: negative where there is no such friction."""
-        return np.where(self.sticks, 1 - (self.forces**2).sum(axis=1), self.slips)
+        _, forces, slips = self.parts(unknowns)
+        return np.where(self.sticks, 1 - (forces**2).sum(axis=-1), slips)
+
+
+NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool))
 
 
 class SmoothNewton:
@@ -66,145 +85,132 @@ class SmoothNewton:
             raise ValueError("required whole friction ellipses")
         self._rows = model.friction[:, None] * model.rows
         self._targets = model.friction * model.targets
-        self._pairs = self._rows.reshape(-1, 2, 3)
+        self._pairs, self._goals = self._rows.reshape(-1, 2, 3), self._targets.reshape(-1, 2)
         self._first, self._second = self._rows[::2], self._rows[1::2]
         self._speed = float(np.abs(self._targets).max()) or 1.0
         self._scale = np.abs(self._rows).max(axis=0)  # of the columns: v and omega have different units
         self._scale[self._scale == 0] = 1.0
-        self._last: _Solution | None = None
-        self._last_loads = np.zeros(model.wheels)
+        self.last: tuple[Regime, Floats] | None = None
 
-    @property
-    def is_ready(self) -> bool:
-        """Whether the last minimum is known."""
-        return self._last is not None
-
-    @property
-    def validity(self) -> float:
-        """Of the last twist: negative where it continues a regime beyond its end, then it is no minimizer."""
-        return -np.inf if self._last is None else float(self._last.lacks.min(initial=np.inf))
-
-    def start_from(self, twist: Floats, loads: Floats) -> None:
+    def start_from(self, twist: Floats) -> None:
         """Begin at a twist that another method found."""
-        self._last_loads = loads
-        nobody = np.zeros(0, int)
-        self._last = _Solution(twist, nobody, np.zeros((0, 2)), np.zeros(0), np.zeros(0, bool))
+        self.last = NOBODY, twist
 
     def minimize(self, loads: Floats) -> Floats | None:
         """The twist at loads (n,); None where it is not proved to be the minimizer."""
-        if self._last is None:
+        if self.last is None:
             return None
-        start = self._tracked(self._last, loads)
-        self._last = None
+        regime, unknowns = self._tracked(*self.last, loads)
+        self.last = None
         for _ in range(CHANGES):
-            found = self._settled(start, loads, proof=True)
+            found = self.settled(regime, unknowns, loads)
             if found is None:
                 return None
-            wrong = found.lacks < 0
+            wrong = regime.lacks(found) < 0
             if not wrong.any():
-                self._last, self._last_loads = found, loads
-                return found.twist
-            start = _changed(found, wrong)
+                self.last = regime, found
+                return found[:3]
+            if regime.sticks.sum() > 1 and (wrong & regime.sticks).any():
+                return None  # contacts that held each other: which way they slip is not in their forces
+            regime, unknowns = _changed(regime, found, wrong)
         return None
 
-    def continued(self, loads: Floats, *, proof: bool) -> Floats | None:
-        """The twist with the same contacts sticking as before, even where a force or a slip forbids it.
+    def _tracked(self, regime: Regime, unknowns: Floats, loads: Floats) -> tuple[Regime, Floats]:
+        """With forces of all loaded contacts that nearly stick."""
+        moves = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
+        sizes = np.sqrt(moves[:, 0] ** 2 + moves[:, 1] ** 2)
+        contacts = np.flatnonzero((sizes < NEAR * self._speed) & (loads != 0))
+        if np.array_equal(contacts, regime.contacts):
+            return regime, unknowns
+        sizes = np.maximum(sizes, np.finfo(float).tiny)
+        forces, slips, sticks = moves / sizes[:, None], sizes.copy(), sizes <= RESTS * self._speed
+        _, forces[regime.contacts], slips[regime.contacts] = regime.parts(unknowns)
+        sticks[regime.contacts] = regime.sticks
+        after = Regime(contacts, sticks[contacts])
+        return after, after.whole(unknowns[:3], forces[contacts], slips[contacts])
 
-        The loads of unloaded contacts are zero; others may be negative.  None, and nothing changed, where it is lost,
-        or where no proof is found that no other twist would be as good and one is asked for.
+    # ---- along a regime --------------------------------------------------------------------------
+
+    def slope(self, regime: Regime, unknowns: Floats, loads: Floats, change: Floats) -> Floats:
+        """How fast the unknowns change while loads (n,) do; not a number where they cannot be continued."""
+        system = self._system(regime, unknowns, loads)
+        if system is None:
+            return np.full(len(unknowns), np.nan)
+        matrix, _, units = system
+        right = np.zeros(len(unknowns))
+        right[:3] = -((change * units[:, 0]) @ self._first + (change * units[:, 1]) @ self._second)
+        step = _solved(matrix, right, regime)
+        return np.full(len(unknowns), np.nan) if step is None else step
+
+    def is_near_rest(self, regime: Regime, unknowns: Floats, loads: Floats) -> bool:
+        """Whether another contact nearly sticks by now."""
+        moves = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
+        near = (np.hypot(moves[:, 0], moves[:, 1]) < NEAR * self._speed) & (loads != 0)
+        near[regime.contacts] = False
+        return bool(near.any())
+
+    def settled(self, regime: Regime, unknowns: Floats, loads: Floats) -> Floats | None:
+        """The unknowns at loads (n,), by Newton's method; None where it is not proved that no other twist is as good.
+
+        Signs of forces and slips are not looked at.
         """
-        assert self._last is not None
-        now, done, pace = self._last, 0.0, 1.0
-        while done < 1:
-            pace = min(pace, 1 - done)
-            here = loads + (1 - done - pace) * (self._last_loads - loads)
-            found = self._settled(self._tracked(now, here), here, proof=proof)
-            if found is not None:
-                now, done = found, done + pace
-            elif pace > SLOWEST:
-                pace /= 2
-            else:
-                return None
-        self._last, self._last_loads = now, loads
-        return now.twist
-
-    def _tracked(self, last: _Solution, loads: Floats) -> _Solution:
-        """The last solution with forces of all loaded contacts that nearly stick."""
-        slips = (self._rows @ last.twist - self._targets).reshape(-1, 2)
-        sizes = np.sqrt(slips[:, 0] ** 2 + slips[:, 1] ** 2)
-        near = (sizes < NEAR * self._speed) & (loads != 0)
-        kept = last.contacts
-        if len(kept):
-            near[kept] |= (last.sticks | (last.slips < 0)) & (loads[kept] != 0)
-        contacts = np.flatnonzero(near)
-        if np.array_equal(contacts, kept):
-            return last
-        sizes[sizes == 0] = np.finfo(float).tiny
-        forces, along, sticks = slips / sizes[:, None], sizes.copy(), sizes <= RESTS * self._speed
-        forces[kept], along[kept], sticks[kept] = last.forces, last.slips, last.sticks
-        return _Solution(last.twist, contacts, forces[contacts], along[contacts], sticks[contacts])
-
-    # ---- Newton's method -------------------------------------------------------------------------
-
-    def _settled(self, start: _Solution, loads: Floats, *, proof: bool) -> _Solution | None:
-        """The solution with these contacts sticking and slipping; signs are not looked at."""
-        others, now = loads.copy(), start
-        others[start.contacts] = 0.0
-        pulls = loads[start.contacts]
         for _ in range(STEPS):
-            derivatives = self._derivatives(now.twist, others)
-            if derivatives is None:
+            system = self._system(regime, unknowns, loads)
+            step = None if system is None else _solved(system[0], system[1], regime)
+            if system is None or step is None:
                 return None
-            gradient, hessian = derivatives
-            step = _solved(*self._system(now, pulls, gradient, hessian), redundant=int(now.sticks.sum()) > 1)
-            if step is None:
-                return None
-            now = _moved(now, step)
+            unknowns = unknowns - step
             small = np.abs(self._rows @ step[:3]).max() <= SETTLED * self._speed
-            if small and np.abs(step[3 : 3 + 2 * len(pulls)]).max(initial=0.0) <= SETTLED:
-                return self._proved(now, pulls, hessian) if proof or now.sticks.sum() > 1 else now
+            if small and np.abs(step[3 : regime.end]).max(initial=0.0) <= SETTLED:
+                return self._proved(regime, unknowns, loads, system[0][:3, :3])
         return None
 
-    def _derivatives(self, twist: Floats, loads: Floats) -> tuple[Floats, Floats] | None:
-        """Gradient (3,) and Hessian (3, 3) of the contacts with loads; None where one of them nearly sticks."""
-        slips = (self._rows @ twist - self._targets).reshape(-1, 2)
-        along, across = slips[:, 0], slips[:, 1]
-        sizes = np.sqrt(along * along + across * across)
-        sizes[loads == 0] = self._speed
-        if not STUCK * self._speed <= sizes.min() < LOST * self._speed:  # nan too
-            return None
-        along, across, pull = along / sizes, across / sizes, loads / sizes
-        gradient = (loads * along) @ self._first + (loads * across) @ self._second
-        turned = along[:, None] * self._second - across[:, None] * self._first
-        return gradient, (pull[:, None] * turned).T @ turned
+    def _system(self, regime: Regime, unknowns: Floats, loads: Floats) -> tuple[Floats, Floats, Floats] | None:
+        """Jacobian and residuals of balance (3), slips (2t) and lengths of forces; and the units e_i or forces (n, 2).
 
-    def _system(self, now: _Solution, pulls: Floats, gradient: Floats, hessian: Floats) -> tuple[Floats, Floats]:
-        """Jacobian and residuals of balance (3), slips (2t) and lengths of forces in (twist, forces, slips)."""
-        if not len(pulls):
-            return hessian, gradient
-        rows, targets = self._pairs[now.contacts], self._targets.reshape(-1, 2)[now.contacts]
-        flat, end = rows.reshape(-1, 3), 3 + 2 * len(pulls)
-        slipping = np.flatnonzero(~now.sticks)
-        matrix, right = np.zeros((end + len(slipping),) * 2), np.zeros(end + len(slipping))
-        matrix[:3, :3], matrix[3:end, :3] = hessian, flat
-        matrix[:3, 3:end] = (pulls[:, None, None] * rows).reshape(-1, 3).T
-        right[:3] = gradient + matrix[:3, 3:end] @ now.forces.ravel()
-        moves = np.where(now.sticks, 0.0, now.slips)[:, None] * now.forces
-        right[3:end] = (rows @ now.twist - targets - moves).ravel()
-        for row, k in enumerate(slipping, start=end):
-            place, force = slice(3 + 2 * k, 5 + 2 * k), now.forces[k]
-            matrix[3 + 2 * k, 3 + 2 * k] = matrix[4 + 2 * k, 4 + 2 * k] = -now.slips[k]
-            matrix[place, row], matrix[row, place] = -force, force
-            right[row] = (force @ force - 1) / 2
-        return matrix, right
+        None where a contact that the regime does not know nearly sticks.
+        """
+        slips = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
+        sizes = np.sqrt(slips[:, 0] ** 2 + slips[:, 1] ** 2)
+        sizes[loads == 0] = self._speed
+        known = len(regime.contacts) > 0
+        others = loads
+        if known:
+            sizes[regime.contacts] = self._speed
+            others = loads.copy()
+            others[regime.contacts] = 0.0
+        if not STUCK * self._speed <= sizes.min() <= sizes.max() < LOST * self._speed:  # nan too
+            return None
+        units = slips / sizes[:, None]
+        turned = units[:, :1] * self._second - units[:, 1:] * self._first
+        hessian = ((others / sizes)[:, None] * turned).T @ turned
+        if known:
+            _, forces, moves = regime.parts(unknowns)
+            units[regime.contacts] = forces
+        gradient = (loads * units[:, 0]) @ self._first + (loads * units[:, 1]) @ self._second
+        if not known:
+            return hessian, gradient, units
+        pairs, end = self._pairs[regime.contacts], regime.end
+        matrix, right = np.zeros((len(unknowns),) * 2), np.zeros(len(unknowns))
+        matrix[:3, :3], matrix[3:end, :3] = hessian, pairs.reshape(-1, 3)
+        matrix[:3, 3:end] = (loads[regime.contacts, None, None] * pairs).reshape(-1, 3).T
+        right[:3] = gradient
+        right[3:end] = (slips[regime.contacts] - moves[:, None] * forces).ravel()
+        for row, k in enumerate(np.flatnonzero(~regime.sticks), start=end):
+            first = 3 + 2 * k
+            matrix[first, first] = matrix[first + 1, first + 1] = -moves[k]
+            matrix[first : first + 2, row], matrix[row, first : first + 2] = -forces[k], forces[k]
+            right[row] = (forces[k] @ forces[k] - 1) / 2
+        return matrix, right, units
 
     # ---- what a solution is ------------------------------------------------------------------------
 
-    def _proved(self, found: _Solution, pulls: Floats, hessian: Floats) -> _Solution | None:
-        """The solution, where no other twist is as good; forces that leave a choice become small."""
-        rows, sticks = self._pairs[found.contacts], found.sticks
-        turned = found.forces[:, :1] * rows[:, 1] - found.forces[:, 1:] * rows[:, 0]
-        held = np.concatenate([rows[sticks].reshape(-1, 3), turned[~sticks]]) / self._scale
+    def _proved(self, regime: Regime, unknowns: Floats, loads: Floats, hessian: Floats) -> Floats | None:
+        """The unknowns, where no other twist is as good; forces that leave a choice become small."""
+        twist, forces, slips = regime.parts(unknowns)
+        pairs, sticks = self._pairs[regime.contacts], regime.sticks
+        turned = forces[:, :1] * pairs[:, 1] - forces[:, 1:] * pairs[:, 0]
+        held = np.concatenate([pairs[sticks].reshape(-1, 3), turned[~sticks]]) / self._scale
         scaled = hessian / np.outer(self._scale, self._scale)
         if len(held):
             _, sizes, frame = np.linalg.svd(held)
@@ -213,41 +219,29 @@ class SmoothNewton:
         eigenvalues = np.linalg.eigvalsh(scaled)
         if not eigenvalues[0] > SINGULAR * eigenvalues[-1]:
             return None
-        if sticks.sum() < 2 or (found.lacks[sticks] >= 0).all():
-            return found if self._rest_of(found, sticks) else None
-        forces = found.forces.copy()
-        forces[sticks] = smallest_forces((pulls[:, None, None] * rows)[sticks], forces[sticks])
-        return replace(found, forces=forces) if self._rest_of(found, sticks) else None
-
-    def _rest_of(self, found: _Solution, sticks: NDArray[np.bool_]) -> bool:
-        """Whether contacts that stick do."""
-        stuck = found.contacts[sticks]
-        slips = self._pairs[stuck] @ found.twist - self._targets.reshape(-1, 2)[stuck]
-        return bool(np.abs(slips).max(initial=0.0) <= RESIDUAL * self._speed)
+        stuck = regime.contacts[sticks]
+        if np.abs(self._pairs[stuck] @ twist - self._goals[stuck]).max(initial=0.0) > RESIDUAL * self._speed:
+            return None
+        if len(stuck) > 1:
+            forces = forces.copy()
+            forces[sticks] = smallest_forces(loads[stuck, None, None] * pairs[sticks], forces[sticks])
+        return regime.whole(twist, forces, slips)
 
 
-def _changed(found: _Solution, wrong: NDArray[np.bool_]) -> _Solution:
+def _changed(regime: Regime, unknowns: Floats, wrong: NDArray[np.bool_]) -> tuple[Regime, Floats]:
     """Contacts that cannot stick slip, and the other way round."""
-    lengths = np.sqrt((found.forces**2).sum(axis=1))
-    released = wrong & found.sticks
-    forces = np.where(released[:, None], found.forces / np.maximum(lengths, 1e-300)[:, None], found.forces)
-    return replace(found, forces=forces, slips=np.where(wrong, 0.0, found.slips), sticks=found.sticks ^ wrong)
+    twist, forces, slips = regime.parts(unknowns)
+    lengths = np.sqrt((forces**2).sum(axis=1))
+    released = wrong & regime.sticks
+    forces = np.where(released[:, None], forces / np.maximum(lengths, 1e-300)[:, None], forces)
+    after = Regime(regime.contacts, regime.sticks ^ wrong)
+    return after, after.whole(twist, forces, np.where(wrong, 0.0, slips))
 
 
-def _moved(now: _Solution, step: Floats) -> _Solution:
-    """After a Newton step."""
-    if not len(now.contacts):
-        return replace(now, twist=now.twist - step)
-    end = 3 + 2 * len(now.contacts)
-    slips = now.slips.copy()
-    slips[~now.sticks] -= step[end:]
-    return replace(now, twist=now.twist - step[:3], forces=now.forces - step[3:end].reshape(-1, 2), slips=slips)
-
-
-def _solved(matrix: Floats, right: Floats, *, redundant: bool) -> Floats | None:
-    """The Newton step; the shortest one where equations repeat each other."""
+def _solved(matrix: Floats, right: Floats, regime: Regime) -> Floats | None:
+    """The solution of a linear system; the shortest one where contacts that stick repeat each other."""
     try:
-        if redundant:
+        if regime.sticks.sum() > 1:
             return np.asarray(np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0])
         return np.asarray(np.linalg.solve(matrix, right))
     except np.linalg.LinAlgError:
