@@ -39,6 +39,7 @@ from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 LOOKS = 8  # places within a step where depths are looked at
+RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 
@@ -187,15 +188,18 @@ class BodyPath:
         return np.concatenate([*columns, margins[:, None]], axis=1)
 
     def _root(self, mode: Mode, state: Any, low: float, high: float, signal: int) -> float:
-        """When a signal changes its sign, by bisection down to rounding: the later side, where it has changed."""
-        while True:
-            middle = (low + high) / 2
-            if not low < middle < high:
-                return float(high)
-            if self._signals(mode, state(middle)[None])[0, signal] < 0:
-                high = middle
-            else:
-                low = middle
+        """When a signal changes its sign, down to rounding: the later side, where it has changed."""
+        from scipy.optimize import brentq
+
+        def value(time: float) -> float:
+            return float(self._signals(mode, state(time)[None])[0, signal])
+
+        ulp = float(np.spacing(high))
+        near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS)) if value(low) > 0 else low
+        step = ulp
+        while near < high and value(near) >= 0:
+            near, step = min(near + step, high), 2 * step
+        return near
 
     # ---- what is kept ----------------------------------------------------------------------------
 

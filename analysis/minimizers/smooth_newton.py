@@ -20,7 +20,7 @@ e_i`` with J the Jacobian of Newton's method, also beyond the place where a forc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,10 +42,18 @@ CHANGES = 6  # of contacts that stick for contacts that slip, before the other m
 
 @dataclass(frozen=True, eq=False)
 class Regime:
-    """The contacts (t,) that nearly stick, and which of them do (t,); unknowns are (twist, forces, slips) in a row."""
+    """Which contacts stick or nearly do; the unknowns are (twist, forces, slips) in a row.
+
+    Attributes:
+        contacts: that nearly stick, (t,), ascending.
+        sticks: which of them do, (t,).
+        pinned: which slip in a direction that those which stick leave no choice, (t,): all could stick at once, as
+            wheels on a line that run along it.  Their forces are constant.
+    """
 
     contacts: NDArray[np.int_]
     sticks: NDArray[np.bool_]
+    pinned: NDArray[np.bool_]
 
     @cached_property
     def end(self) -> int:
@@ -69,7 +77,7 @@ class Regime:
         return np.where(self.sticks, 1 - (forces**2).sum(axis=-1), slips)
 
 
-NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool))
+NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool), np.zeros(0, bool))
 
 
 class SmoothNewton:
@@ -110,9 +118,7 @@ class SmoothNewton:
             if not wrong.any():
                 self.last = regime, found
                 return found[:3]
-            if regime.sticks.sum() > 1 and (wrong & regime.sticks).any():
-                return None  # contacts that held each other: which way they slip is not in their forces
-            regime, unknowns = _changed(regime, found, wrong)
+            regime, unknowns = self._pinned(*_changed(regime, found, wrong))
         return None
 
     def _tracked(self, regime: Regime, unknowns: Floats, loads: Floats) -> tuple[Regime, Floats]:
@@ -126,8 +132,29 @@ class SmoothNewton:
         forces, slips, sticks = moves / sizes[:, None], sizes.copy(), sizes <= RESTS * self._speed
         _, forces[regime.contacts], slips[regime.contacts] = regime.parts(unknowns)
         sticks[regime.contacts] = regime.sticks
-        after = Regime(contacts, sticks[contacts])
-        return after, after.whole(unknowns[:3], forces[contacts], slips[contacts])
+        after = Regime(contacts, sticks[contacts], np.zeros(len(contacts), bool))
+        return self._pinned(after, after.whole(unknowns[:3], forces[contacts], slips[contacts]))
+
+    def _pinned(self, regime: Regime, unknowns: Floats) -> tuple[Regime, Floats]:
+        """Look for contacts that slip but could stick together with those that do."""
+        stuck = regime.contacts[regime.sticks]
+        if not len(stuck) or regime.sticks.all():
+            return replace(regime, pinned=np.zeros_like(regime.sticks)), unknowns
+        twist, forces, slips = regime.parts(unknowns)
+        forces, pinned = forces.copy(), np.zeros_like(regime.sticks)
+        held = self._pairs[stuck].reshape(-1, 3)
+        _, sizes, frame = np.linalg.svd(held / self._scale)
+        way = frame[2] / self._scale  # the motion that those which stick leave
+        for k in np.flatnonzero(~regime.sticks) if (sizes > SINGULAR).sum() == 2 else ():
+            contact = regime.contacts[k]
+            rows = np.concatenate([held, self._pairs[contact]])
+            goals = np.concatenate([self._goals[stuck].ravel(), self._goals[contact]])
+            together = np.linalg.lstsq(rows, goals, rcond=SINGULAR)[0]
+            pinned[k] = np.abs(rows @ together - goals).max() <= RESIDUAL * self._speed
+            if pinned[k]:
+                along = self._pairs[contact] @ way
+                forces[k] = along / np.hypot(*along) * (1.0 if forces[k] @ along >= 0 else -1.0)
+        return replace(regime, pinned=pinned), regime.whole(twist, forces, slips)
 
     # ---- along a regime --------------------------------------------------------------------------
 
@@ -198,6 +225,12 @@ class SmoothNewton:
         right[3:end] = (slips[regime.contacts] - moves[:, None] * forces).ravel()
         for row, k in enumerate(np.flatnonzero(~regime.sticks), start=end):
             first = 3 + 2 * k
+            if regime.pinned[k]:
+                matrix[first : first + 2, :3], right[first : first + 2] = 0.0, 0.0
+                matrix[first, first] = matrix[first + 1, first + 1] = matrix[row, row] = 1.0
+                matrix[row, :3] = -forces[k] @ pairs[k]
+                right[row] = moves[k] - forces[k] @ slips[regime.contacts[k]]
+                continue
             matrix[first, first] = matrix[first + 1, first + 1] = -moves[k]
             matrix[first : first + 2, row], matrix[row, first : first + 2] = -forces[k], forces[k]
             right[row] = (forces[k] @ forces[k] - 1) / 2
@@ -234,7 +267,7 @@ def _changed(regime: Regime, unknowns: Floats, wrong: NDArray[np.bool_]) -> tupl
     lengths = np.sqrt((forces**2).sum(axis=1))
     released = wrong & regime.sticks
     forces = np.where(released[:, None], forces / np.maximum(lengths, 1e-300)[:, None], forces)
-    after = Regime(regime.contacts, regime.sticks ^ wrong)
+    after = replace(regime, sticks=regime.sticks ^ wrong)
     return after, after.whole(twist, forces, np.where(wrong, 0.0, slips))
 
 
