@@ -29,6 +29,7 @@ class ContactSets:
     def __init__(self, scene: Scene, rule: SmoothRule) -> None:
         self._model = rule.contacts(scene)
         self._motions: dict[Wheels, SetMotion] = {}
+        self._last = np.zeros(3)  # twist of any set: where Newton's method begins on a new one
 
     @property
     def is_stiff(self) -> bool:
@@ -42,7 +43,11 @@ class ContactSets:
             TippedError: for wheels that carried the body nowhere yet, and do not here.
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
-        return self.motion(wheels, pose).rate(pose)
+        motion = self.motion(wheels, pose)
+        motion.guess(self._last)
+        rate = motion.rate(pose)
+        self._last = rate - rate[2] * np.array([-pose[1], pose[0], 0.0])
+        return rate
 
     def carries(self, wheels: Wheels, pose: Floats) -> bool:
         """Whether the body stands on the wheels there."""

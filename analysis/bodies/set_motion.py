@@ -39,6 +39,11 @@ class SetMotion:
         """Distance of the centre of mass from the border of the support polygon, negative outside; poses (m, 3)."""
         return self._loads.margins(poses[:, :2])
 
+    def guess(self, twist: Floats) -> None:
+        """Begin Newton's method at a twist, the first time."""
+        if self._quick is not None and self._quick.last is None:
+            self._quick.start_from(twist)
+
     def rate(self, pose: Floats) -> Floats:
         """``(c', theta')`` with exact kinematics; a little beyond the support polygon it is continued.
 

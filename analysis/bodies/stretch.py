@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -111,12 +112,14 @@ class Parts:
         unknowns = [motion.hold(ahead, pose) for motion in self._motions]
         if any(found is None for found in unknowns):
             return None
-        self._cuts = np.cumsum([3, *(len(found) for found in unknowns[:-1] if found is not None)])
-        return np.concatenate([pose, *(found for found in unknowns if found is not None)])
+        known = [found for found in unknowns if found is not None]
+        ends = np.cumsum([3, *(len(found) for found in known)])
+        self._cuts = [slice(*pair) for pair in pairwise(ends.tolist())]
+        return np.concatenate([pose, *known])
 
     def _slopes(self, time: float, whole: Floats) -> Floats:
         """Rates of the pose and of all unknowns."""
-        pose, *unknowns = np.split(whole, self._cuts)
+        pose, unknowns = whole[:3], [whole[cut] for cut in self._cuts]
         corners = [with_kinematics(found[:3], pose) for found in unknowns]
         rate, self._weights = self._switching.mixed(self._mode, pose, corners, self._weights)
         pairs = zip(self._motions, unknowns, strict=True)
@@ -124,7 +127,7 @@ class Parts:
 
     def _kept(self, whole: Floats) -> Floats | None:
         """The pose and the exact unknowns of the same regimes after a step; None where others are to be read off."""
-        pose, *unknowns = np.split(whole, self._cuts)
+        pose, unknowns = whole[:3], [whole[cut] for cut in self._cuts]
         kept = [pose]
         for motion, found in zip(self._motions, unknowns, strict=True):
             exact = motion.settled(pose, found)
@@ -137,7 +140,8 @@ class Parts:
         """The time within a step at which some regime ends; that of the step's end where none does."""
 
         def validities(times: Floats) -> Floats:
-            pose, *unknowns = np.split(state(times), self._cuts)
+            whole = state(times)
+            pose, unknowns = whole[:3], [whole[cut] for cut in self._cuts]
             pairs = zip(self._motions, unknowns, strict=True)
             return np.min([motion.validities(pose.T, found.T) for motion, found in pairs], axis=0)
 

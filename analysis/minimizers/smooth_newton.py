@@ -60,16 +60,26 @@ class Regime:
         """Where the forces end and the slips begin."""
         return 3 + 2 * len(self.contacts)
 
+    @cached_property
+    def slipping(self) -> NDArray[np.int_]:
+        """Places of contacts that slip, among those of the regime."""
+        return np.flatnonzero(~self.sticks)
+
+    @cached_property
+    def repeats(self) -> bool:
+        """Whether several contacts stick, so that their equations may repeat each other."""
+        return int(self.sticks.sum()) > 1
+
     def parts(self, unknowns: Floats) -> tuple[Floats, Floats, Floats]:
         """Twists (..., 3), forces (..., t, 2) and slips of contacts (..., t), zero of those that stick."""
         forces = unknowns[..., 3 : self.end].reshape(*unknowns.shape[:-1], -1, 2)
         slips = np.zeros(forces.shape[:-1])
-        slips[..., ~self.sticks] = unknowns[..., self.end :]
+        slips[..., self.slipping] = unknowns[..., self.end :]
         return unknowns[..., :3], forces, slips
 
     def whole(self, twist: Floats, forces: Floats, slips: Floats) -> Floats:
         """The inverse of :meth:`parts`, of one solution."""
-        return np.concatenate([twist, forces.ravel(), slips[~self.sticks]])
+        return np.concatenate([twist, forces.ravel(), slips[self.slipping]])
 
     def lacks(self, unknowns: Floats) -> Floats:
         """``1 - |f|^2`` of contacts that stick, s of those that slip: negative where there is no such friction."""
@@ -145,7 +155,7 @@ class SmoothNewton:
         held = self._pairs[stuck].reshape(-1, 3)
         _, sizes, frame = np.linalg.svd(held / self._scale)
         way = frame[2] / self._scale  # the motion that those which stick leave
-        for k in np.flatnonzero(~regime.sticks) if (sizes > SINGULAR).sum() == 2 else ():
+        for k in regime.slipping if (sizes > SINGULAR).sum() == 2 else ():
             contact = regime.contacts[k]
             rows = np.concatenate([held, self._pairs[contact]])
             goals = np.concatenate([self._goals[stuck].ravel(), self._goals[contact]])
@@ -165,7 +175,7 @@ class SmoothNewton:
             return np.full(len(unknowns), np.nan)
         matrix, _, units = system
         right = np.zeros(len(unknowns))
-        right[:3] = -((change * units[:, 0]) @ self._first + (change * units[:, 1]) @ self._second)
+        right[:3] = -((units * change[:, None]).ravel() @ self._rows)
         step = _solved(matrix, right, regime)
         return np.full(len(unknowns), np.nan) if step is None else step
 
@@ -200,21 +210,21 @@ class SmoothNewton:
         slips = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
         sizes = np.sqrt(slips[:, 0] ** 2 + slips[:, 1] ** 2)
         sizes[loads == 0] = self._speed
-        known = len(regime.contacts) > 0
-        others = loads
+        known, others = len(regime.contacts) > 0, loads
         if known:
             sizes[regime.contacts] = self._speed
             others = loads.copy()
             others[regime.contacts] = 0.0
-        if not STUCK * self._speed <= sizes.min() <= sizes.max() < LOST * self._speed:  # nan too
+        listed = sizes.tolist()
+        if not STUCK * self._speed <= min(listed) <= max(listed) < LOST * self._speed or listed[0] != listed[0]:
             return None
         units = slips / sizes[:, None]
         turned = units[:, :1] * self._second - units[:, 1:] * self._first
-        hessian = ((others / sizes)[:, None] * turned).T @ turned
+        hessian = (turned.T * (others / sizes)) @ turned
         if known:
             _, forces, moves = regime.parts(unknowns)
             units[regime.contacts] = forces
-        gradient = (loads * units[:, 0]) @ self._first + (loads * units[:, 1]) @ self._second
+        gradient = (units * loads[:, None]).ravel() @ self._rows
         if not known:
             return hessian, gradient, units
         pairs, end = self._pairs[regime.contacts], regime.end
@@ -223,7 +233,7 @@ class SmoothNewton:
         matrix[:3, 3:end] = (loads[regime.contacts, None, None] * pairs).reshape(-1, 3).T
         right[:3] = gradient
         right[3:end] = (slips[regime.contacts] - moves[:, None] * forces).ravel()
-        for row, k in enumerate(np.flatnonzero(~regime.sticks), start=end):
+        for row, k in enumerate(regime.slipping.tolist(), start=end):
             first = 3 + 2 * k
             if regime.pinned[k]:
                 matrix[first : first + 2, :3], right[first : first + 2] = 0.0, 0.0
@@ -274,7 +284,7 @@ def _changed(regime: Regime, unknowns: Floats, wrong: NDArray[np.bool_]) -> tupl
 def _solved(matrix: Floats, right: Floats, regime: Regime) -> Floats | None:
     """The solution of a linear system; the shortest one where contacts that stick repeat each other."""
     try:
-        if regime.sticks.sum() > 1:
+        if regime.repeats:
             return np.asarray(np.linalg.lstsq(matrix, right, rcond=SINGULAR)[0])
         return np.asarray(np.linalg.solve(matrix, right))
     except np.linalg.LinAlgError:
