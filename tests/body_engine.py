@@ -42,7 +42,8 @@ FALLEN = 5e-3  # tilt (radian) of a plate that tips; standing ones are below 1e-
 GRID = 6
 SLOW = 1e-6  # speed of wheels for twists: slip moves the loads of the engine by 1e-5 of the weight
 SETTLING, FALLING = 0.6, 1.0  # seconds
-BRISK = 3e-3  # speed of wheels for paths: those of the engine are late by some per cent
+BRISK = 3e-3  # speed of wheels for paths
+TIMESTEP, TIME_CONSTANT = 1e-2, 0.04  # seconds, for paths; a softer plate sinks deeper and its loads are truer
 SAMPLE = 2.0  # seconds between two looks at a path
 
 
@@ -314,7 +315,7 @@ def predicted_changes(path: Trajectory) -> list[Change]:
 def run_beside_engine(scene: Scene, until: float) -> Run:
     """The body of a scene from its checked pose, in the engine and in the product."""
     x, y = (float(entry) for entry in scene.check.equilibrium)
-    plate = plate_engine(scene, (x, y, 0.0), BRISK, timestep=5e-3, time_constant=0.02)
+    plate = plate_engine(scene, (x, y, 0.0), BRISK, timestep=TIMESTEP, time_constant=TIME_CONSTANT)
     plate.step(1.0)
     path = BodyPath(scene, ellipse()).follow(plate.pose.tolist(), until)
     before, changes, error, fell, time = under(scene, plate.pose), list[Change](), 0.0, None, 0.0
