@@ -30,7 +30,6 @@ from nonsmooth.analysis.trajectories.result import (
     Piece,
     State,
     Trajectory,
-    TrajectoryError,
     samples,
 )
 from nonsmooth.symbolic.plane import Vector, around

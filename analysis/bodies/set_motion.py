@@ -16,7 +16,8 @@ from nonsmooth.analysis.dynamics.ellipse_path import path_minimizer
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
-from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, SmoothNewton
+from nonsmooth.analysis.minimizers.regime import NOBODY
+from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.number_text import place_text
 
@@ -68,6 +69,13 @@ class SetMotion:
             quick.minimize(loads)  # finds the regime, if it can
         return np.asarray(twist)
 
+    @property
+    def _newton(self) -> SmoothNewton:
+        """What holds regimes."""
+        if self._quick is None:
+            raise ValueError("required whole friction ellipses, received some that are cut")
+        return self._quick
+
     # ---- regimes ---------------------------------------------------------------------------------
 
     def hold(self, ahead: Floats, pose: Floats) -> Floats | None:
@@ -80,19 +88,16 @@ class SetMotion:
 
     def settled(self, pose: Floats, unknowns: Floats) -> Floats | None:
         """The unknowns at a pose, proved to be those of the only minimizer while the regime holds; None without."""
-        assert self._quick is not None
-        return self._quick.settled(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+        return self._newton.settled(self._regime, unknowns, self._loads.continued(pose[:2])[0])
 
     def slope(self, pose: Floats, rate: Floats, unknowns: Floats) -> Floats:
         """How fast the unknowns change while the pose does; not a number where they cannot be continued."""
-        assert self._quick is not None
         loads, slopes = self._loads.continued(pose[:2])
-        return self._quick.slope(self._regime, unknowns, loads, slopes @ rate[:2])
+        return self._newton.slope(self._regime, unknowns, loads, slopes @ rate[:2])
 
     def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
         """Whether a contact nearly sticks by now that the regime does not know."""
-        assert self._quick is not None
-        return self._quick.is_near_rest(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+        return self._newton.is_near_rest(self._regime, unknowns, self._loads.continued(pose[:2])[0])
 
     def validities(self, poses: Floats, unknowns: Floats) -> Floats:
         """Negative where the regime held has ended, at poses (m, 3) with unknowns (m, k); shape (m,)."""

@@ -20,13 +20,12 @@ e_i`` with J the Jacobian of Newton's method, also beyond the place where a forc
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.regime import NOBODY, Regime, changed
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
 
 STEPS = 15  # a start beside the last minimum needs three or four
@@ -38,56 +37,6 @@ RESIDUAL = 1e-13  # slip of contacts that stick, of the fastest wheel's speed
 SINGULAR = 1e-10  # ratio of the extreme eigenvalues of a Hessian, columns scaled, below which it may be singular
 LOST = 1e6  # a slip that is so many times as fast leads nowhere
 CHANGES = 6  # of contacts that stick for contacts that slip, before the other method is asked
-
-
-@dataclass(frozen=True, eq=False)
-class Regime:
-    """Which contacts stick or nearly do; the unknowns are (twist, forces, slips) in a row.
-
-    Attributes:
-        contacts: that nearly stick, (t,), ascending.
-        sticks: which of them do, (t,).
-        pinned: which slip in a direction that those which stick leave no choice, (t,): all could stick at once, as
-            wheels on a line that run along it.  Their forces are constant.
-    """
-
-    contacts: NDArray[np.int_]
-    sticks: NDArray[np.bool_]
-    pinned: NDArray[np.bool_]
-
-    @cached_property
-    def end(self) -> int:
-        """Where the forces end and the slips begin."""
-        return 3 + 2 * len(self.contacts)
-
-    @cached_property
-    def slipping(self) -> NDArray[np.int_]:
-        """Places of contacts that slip, among those of the regime."""
-        return np.flatnonzero(~self.sticks)
-
-    @cached_property
-    def repeats(self) -> bool:
-        """Whether several contacts stick, so that their equations may repeat each other."""
-        return int(self.sticks.sum()) > 1
-
-    def parts(self, unknowns: Floats) -> tuple[Floats, Floats, Floats]:
-        """Twists (..., 3), forces (..., t, 2) and slips of contacts (..., t), zero of those that stick."""
-        forces = unknowns[..., 3 : self.end].reshape(*unknowns.shape[:-1], -1, 2)
-        slips = np.zeros(forces.shape[:-1])
-        slips[..., self.slipping] = unknowns[..., self.end :]
-        return unknowns[..., :3], forces, slips
-
-    def whole(self, twist: Floats, forces: Floats, slips: Floats) -> Floats:
-        """The inverse of :meth:`parts`, of one solution."""
-        return np.concatenate([twist, forces.ravel(), slips[self.slipping]])
-
-    def lacks(self, unknowns: Floats) -> Floats:
-        """``1 - |f|^2`` of contacts that stick, s of those that slip: negative where there is no such friction."""
-        _, forces, slips = self.parts(unknowns)
-        return np.where(self.sticks, 1 - (forces**2).sum(axis=-1), slips)
-
-
-NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool), np.zeros(0, bool))
 
 
 class SmoothNewton:
@@ -128,7 +77,7 @@ class SmoothNewton:
             if not wrong.any():
                 self.last = regime, found
                 return found[:3]
-            regime, unknowns = self._pinned(*_changed(regime, found, wrong))
+            regime, unknowns = self._pinned(*changed(regime, found, wrong))
         return None
 
     def _tracked(self, regime: Regime, unknowns: Floats, loads: Floats) -> tuple[Regime, Floats]:
@@ -269,16 +218,6 @@ class SmoothNewton:
             forces = forces.copy()
             forces[sticks] = smallest_forces(loads[stuck, None, None] * pairs[sticks], forces[sticks])
         return regime.whole(twist, forces, slips)
-
-
-def _changed(regime: Regime, unknowns: Floats, wrong: NDArray[np.bool_]) -> tuple[Regime, Floats]:
-    """Contacts that cannot stick slip, and the other way round."""
-    twist, forces, slips = regime.parts(unknowns)
-    lengths = np.sqrt((forces**2).sum(axis=1))
-    released = wrong & regime.sticks
-    forces = np.where(released[:, None], forces / np.maximum(lengths, 1e-300)[:, None], forces)
-    after = replace(regime, sticks=regime.sticks ^ wrong)
-    return after, after.whole(twist, forces, np.where(wrong, 0.0, slips))
 
 
 def _solved(matrix: Floats, right: Floats, regime: Regime) -> Floats | None:
