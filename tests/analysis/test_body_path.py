@@ -34,7 +34,7 @@ Floats: TypeAlias = NDArray[np.float64]
 Depths: TypeAlias = Callable[[Floats, Floats], Floats]  # of places (n, 2) at a pose
 Pair: TypeAlias = tuple[Fraction | int, Fraction | int]
 
-TIME_ERROR = 1e-9  # the largest seen 2e-10
+TIME_ERROR = 1e-10  # the largest seen 4e-11
 POSE_ERROR = 1e-9
 LEAST_CHANGES = 10
 CHATTER = 2.0  # distance of a chattering path at the last time, in units of its step
