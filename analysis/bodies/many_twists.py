@@ -16,10 +16,10 @@ from nonsmooth.analysis.fields.contact_model import Floats
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next
 LOST = 1e3  # a step that is so many times as fast leads nowhere
-SMOOTHING = 1e-5  # g, of the fastest wheel's speed times friction
+SMOOTHING = 1e-6  # g, of the fastest wheel's speed times friction
 SMOOTHING_OF_ROLLERS = 1e-4  # the same where D is linear in pieces, and its least value lies in corners
 COARSE = 1e-2  # g up to which a twist that settled counts, where it does not with less
-SETTLED = 1e-6  # step after which it ends, in the same unit
+SETTLED = 1e-7  # step after which it ends, in the same unit
 REGULAR = 1e-13  # multiple of the identity beside a Hessian, of its trace
 
 
