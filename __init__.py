@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.map_result import MapResult as MapResult
+    from nonsmooth.reports.interface.mass_result import MassResult as MassResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.system import System as System
@@ -43,6 +44,7 @@ _MODULES = {
     "Heading": "proofs.answers.answer",
     "LawResult": "reports.interface.law_result",
     "MapResult": "reports.interface.map_result",
+    "MassResult": "reports.interface.mass_result",
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
