@@ -46,7 +46,8 @@ def affordable(scene: Scene, units: int, step: str) -> Iterator[None]:
         roots = len(scene.field.radicands)
         raise RefusalError(
             f"wheels: required an array with {step} within {units // 1_000_000} million exact operations, "
-            f"received one beyond that: {len(scene.wheels)} wheels, numbers over {roots} square roots"
+            f"received one beyond that: {len(scene.wheels)} wheels, numbers over {roots} square roots "
+            "(a smaller --radius takes fewer)"
         ) from None
 
 
