@@ -152,7 +152,7 @@ def test_a_sampled_path_falls_at_the_certified_rate(direction: tuple[float, floa
     loop = loop_of("ring-8", "box")
     path = loop.follow(start_of(loop, direction, 0.9), 16.0)
     values = np.array([loop.value(pose) for pose in path.states])
-    bound = values[0] * np.exp(-float(loop.feedback.kappa or 0) * np.array(path.times, dtype=float))
+    bound = values[0] * np.exp(-2 * float(loop.feedback.kappa or 0) * np.array(path.times, dtype=float))
     assert path.method == "sampled"
     assert (values <= bound * (1 + INTEGRATION)).all()
 
