@@ -9,6 +9,7 @@ from nonsmooth.analysis.cells.fan import is_fan_of
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
+from nonsmooth.proofs.clauses.translation.mass_facts import mass_fact
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
@@ -79,6 +80,7 @@ class TranslationClause(Clause[AnyTranslation]):
         region = None if radius is None else {"shape": "disc", "radius": Quantity(radius)}
         yield Fact("region", region, "" if radius is None else "region: disc of radius {}", (radius,), explained=True)
         yield from _support(result)
+        yield mass_fact(result.mass if isinstance(result, EllipseTranslation) else None, check.scene.units)
         yield Fact("witness", witness_record(result.witness, "value"))
 
 
