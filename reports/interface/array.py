@@ -37,7 +37,7 @@ class Array:
 
     Args:
         wheels: the wheels.
-        mu_roll: friction along the rims.
+        mu_roll: friction along the rims, or along the friction axes of wheels that name one.
         mu_side: friction across them.
         rule: contact rule; see ``nonsmooth rules``.
         at: the point to check.
@@ -106,7 +106,7 @@ class Array:
 
     @classmethod
     def from_csv(cls, file: str | Path, **more: Any) -> Self:
-        """Wheels of a CSV table with columns x, y and optionally heading, speed, mu_roll, mu_side."""
+        """Wheels of a CSV table with columns x, y and optionally the other keywords of a :class:`Wheel`."""
         path = Path(file)
         return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 
@@ -114,8 +114,8 @@ class Array:
         """Another array in which some keys are changed.
 
         Args:
-            **changes: name, mu_roll, mu_side, speed_limit, rule, loads, at, radius, lyapunov, length; field, body and
-                units as tables.
+            **changes: name, mu_roll, mu_side, axis, speed_limit, rule, loads, at, radius, lyapunov, length; field, body
+                and units as tables.
 
         Raises:
             SceneError: for whatever cannot be used.
