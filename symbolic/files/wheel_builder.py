@@ -30,8 +30,8 @@ class WheelBuilder:
         """Wheels numbered from 1.
 
         Raises:
-            SceneError: for fewer than two wheels, two wheels at one place, no heading or axis, bad friction, and a speed
-                above its limit.
+            SceneError: for fewer than two wheels, two wheels at one place, no heading or axis, bad friction, and a
+                speed above its limit.
         """
         wheels: list[Wheel] = []
         taken: dict[Vector, int] = {}
