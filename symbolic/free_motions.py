@@ -1,8 +1,8 @@
 """Free motions: the twists that no row with friction resists, exactly.
 
 A row with friction resists a twist xi unless ``a_k . xi = 0``.  So the free twists are the kernel of the rows with
-friction, and along each of them D is constant: if xi minimizes D, so does xi plus any free twist.  Free rollers with all
-their axes through one point, for example, leave the rotation about it free.
+friction, and along each of them D is constant: if xi minimizes D, so does xi plus any free twist.  Free rollers with
+all their axes through one point, for example, leave the rotation about it free.
 """
 
 from __future__ import annotations

@@ -168,6 +168,11 @@ class ContactModel(ShortRepr, ContactRows):
         )
 
     @property
+    def axes(self) -> Floats:
+        """Unit vectors along the friction axes, shape (n, 2)."""
+        return self.rows[::2, :2]
+
+    @property
     def sides(self) -> Floats:
         """``J d_i``, shape (n, 2)."""
         return turned(self.rims)

@@ -163,11 +163,9 @@ def test_a_carton_of_2_6_by_1_6_pitches_lies_on_4_of_36_wheels() -> None:
     assert "13/5 x 8/5" in scene.body.words
 
 
-def test_rollers_of_the_bed_are_parallel_and_run_to_its_middle() -> None:
-    scene = load_scene("roller-bed")
-    for wheel in scene.wheels:
-        assert not dot(wheel.grip, wheel.direction)
-        assert wheel.direction[0].sign() == -wheel.position[0].sign()
+def test_rollers_of_the_bed_are_parallel_and_run_across_their_axes() -> None:
+    for wheel in load_scene("roller-bed").wheels:
+        assert (wheel.grip, wheel.direction) == ((0, 1), (1, 0))
 
 
 def test_origin_of_off_center_lies_inside_one_cell_and_moves() -> None:
