@@ -1,4 +1,4 @@
-"""Verdicts about wheels with friction axes: against plain wheels, numerical linearization, and the stand-alone checker."""
+"""Verdicts about wheels with friction axes: against plain wheels, differences of the minimizer, and the checker."""
 
 from __future__ import annotations
 
