@@ -415,33 +415,50 @@ class Array:
     elastic: bool
 
 
+@dataclass(frozen=True)
+class Contact:
+    """One wheel: its place, its rolling and its side row, their friction, and see ``askew`` of :class:`Array`."""
+
+    place: Vector
+    rows: tuple[Vector, Vector]
+    friction: Vector
+    askew: bool | None
+
+
+def read_wheel(field: Field, at: Vector, name: str, entry: Any) -> Contact:
+    """The claim: unit vectors for directions, and friction that is not negative.  Without an axis it is the rim."""
+    named = dict(entry)
+    axis = field.vector(named.pop("axis"), 2) if "axis" in named else None
+    *pairs, speed = take(named, "position direction friction speed")
+    position, direction, friction = (field.vector(pair, 2) for pair in pairs)
+    grip = direction if axis is None else axis
+    one, u = field.constant(1), field.parse(speed)
+    lengths = signs(dot(v, v) - one for v in (direction, grip))
+    sound = not any(lengths) and min(signs(friction)) >= 0
+    require(sound, f"{name}: a unit direction, and friction that is not negative")
+    (a, b), p, q = grip, position[0] - at[0], position[1] - at[1]
+    along, across = dot(grip, direction), cross(grip, direction)
+    rows = (a, b, b * p - a * q, -(u * along)), (-b, a, a * p + b * q, -(u * across))
+    askew = None if axis is None else bool(along.sign()) and not friction[1].sign()
+    return Contact((p, q, one), rows, friction, askew)
+
+
 def read_array(field: Field, at: Vector, rule: str, loads: Any, wheels: Any) -> Array:
-    """The wheels with their rows; the claim of each: unit vectors for directions, and friction that is not negative."""
+    """The wheels with their rows and loads."""
     require(rule == "box" or (rule == "nearest" and loads is None), "schema, rule, loads")
     entries = items(wheels)
     require(len(entries) <= MAX_WHEELS, f"at most {MAX_WHEELS} wheels")
-    one, zero = field.constant(1), field.constant(0)
     places: dict[str, Vector] = {}
     rows: dict[str, Vector] = {}
     friction: dict[str, Number] = {}
     askew: dict[str, bool] = {}
     for number, entry in enumerate(entries, 1):
-        named = dict(entry)
-        axis = field.vector(named.pop("axis"), 2) if "axis" in named else None
-        *pairs, speed = take(named, "position direction friction speed")
-        position, direction, (roll, side) = (field.vector(pair, 2) for pair in pairs)
-        a, b = direction if axis is None else axis
-        unit = not any(signs(dot(v, v) - one for v in (direction, (a, b))))
-        sound = unit and min(signs((roll, side))) >= 0
-        require(sound, f"wheels[{number - 1}]: a unit direction, and friction that is not negative")
-        p, q, u = position[0] - at[0], position[1] - at[1], field.parse(speed)
-        along, across = (u, zero) if axis is None else (u * dot(axis, direction), u * cross(axis, direction))
-        places[str(number)] = (p, q, one)
-        rows[f"R{number}"] = (a, b, b * p - a * q, -along)
-        rows[f"S{number}"] = (-b, a, a * p + b * q, -across)
-        if axis is not None:
-            askew[str(number)] = bool(dot(axis, direction).sign()) and not side.sign()
-        friction[f"R{number}"], friction[f"S{number}"] = roll, side
+        wheel = read_wheel(field, at, f"wheels[{number - 1}]", entry)
+        places[str(number)] = wheel.place
+        rows[f"R{number}"], rows[f"S{number}"] = wheel.rows
+        friction[f"R{number}"], friction[f"S{number}"] = wheel.friction
+        if wheel.askew is not None:
+            askew[str(number)] = wheel.askew
     elastic = rule == "box" and loads == "elastic"
     table: dict[str, Vector] = {}
     if rule == "box" and not elastic:

@@ -116,7 +116,7 @@ def _draw_wheels(axes: Axes, model: ContactModel) -> None:
     for k, (start, end) in enumerate(zip(model.positions - half, model.positions + half, strict=True)):
         label = "rim of a wheel" if k == 0 else None
         axes.plot(*zip(start, end, strict=True), color="0.45", linewidth=4, solid_capstyle="butt", label=label)
-    for k in np.flatnonzero(model.heads[:, 1]):
+    for k in np.flatnonzero(model.heads[:, 1]).tolist():
         draw_axis(axes, floats(model.positions[k]), floats(model.axes[k]), float(np.hypot(*half[k])))
 
 

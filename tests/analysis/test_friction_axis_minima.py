@@ -6,9 +6,9 @@ axis a and the part along J a.  CVXPY minimizes the sum over the wheels as it st
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-import cvxpy as cp
+import cvxpy
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ from nonsmooth.analysis.motion.frames import wheel_slips
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
+
+cp: Any = cvxpy  # without types of its own
 
 SEEDS = range(12)
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -78,9 +80,9 @@ class Definition:
         first = scene.wheels[0].friction
         self.roll, self.side = float(first.roll), float(first.side)
 
-    def cost(self, twist: object, k: int) -> cp.Expression:
+    def cost(self, twist: Any, k: int) -> Any:
         """Friction losses of wheel k for each unit of load."""
-        v, omega = twist[:2], twist[2]  # type: ignore[index]
+        v, omega = twist[:2], twist[2]
         slip = v + omega * (TURN @ self.places[k]) - self.surface[k]
         along, across = self.axes[k] @ slip, (TURN @ self.axes[k]) @ slip
         if self.rule == "box":

@@ -119,10 +119,13 @@ def test_files_tables_and_python_say_the_same(tmp_path: Path) -> None:
 def test_the_axis_of_all_wheels_yields_to_their_own(tmp_path: Path) -> None:
     file = tmp_path / "scene.toml"
     file.write_text(f"{FRICTION}axis = [1, 0]\n[[wheel]]\nposition = [1, 1]\naxis = [0, 1]\n{REST}")
-    axes = [wheel.axis for wheel in load_scene(file).wheels]
-    assert axes == [(0, -1), (1, 0), (1, 0)]
+    axes = [wheel.axis and tuple(map(str, wheel.axis)) for wheel in load_scene(file).wheels]
+    assert axes == [("0", "-1"), ("1", "0"), ("1", "0")]
     array = ns.Array([ns.Wheel((1, 1)), ns.Wheel((1, 0))], mu_roll=1, mu_side=0).with_(axis=(1, 0))
-    assert [wheel.axis for wheel in array.scene.wheels] == [(-1, 0), None]
+    first, second = (wheel.axis for wheel in array.scene.wheels)
+    assert first is not None
+    assert [str(x) for x in first] == ["-1", "0"]
+    assert second is None
 
 
 REFUSED = [
@@ -190,6 +193,7 @@ def test_free_twists_are_the_kernel_of_the_rows() -> None:
     places = ((1, 1), (-1, 1), (-1, -1))
     wheels = [ns.Wheel(p, axis=(p[0] - at[0], p[1] - at[1]), heading=(1, 0)) for p in places]
     scene = ns.Array(wheels, mu_roll=1, mu_side=0).scene
-    assert free_twists(scene) == ((2, -Fraction(1, 3), 1),)
+    (free,) = free_twists(scene)
+    assert [str(x) for x in free] == ["2", "-1/3", "1"]
     assert free_text(free_twists(scene)) == "no row with friction resists the motion xi = (2, -1/3, 1)"
     assert free_twists(load_scene("mecanum-4")) == ()
