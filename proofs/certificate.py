@@ -157,13 +157,14 @@ def _loads(scene: Scene) -> Any:
 
 def _wheel(wheel: Wheel) -> Record:
     try:
-        direction, speed = wheel.unit_direction, wheel.speed
+        direction, speed, _ = wheel.unit_direction, wheel.speed, wheel.unit_grip
     except NestingError as error:
         raise CertificateError(
-            f"certificate: the length of the rim direction of wheel {wheel.index}: {error}"
+            f"certificate: the length of the rim direction or of the axis of wheel {wheel.index}: {error}"
         ) from None
     friction = wheel.friction.roll, wheel.friction.side
-    return {"position": wheel.position, "direction": direction, "speed": speed, "friction": friction}
+    record = {"position": wheel.position, "direction": direction, "speed": speed, "friction": friction}
+    return record if wheel.axis is None else {**record, "axis": wheel.unit_grip}
 
 
 def _cells(partition: Partition, chains: list[list[int]], disc: Disc) -> list[Record]:

@@ -51,6 +51,8 @@ def failed_hypotheses(scene: Scene) -> list[str]:
         failed.append("the wheels do not lie on one circle about the equilibrium")
     if any(cross(w.direction, w.position) or dot(w.direction, w.position).sign() >= 0 for w in wheels):
         failed.append("not every rim points inward")
+    if any(w.axis is not None for w in wheels):
+        failed.append("not every friction axis is the rim")
     if any(w.given_speed is not None and w.given_speed.sign() <= 0 for w in wheels):
         failed.append("not every speed is positive")
     if len({w.friction.roll for w in wheels}) > 1 or not wheels[0].friction.roll:

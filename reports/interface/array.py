@@ -34,7 +34,7 @@ class Array(MadeArray):
 
     Args:
         wheels: the wheels.
-        mu_roll: friction along the rims.
+        mu_roll: friction along the rims, or along the friction axes of wheels that name one.
         mu_side: friction across them.
         rule: contact rule; see ``nonsmooth rules``.
         at: the point to check.

@@ -18,7 +18,7 @@ from nonsmooth.symbolic.files.scene_values import (
     Table,
     read_exact,
 )
-from nonsmooth.symbolic.files.velocity_fields import AnyField
+from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
 from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
@@ -94,10 +94,14 @@ class StatedUnits(Table):
 
 
 class FrictionTable(Table):
-    """``[friction]``: Coulomb coefficients of every wheel that names none."""
+    """``[friction]``: Coulomb coefficients, and the direction of the larger one, of every wheel that names none.
+
+    Without an axis that direction is the rim of each wheel.
+    """
 
     mu_roll: OptionalExact = None
     mu_side: OptionalExact = None
+    axis: HeadingField | None = None
 
 
 class DriveTable(Table):

@@ -64,6 +64,10 @@ _BUILTIN = (
     "outward",
     "off-center",
     "differential-drive",
+    "omni-3",
+    "mecanum-4",
+    "roller-bed",
+    "carton-on-6x6",
 )
 _SYSTEMS = (
     "relay-oscillator",

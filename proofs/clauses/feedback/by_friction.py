@@ -35,7 +35,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
-from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
+from nonsmooth.proofs.clauses.feedback.by_rows import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
@@ -54,6 +54,7 @@ from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -173,12 +174,20 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     blocked = side_friction_rules(scene.wheels)
     if blocked is not None:
         return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length)
+    if with_rims_along_axes(scene) is None:
+        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
     return decide_whatever_friction(scene)
 
 
 def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
-    """The same also where Theorem 4 asks nothing of feedback (``mu_S >= mu_R``): twists are imposed there too."""
-    return replace(_decide(in_own_length(scene), scene.check.length), length=scene.check.length)
+    """The same also where Theorem 4 asks nothing of feedback (``mu_S >= mu_R``): twists are imposed there too.
+
+    Wheels on rollers that turn freely are driven like wheels whose rims lie along the axes of the rollers.
+    """
+    plain = with_rims_along_axes(scene)
+    if plain is None:
+        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
+    return replace(_decide(in_own_length(plain), scene.check.length), length=scene.check.length)
 
 
 def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
