@@ -21,6 +21,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, dot
 from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Contact:
     """Contact rule and load model; ``loads`` None means elastic (identical springs, no tension)."""
 
     rule: str
-    loads: LoadTable | None = None
+    loads: LoadTable | UnknownLoads | None = None
 
 
 @dataclass(frozen=True)
@@ -168,7 +169,7 @@ class Scene(ShortRepr):
             for group in (self.wheels, self.idle)
         )
         loads = self.contact.loads
-        if loads is not None:
+        if isinstance(loads, LoadTable):
             rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
             loads = LoadTable(rows)
         zero, continuum = self.field.zero, self.continuum

@@ -22,8 +22,13 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import Vector, around, cross, minus
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
+
+UNKNOWN = (
+    'contact.loads: required loads that are known ("elastic", a table, or measured) to follow the motion, received {}'
+)
 
 
 class LoadError(RefusalError):
@@ -61,14 +66,16 @@ def load_regions(scene: Scene, holding: Point | None = None) -> tuple[LoadRegion
     With a point, only the regions that hold it are sought: a hundred wheels have hundreds of regions.
 
     Raises:
-        LoadError: where the body tips, wheels are collinear, or a table gives a negative load.
+        LoadError: where the body tips, wheels are collinear, a table gives a negative load, or loads are unknown.
     """
     domain = square(scene.check.equilibrium, scene.check.radius)
     table = scene.contact.loads
+    if isinstance(table, UnknownLoads):
+        raise LoadError(UNKNOWN.format(table.words))
     if table is not None:
         _require_positive(scene, table.rows, domain)
         return (LoadRegion(domain, table.rows, frozenset(w.index for w in scene.wheels)),)
-    _require_support(scene, domain)
+    require_support(scene, domain)
     return _elastic_regions(scene, domain, holding)
 
 
@@ -101,8 +108,12 @@ def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> 
                 )
 
 
-def _require_support(scene: Scene, domain: Polygon) -> None:
-    """Refuse squares that leave the support polygon."""
+def require_support(scene: Scene, domain: Polygon) -> None:
+    """Refuse squares that leave the support polygon.
+
+    Raises:
+        LoadError: naming the place, or that the wheels are collinear.
+    """
     hull = support_polygon([wheel.position for wheel in scene.wheels])
     if len(hull) < 3:
         raise LoadError(

@@ -19,10 +19,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats = NDArray[np.float64]
 
@@ -176,13 +179,21 @@ class ContactModel(ShortRepr, ContactRows):
 
 
 def contact_model(scene: Scene) -> ContactModel:
-    """The scene in floats, each exact number rounded once."""
+    """The scene in floats, each exact number rounded once.
+
+    Raises:
+        LoadError: under a rule that needs loads, where the scene leaves them open.
+    """
+    table = scene.contact.loads
+    if isinstance(table, UnknownLoads):
+        if rule_of(scene).needs_loads:
+            raise LoadError(UNKNOWN.format(table.words))
+        table = None
     directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
     speeds = [
         np.hypot(*direction) if wheel.given_speed is None else float(wheel.given_speed)
         for wheel, direction in zip(scene.wheels, directions, strict=True)
     ]
-    table = scene.contact.loads
     return ContactModel.build(
         positions=[[float(x) for x in wheel.position] for wheel in scene.wheels],
         rims=directions,
