@@ -101,7 +101,8 @@ def _measured(table: Mapping[str, object]) -> MeasuredLoads:
     if not isinstance(values, list) or not values:
         raise ValueError('required values = [N_1, N_2, ...] beside kind = "measured"')
     at = None if "at" not in table else read_pair(table["at"])
-    return MeasuredLoads(tuple(map(read_exact, values)), at, read_exact(table.get("within", WITHIN)))
+    within = read_exact(table["within"]) if "within" in table else WITHIN
+    return MeasuredLoads(tuple(map(read_exact, values)), at, within)
 
 
 Loads = Annotated[StatedLoads | None, PlainValidator(read_loads)]
