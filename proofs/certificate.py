@@ -60,6 +60,7 @@ def build_certificate(result: CellCheck | SmoothCheck) -> Record:
         CertificateError: for rule ``ellipse``, and where the checker does not follow the verdict.
     """
     rule = result.scene.contact.rule
+    _loads(result.scene)
     if isinstance(result, SmoothCheck) or rule not in FOLLOWED:
         names, why = " or ".join(f'"{name}"' for name in FOLLOWED), "follows cells, and this rule has none"
         if isinstance(result, CellCheck):

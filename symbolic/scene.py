@@ -20,6 +20,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, dot
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.units import Units
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -183,3 +184,15 @@ class Scene(ShortRepr):
             contact=replace(self.contact, loads=loads),
             check=replace(self.check, equilibrium=(zero, zero)),
         )
+
+
+def require_known_loads(scene: Scene, purpose: str) -> None:
+    """Refuse a scene that leaves its loads open for a purpose that needs one load.
+
+    Raises:
+        SceneError: naming the loads.
+    """
+    loads = scene.contact.loads
+    if isinstance(loads, UnknownLoads):
+        expected = f'known loads ("elastic", a table, or measured) {purpose}'
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact(loads.words))

@@ -8,14 +8,17 @@ triangle of wheels around the point, by two wheels on both sides of it, or by a 
 *Springs that are not quite equal.*  In contact ``N_i = k_i (m_i . y - h_i) = k m_i . y + e_i``, where with
 ``k_i = k (1 + t_i)`` ::
 
-    e_i = N_i t_i/(1 + t_i) - k h_i,     |e_i| <= E_i = top_i s/(1 - s) + height/n     for |t_i| <= s, N_i <= top_i.
+    e_i = N_i t_i/(1 + t_i) - k h_i,     |e_i| <= top_i s/(1 - s) + height/n     for |t_i| <= s, N_i <= top_i.
 
-Sum and moments determine y, so ``N = N_elastic + Q e`` with ``Q = I - M G^-1 M^T``: a zonotope over the box of e.  With
-equal stiffnesses it is what springs can reach, otherwise an outer bound.  It holds as long as no wheel lifts off.  A
-wheel off the ground has ``m_i . y < h_i``, a height beyond the box: so loads after lift-off are *not* the zonotope cut
-at ``N >= 0``.  Where the zonotope lies in ``N > 0`` no wheel lifts: grow the scatter from nothing; the solution of the
-springs moves continuously, and while it is positive it lies in the zonotope, so it stays positive.  Elsewhere a wheel
-may lift, and all admissible loads are taken instead.
+Sum and moments determine y, so ``N = N_elastic + Q e`` with ``Q = I - M G^-1 M^T``: a zonotope over a box of e.  It
+bounds what springs reach as long as no wheel lifts off.  A wheel off the ground has ``m_i . y < h_i``, a height beyond
+the box: so loads after lift-off are *not* the zonotope cut at ``N >= 0``.  Where the zonotope lies in ``N > 0`` no
+wheel lifts: grow the scatter from nothing; the solution of the springs moves continuously, and while it is positive it
+lies in the zonotope, so it stays positive.  Elsewhere a wheel may lift, and all admissible loads are taken instead.
+
+What holds for every load of such a *bound* holds for all that springs reach.  A witness must be *reached*: it is taken
+from the zonotope over ``|e_i| <= least_i s/(1 + s) + height/n``, which every scatter attains where no wheel lifts, with
+both parts scaled down until none does.
 """
 
 from __future__ import annotations
@@ -28,9 +31,9 @@ from itertools import combinations
 from math import comb
 from typing import TypeAlias
 
-from nonsmooth.analysis.cells.loads import LoadError, require_support
+from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
 from nonsmooth.analysis.cells.polygon import square
-from nonsmooth.symbolic.constraints import inner
+from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.measured_loads import spring_forms
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross, dot
@@ -44,14 +47,8 @@ REFINEMENTS = 2  # of the bounds ``top_i``, which are 1 at first
 LIFTS = "springs that differ so much may lift a wheel off, so all admissible loads are taken"
 
 
-class LoadSet(ABC):
-    """A polytope of loads at the checked point.
-
-    Attributes:
-        remark: what was done about lift-off, a sentence; empty where there is nothing to say.
-    """
-
-    remark: str = ""
+class LoadPolytope(ABC):
+    """A polytope of loads at the checked point."""
 
     @property
     @abstractmethod
@@ -84,7 +81,7 @@ def priced(prices: Sequence[Number], loads: Loads) -> Number:
 
 
 @dataclass(frozen=True)
-class AdmissibleLoads(LoadSet):
+class AdmissibleLoads(LoadPolytope):
     """Every load that carries the weight and balances moments.
 
     Attributes:
@@ -92,7 +89,6 @@ class AdmissibleLoads(LoadSet):
     """
 
     vertices: tuple[Loads, ...]
-    remark: str = ""
 
     @cached_property
     def middle(self) -> Loads:
@@ -121,12 +117,12 @@ class AdmissibleLoads(LoadSet):
 
 
 @dataclass(frozen=True)
-class SpringLoads(LoadSet):
-    """The zonotope ``centre + sum_k [-1, 1] generators_k`` in ``N > 0``.
+class SpringLoads(LoadPolytope):
+    """The zonotope ``centre + sum_k [-1, 1] generators_k``.
 
     Attributes:
         centre: the elastic loads of equal springs.
-        generators: columns of Q, each times its ``E_k``.
+        generators: columns of Q, each times the half-width of the box of e; none where the centre is all.
     """
 
     centre: Loads
@@ -143,28 +139,43 @@ class SpringLoads(LoadSet):
         return None
 
     @cached_property
-    def _reach(self) -> Loads:
+    def reach(self) -> Loads:
+        """How far every load may be from the centre."""
         zero = self.centre[0].field.zero
-        return tuple(sum(map(abs, entries), zero) for entries in zip(*self.generators, strict=True))
+        return tuple(sum((abs(generator[i]) for generator in self.generators), zero) for i in range(len(self.centre)))
 
     @cached_property
     def least(self) -> Loads:
         """The centre less all generators."""
-        return tuple(n - reach for n, reach in zip(self.centre, self._reach, strict=True))
+        return tuple(n - reach for n, reach in zip(self.centre, self.reach, strict=True))
 
     @cached_property
     def largest(self) -> Loads:
         """The centre and all generators."""
-        return tuple(n + reach for n, reach in zip(self.centre, self._reach, strict=True))
+        return tuple(n + reach for n, reach in zip(self.centre, self.reach, strict=True))
 
     def lowest(self, prices: Sequence[Number]) -> Loads:
         """Every generator against the prices."""
-        signs = [-priced(prices, generator).sign() for generator in self.generators]
-        return self._mixed([self.centre[0].field(sign) for sign in signs])
+        total = self.centre
+        for generator in self.generators:
+            side = -priced(prices, generator).sign()
+            total = tuple(n + side * entry for n, entry in zip(total, generator, strict=True))
+        return total
 
-    def _mixed(self, shares: Sequence[Number]) -> Loads:
-        rows = zip(self.centre, *self.generators, strict=True)
-        return tuple(n + priced(shares, tuple(entries)) for n, *entries in rows)
+
+@dataclass(frozen=True)
+class LoadSet:
+    """The loads that a scene leaves open at its point.
+
+    Attributes:
+        bound: holds all of them: what holds for every load of it holds for them.
+        reached: all of it is among them: where witnesses are taken from.
+        remark: what was done about lift-off, a sentence; empty where there is nothing to say.
+    """
+
+    bound: LoadPolytope
+    reached: LoadPolytope
+    remark: str = ""
 
 
 def load_set(scene: Scene) -> LoadSet:
@@ -179,21 +190,21 @@ def load_set(scene: Scene) -> LoadSet:
         raise TypeError(f"required a scene with unknown loads, received {unknown}")
     require_support(scene, square(scene.check.equilibrium, scene.check.radius))
     if unknown.scatter is None:
-        return admissible_loads(scene)
-    springs = _spring_loads(scene, unknown.scatter)
-    return admissible_loads(scene, LIFTS) if springs is None else springs
+        every = admissible_loads(scene)
+        return LoadSet(every, every)
+    return _loads_of_springs(scene, unknown.scatter)
 
 
-def admissible_loads(scene: Scene, remark: str = "") -> AdmissibleLoads:
+def admissible_loads(scene: Scene) -> AdmissibleLoads:
     """The polytope of all loads at the point of a centred scene.
 
     Raises:
         LoadError: for so many wheels that its vertices are not listed.
     """
-    positions = tuple(wheel.position for wheel in scene.wheels)
+    positions = [wheel.position for wheel in scene.wheels]
     if comb(len(positions), 3) > MOST_TRIANGLES:
         raise LoadError(f"contact.loads: required at most 50 wheels for unknown loads, received {len(positions)}")
-    return AdmissibleLoads(tuple(_vertices(positions)), remark)
+    return AdmissibleLoads(tuple(_vertices(positions)))
 
 
 def _vertices(positions: Sequence[Vector]) -> Iterator[Loads]:
@@ -219,23 +230,44 @@ def _shared(positions: Sequence[Vector], shares: dict[int, Number]) -> Loads:
     return tuple(shares.get(k, zero) for k in range(len(positions)))
 
 
-def _spring_loads(scene: Scene, scatter: LoadScatter) -> SpringLoads | None:
-    """The zonotope of a scatter; None where it reaches loads that are not positive."""
-    one, count = scene.field.one, len(scene.wheels)
-    moments = [(one, *wheel.position) for wheel in scene.wheels]
+def _loads_of_springs(scene: Scene, scatter: LoadScatter) -> LoadSet:
+    """The zonotopes that bound and that are reached, or all admissible loads where a wheel may lift off."""
     forms = spring_forms([wheel.position for wheel in scene.wheels])
     centre = tuple(form[0] for form in forms)
-    columns = [
-        tuple((one if i == k else one * 0) - inner(moments[i], forms[k]) for i in range(count)) for k in range(count)
-    ]
-    heights, slack = scatter.height / count, scatter.stiffness / (1 - scatter.stiffness)
-    tops = [one] * count
+    if min(centre).sign() <= 0:  # equal springs lift a wheel off already
+        known = elastic_loads_at(scene, scene.check.equilibrium)
+        return LoadSet(admissible_loads(scene), SpringLoads(known, ()), LIFTS)
+    columns, heights = _projection(scene, forms), scatter.height / len(centre)
+    tops = [scene.field.one] * len(centre)
     for _ in range(REFINEMENTS):
-        reaches = [top * slack + heights for top in tops]
-        springs = SpringLoads(centre, tuple(_times(columns[k], reaches[k]) for k in range(count)))
-        tops = [min(top, largest) for top, largest in zip(tops, springs.largest, strict=True)]
-    return springs if all(n.sign() > 0 for n in springs.least) else None
+        slack = scatter.stiffness / (1 - scatter.stiffness)
+        outer = _springs(centre, columns, [top * slack + heights for top in tops])
+        tops = [min(top, largest) for top, largest in zip(tops, outer.largest, strict=True)]
+    lifts = min(outer.least).sign() <= 0
+    share = scatter.stiffness / (1 + scatter.stiffness)
+    if not lifts:
+        return LoadSet(outer, _springs(centre, columns, [least * share + heights for least in outer.least]))
+    grounded = _springs(centre, columns, _reached_widths(centre, columns, share, heights))
+    return LoadSet(admissible_loads(scene), grounded, LIFTS)
 
 
-def _times(column: Loads, factor: Number) -> Loads:
-    return tuple(entry * factor for entry in column)
+def _reached_widths(centre: Loads, columns: Sequence[Loads], share: Number, heights: Number) -> Sequence[Number]:
+    """Half-widths of a box of e that a scatter attains with at least half of the least elastic load on every wheel."""
+    half = min(centre) / 2
+    widest = [half * share + heights] * len(centre)
+    reach = max(_springs(centre, columns, widest).reach)
+    return widest if reach <= half else [width * half / reach for width in widest]
+
+
+def _springs(centre: Loads, columns: Sequence[Loads], widths: Sequence[Number]) -> SpringLoads:
+    """The zonotope over the box of these half-widths."""
+    generators = zip(columns, widths, strict=True)
+    return SpringLoads(centre, tuple(tuple(entry * width for entry in column) for column, width in generators))
+
+
+def _projection(scene: Scene, forms: Sequence[Triple]) -> list[Loads]:
+    """The columns of Q."""
+    one, zero = scene.field.one, scene.field.zero
+    moments = [(one, *wheel.position) for wheel in scene.wheels]
+    rows = range(len(moments))
+    return [tuple((one if i == k else zero) - inner(moments[i], forms[k]) for i in rows) for k in rows]

@@ -19,12 +19,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError
-from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats = NDArray[np.float64]
@@ -112,11 +110,13 @@ class ContactModel(ShortRepr, ContactRows):
         positions: ``p_i``, shape (n, 2), length.
         rims: unit vectors ``d_i``, shape (n, 2).
         load_table: rows ``r_i`` of affine loads ``N_i = r_i . (1, c)``, shape (n, 3); None means elastic.
+        unknown_loads: which loads are meant where the scene leaves them open; empty where they are known.
     """
 
     positions: Floats
     rims: Floats
     load_table: Floats | None = None
+    unknown_loads: str = ""
 
     @classmethod
     def build(
@@ -179,28 +179,22 @@ class ContactModel(ShortRepr, ContactRows):
 
 
 def contact_model(scene: Scene) -> ContactModel:
-    """The scene in floats, each exact number rounded once.
-
-    Raises:
-        LoadError: under a rule that needs loads, where the scene leaves them open.
-    """
-    table = scene.contact.loads
-    if isinstance(table, UnknownLoads):
-        if rule_of(scene).needs_loads:
-            raise LoadError(UNKNOWN.format(table.words))
-        table = None
+    """The scene in floats, each exact number rounded once."""
+    loads = scene.contact.loads
+    table = loads.rows if isinstance(loads, LoadTable) else None
     directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
     speeds = [
         np.hypot(*direction) if wheel.given_speed is None else float(wheel.given_speed)
         for wheel, direction in zip(scene.wheels, directions, strict=True)
     ]
-    return ContactModel.build(
+    model = ContactModel.build(
         positions=[[float(x) for x in wheel.position] for wheel in scene.wheels],
         rims=directions,
         surface=speeds,
         friction=[[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels],
-        load_table=None if table is None else [[float(x) for x in row] for row in table.rows],
+        load_table=None if table is None else [[float(x) for x in row] for row in table],
     )
+    return replace(model, unknown_loads=loads.words) if isinstance(loads, UnknownLoads) else model
 
 
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:

@@ -38,19 +38,20 @@ def box_situation(scene: Scene, loads: LoadSet, omega: Number) -> Number | None:
     if rays is None:
         return None
     every = (prices_along(scene, rows, twist, ray) for ray in rays)
-    return min(priced(prices, loads.lowest(prices)) for prices in every)
+    return min(priced(prices, loads.bound.lowest(prices)) for prices in every)
 
 
 def moving_loads(scene: Scene, loads: LoadSet) -> Iterator[Loads]:
     """Loads under which D falls from rest; every wheel carries under them."""
-    yield loads.middle
+    reached = loads.reached
+    yield reached.middle
     twist = Twist(scene.field.zero, scene.field.zero, scene.field.zero)
     rows = rows_with_friction(scene)
     for ray in _rays([row for row in rows if not row.residual(twist)]) or ():
         prices = prices_along(scene, rows, twist, ray)
-        lowest = loads.lowest(prices)
+        lowest = reached.lowest(prices)
         if priced(prices, lowest).sign() < 0:
-            yield tuple((3 * a + b) / 4 for a, b in zip(lowest, loads.middle, strict=True))
+            yield tuple((3 * a + b) / 4 for a, b in zip(lowest, reached.middle, strict=True))
 
 
 def _rays(tight: Sequence[Row]) -> list[Triple] | None:

@@ -31,7 +31,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
-from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, Loads, LoadSet, SpringLoads, priced
+from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
 from nonsmooth.proofs.clauses.every_load.simplices import is_positive_on_hull
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import Slope, WheelPull
 from nonsmooth.symbolic.constraints import Triple, inner, outer, scaled, total
@@ -76,9 +76,10 @@ class Decay:
         H is linear in the loads: it is definite on a hull where it is at the corners, and where it is under the least
         loads of all wheels.
         """
-        corners = self.loads.corners
+        bound = self.loads.bound
+        corners = bound.corners
         if corners is None:
-            return None if self.is_definite(self.loads.least) else self.loads.middle
+            return None if self.is_definite(bound.least) else bound.middle
         return next((corner for corner in corners if not self.is_definite(corner)), None)
 
     @cached_property
@@ -102,9 +103,9 @@ class Decay:
     def is_hurwitz_for_all(self) -> bool:
         """Whether A is Hurwitz under every load of the set; False also where that is not shown."""
         prices = self.determinant_prices
-        if self.soft_load is not None or priced(prices, self.loads.lowest(prices)).sign() <= 0:
+        if self.soft_load is not None or priced(prices, self.loads.bound.lowest(prices)).sign() <= 0:
             return False
-        return is_positive_on_set(self.trace_terms, self.loads)
+        return is_positive_on_set(self.trace_terms, self.loads.bound)
 
     def throws_out(self, loads: Loads) -> bool:
         """Whether A has an eigenvalue with a positive real part under one load."""
@@ -118,14 +119,15 @@ class Decay:
 
     def _suspects(self) -> Iterator[Loads]:
         """The middle of the set, and loads between it and the corners, the least determinant first."""
-        middle = self.loads.middle
+        reached = self.loads.reached
+        middle = reached.middle
         yield middle
-        for corner in (self.loads.lowest(self.determinant_prices), *(self.loads.corners or ())):
+        for corner in (reached.lowest(self.determinant_prices), *(reached.corners or ())):
             for share in SHARES:
                 yield tuple((share * a + b) / (share + 1) for a, b in zip(corner, middle, strict=True))
 
 
-def is_positive_on_set(matrix: Sequence[Sequence[Number]], loads: LoadSet) -> bool:
+def is_positive_on_set(matrix: Sequence[Sequence[Number]], loads: LoadPolytope) -> bool:
     """Whether a quadratic form is shown to be positive at every load of a set."""
     match loads:
         case AdmissibleLoads():

@@ -18,6 +18,7 @@ from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point
 from nonsmooth.proofs.clauses.at_point.forces_check import is_held
 from nonsmooth.proofs.clauses.at_point.linearization import spin_candidates
+from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.box_slopes import box_situation, is_driven_away, moving_loads
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import (
     Slope,
@@ -31,6 +32,9 @@ from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
+
+MOST_SHOWN = 8  # wheels whose loads are all written into a sentence
+FEW_SHOWN = 3  # of more wheels
 
 
 class EveryLoad(StrEnum):
@@ -118,7 +122,7 @@ def every_load_point(scene: Scene) -> EveryLoadPoint:
 
 def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
     zero = scene.field.zero
-    region = under_load(scene, loads.middle)
+    region = under_load(scene, loads.reached.middle)
     carried = common_twist(scene, region)
     if carried is not None and _grips_everywhere(scene):
         reason = f"the twist ({', '.join(map(brief_text, carried))}) satisfies every row of every wheel"
@@ -152,33 +156,39 @@ def _moved(scene: Scene, loads: LoadSet, load: Loads) -> EveryLoadPoint:
 
 
 def load_text(loads: Loads) -> str:
-    """The shares of the weight, rounded, by wheel."""
+    """The shares of the weight, rounded: of all wheels, of many those that carry most."""
+    if len(loads) > MOST_SHOWN:
+        heaviest = sorted(range(len(loads)), key=lambda k: -float(loads[k]))[:FEW_SHOWN]
+        named = ", ".join(f"{float(loads[k]):.4g} on wheel {k + 1}" for k in heaviest)
+        return f"({named}, the rest on others)"
     return f"({', '.join(f'{float(load):.4g}' for load in loads)})"
 
 
 def _grips_everywhere(scene: Scene) -> bool:
-    """Whether any two wheels fix the motion: every wheel resists along and across its rim."""
-    sets = [smooth_rule_of(scene).friction_set(wheel.friction) for wheel in scene.wheels]
-    return all(limits.along and limits.across for limits in sets)
+    """Whether all that can carry fix the motion: all wheels resist along and across, and none is right under c*."""
+    rule = smooth_rule_of(scene)
+    sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
+    return all(limits.along and limits.across for limits in sets) and all(any(w.position) for w in scene.wheels)
 
 
 def _is_held(scene: Scene, loads: LoadSet) -> bool:
     """Whether sticking wheels hold the body at every corner of the set; strictly inside is a convex condition too."""
-    if all(wheel.scaled_speed and wheel.friction.roll for wheel in scene.wheels) or loads.corners is None:
+    if all(wheel.scaled_speed and wheel.friction.roll for wheel in scene.wheels) or loads.bound.corners is None:
         return False
-    regions = (under_load(scene, corner) for corner in loads.corners)
+    regions = (under_load(scene, corner) for corner in loads.bound.corners)
     return all(is_held(scene, region, rest_balance(scene, region)) for region in regions)
 
 
 def _suspects(scene: Scene, loads: LoadSet, rates: list[Number]) -> Iterator[Loads]:
     """Loads under which a spin at one of the rates is far from balance; every wheel carries under them."""
-    yield loads.middle
+    reached = loads.reached
+    yield reached.middle
     for rate in rates:
         pulls = wheel_pulls(scene, rate)
         for axis in (0, 1, 2) if pulls is not None else ():
             prices = [wheel.pull[axis] for wheel in pulls or ()]
             for side in (1, -1):
-                yield mixed(loads.lowest([price * side for price in prices]), loads.middle)
+                yield mixed(reached.lowest([price * side for price in prices]), reached.middle)
 
 
 def mixed(first: Loads, second: Loads) -> Loads:
@@ -194,11 +204,15 @@ def _is_refuted(scene: Scene, load: Loads) -> bool:
 
 
 def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
-    """Slopes of D at a motion about the point are linear in the loads: exact linear programs over their set."""
+    """Slopes of D at a motion about the point are linear in the loads: exact linear programs over their set.
+
+    Where a slope vanishes under some load, other motions minimize D there too, and beside the point all velocities may
+    point to one side; the lemma on inward rims, c . v <= 0, excludes that.
+    """
     zero = scene.field.zero
     for rate in _box_rates(scene):
         least = box_situation(scene, loads, rate)
-        if least is not None and least >= 0:
+        if least is not None and (least > 0 or (least == 0 and cocircular_array(scene) is not None)):
             situation = EveryLoad.HELD if least > 0 else EveryLoad.TIED
             what = f"the spin {brief_text(rate)}" if rate else "rest"
             how = "D rises in every direction" if least > 0 else "D falls in no direction"
@@ -207,7 +221,7 @@ def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
     for load in moving_loads(scene, loads):
         if _is_refuted(scene, load):
             return _moved(scene, loads, load)
-    reason = "rest minimizes D under some loads only, and none is found under which the body leaves the point"
+    reason = "rest is not shown to be the motion under every load, nor is a load found that drives the body away"
     return EveryLoadPoint(scene, loads, EveryLoad.OPEN, None, None, None, reason)
 
 

@@ -101,8 +101,7 @@ def decide_for_every_load(point: EveryLoadPoint, lemma: CocircularArray | None) 
         return _smooth(point, lemma)
     if lemma is not None:
         return EveryLoadTranslation(point, Translation.STABLE, LEMMA, lemma, region_radius=radius)
-    reason = "rest minimizes D under every load, but under some not alone, and no lemma covers the square"
-    return EveryLoadTranslation(point, Translation.UNDECIDED, reason)
+    return EveryLoadTranslation(point, Translation.UNDECIDED, point.reason)
 
 
 def _smooth(point: EveryLoadPoint, lemma: CocircularArray | None) -> EveryLoadTranslation:
