@@ -11,10 +11,11 @@ triangle of wheels around the point, by two wheels on both sides of it, or by a 
     e_i = N_i t_i/(1 + t_i) - k h_i,     |e_i| <= top_i s/(1 - s) + height/n     for |t_i| <= s, N_i <= top_i.
 
 Sum and moments determine y, so ``N = N_elastic + Q e`` with ``Q = I - M G^-1 M^T``: a zonotope over a box of e.  It
-bounds what springs reach as long as no wheel lifts off.  A wheel off the ground has ``m_i . y < h_i``, as if its height were beyond
-the box: so loads after lift-off need not be in the zonotope cut at ``N >= 0`` (which is even empty where equal springs
-lift a wheel and scatter little).  Where the zonotope lies in ``N > 0`` no wheel lifts: grow the scatter from nothing; the solution of the springs moves continuously, and while it is positive it
-lies in the zonotope, so it stays positive.  Elsewhere a wheel may lift, and all admissible loads are taken instead.
+bounds what springs reach as long as no wheel lifts off.  A wheel off the ground has ``m_i . y < h_i``, as if its height
+were beyond the box: so loads after lift-off need not lie in the zonotope cut at ``N >= 0`` (where equal springs lift a
+wheel already and scatter little, that cut is empty).  Where the zonotope lies in ``N > 0`` no wheel lifts: grow the
+scatter from nothing; the solution of the springs moves continuously, and while it is positive it lies in the zonotope,
+so it stays positive.  Elsewhere a wheel may lift, and all admissible loads are taken instead.
 
 What holds for every load of such a *bound* holds for all that springs reach.  A witness must be *reached*: it is taken
 from the zonotope over ``|e_i| <= least_i s/(1 + s) + height/n``, which every scatter attains where no wheel lifts, with

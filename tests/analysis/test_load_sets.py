@@ -16,6 +16,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import WheelData
+from tests.springs import pressed
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 Floats: TypeAlias = NDArray[np.float64]
 
 ROUNDING = 1e-9
-SETTLED = 1e-13  # of the balances of pressed springs
 
 
 def random_array(arrays: Arrays, rng: np.random.Generator, wheels: int) -> Scene:
@@ -73,28 +73,6 @@ def test_vertices_are_admissible_and_reach_the_optima_of_linear_programs(arrays:
         whole = rng.integers(-9, 10, len(scene.wheels))
         lowest = floats(every.bound.lowest([scene.field(int(k)) for k in whole]))
         assert lowest @ whole == pytest.approx(least_price(scene, whole.astype(float)), abs=ROUNDING)
-
-
-def pressed(moments: Floats, heights: Floats, stiffness: Floats) -> Floats:
-    """Loads of springs ``N_i = k_i (m_i . y - h_i)`` where that is positive, by Newton steps with halving."""
-    goal = np.array([1.0, 0, 0])
-    y = np.linalg.lstsq(moments, heights + 1, rcond=None)[0]
-
-    def rest(y: Floats) -> tuple[Floats, Floats]:
-        loads: Floats = stiffness * np.maximum(moments @ y - heights, 0)
-        return loads, np.asarray(moments.T @ loads - goal)
-
-    for _ in range(300):
-        loads, residual = rest(y)
-        if np.abs(residual).max() < SETTLED:
-            return loads
-        active = loads > 0
-        hessian = (moments[active].T * stiffness[active]) @ moments[active] + 1e-12 * np.eye(3)
-        step, share = np.linalg.solve(hessian, residual), 1.0
-        while share > 1e-6 and np.linalg.norm(rest(y - share * step)[1]) >= np.linalg.norm(residual):
-            share /= 2
-        y = y - share * step
-    raise AssertionError("the springs do not settle")
 
 
 @pytest.mark.parametrize(
