@@ -34,9 +34,6 @@ from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import Arrays, WheelData
 
-if TYPE_CHECKING:
-    pass
-
 Floats: TypeAlias = NDArray[np.float64]
 
 STILL = 1e-6  # velocity of a minimizer at rest, at wheels of speed one
