@@ -37,6 +37,7 @@ from nonsmooth.proofs.clauses.every_load.wheel_pulls import Slope, WheelPull
 from nonsmooth.symbolic.constraints import Triple, inner, outer, scaled, total
 from nonsmooth.symbolic.numbers.number import Number
 
+MOST_CORNERS = 100  # of the set of loads: the form is evaluated at all pairs
 SHARES = (1, 2, 4, 8)  # parts of a corner in a load beside it under which every wheel carries
 
 
@@ -122,7 +123,7 @@ class Decay:
         reached = self.loads.reached
         middle = reached.middle
         yield middle
-        for corner in (reached.lowest(self.determinant_prices), *(reached.corners or ())):
+        for corner in (reached.lowest(self.determinant_prices), *(reached.corners or ())[:MOST_CORNERS]):
             for share in SHARES:
                 yield tuple((share * a + b) / (share + 1) for a, b in zip(corner, middle, strict=True))
 
@@ -131,6 +132,8 @@ def is_positive_on_set(matrix: Sequence[Sequence[Number]], loads: LoadPolytope) 
     """Whether a quadratic form is shown to be positive at every load of a set."""
     match loads:
         case AdmissibleLoads():
+            if len(loads.vertices) > MOST_CORNERS:
+                return False
             gram = [[_form(matrix, v, w) for w in loads.vertices] for v in loads.vertices]
             return is_positive_on_hull(gram)
         case SpringLoads():

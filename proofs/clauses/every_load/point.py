@@ -16,10 +16,10 @@ from nonsmooth.analysis.cells.load_sets import Loads, LoadSet, load_set
 from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point
-from nonsmooth.proofs.clauses.at_point.forces_check import is_held
+from nonsmooth.proofs.clauses.at_point.forces_check import carries, is_held
 from nonsmooth.proofs.clauses.at_point.linearization import spin_candidates
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.every_load.box_slopes import box_situation, is_driven_away, moving_loads
+from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes, is_driven_away, moving_loads
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import (
     Slope,
     common_slope,
@@ -86,6 +86,9 @@ class EveryLoadPoint:
                 return self.twist is None and self.witness is None
             case EveryLoad.MOVED:
                 return self.witness is not None and is_admissible(self.scene, self.witness) and self._moves()
+            case EveryLoad.CARRIED:
+                region = under_load(self.scene, self.loads.reached.middle)
+                return self.twist is not None and carries(self.scene, region, self.twist.velocity, self.twist.omega)
             case EveryLoad.SMOOTH:
                 pulls = None if self.twist is None else wheel_pulls(self.scene, self.twist.omega)
                 return pulls is not None and self.slope is not None and has_slope(pulls, self.slope)
@@ -211,8 +214,9 @@ def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
     """
     zero = scene.field.zero
     for rate in _box_rates(scene):
-        least = box_situation(scene, loads, rate)
-        if least is not None and (least > 0 or (least == 0 and cocircular_array(scene) is not None)):
+        slopes = build_slopes(scene, rate)
+        least = -1 if slopes is None else slopes.least_sign(loads.bound)
+        if least > 0 or (least == 0 and cocircular_array(scene) is not None):
             situation = EveryLoad.HELD if least > 0 else EveryLoad.TIED
             what = f"the spin {brief_text(rate)}" if rate else "rest"
             how = "D rises in every direction" if least > 0 else "D falls in no direction"
