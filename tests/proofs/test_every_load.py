@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.load_sets import Loads, load_set
+from nonsmooth.analysis.cells.load_sets import Loads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
@@ -21,6 +21,7 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
+from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad
 from nonsmooth.proofs.clauses.every_load.simplices import is_positive_on_hull
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
@@ -289,6 +290,23 @@ def test_a_forged_unstable_verdict_is_refused() -> None:
     forged = replace(translation, verdict=Translation.UNSTABLE, load=middle, comes_home=False)
     assert not forged.check()
     assert not found.with_results(translation=forged).check()
+
+
+@pytest.mark.parametrize("height", [None, "1/5"])
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "off-center", "grid-4x4"])
+def test_floats_leave_out_no_slope_that_matters(name: str, height: str | None) -> None:
+    """The sign of the least slope, against all of them in exact numbers."""
+    plain = load_scene(name)
+    scene = (with_loads(plain, "box") if height is None else scattered(plain, "box", height)).recentred()
+    slopes, loads = build_slopes(scene, scene.field.zero), load_set(scene)
+    assert slopes is not None
+    shown = range(0, len(slopes.rays), max(1, len(slopes.rays) // 60))
+    values, doubt = slopes.float_lowest(loads.bound)
+    for k in shown:
+        prices = slopes.prices(k)
+        exact = priced(prices, loads.bound.lowest(prices))
+        assert abs(float(exact) - values[k]) <= doubt[k]
+        assert slopes.least_sign(loads.bound) <= exact.sign()
 
 
 # ---- parts ------------------------------------------------------------------------------------
