@@ -25,7 +25,9 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, cross, dot
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,7 @@ class Contact:
     """Contact rule and load model; ``loads`` None means elastic (identical springs, no tension)."""
 
     rule: str
-    loads: LoadTable | None = None
+    loads: LoadTable | UnknownLoads | None = None
 
 
 @dataclass(frozen=True)
@@ -218,7 +220,7 @@ class Scene(ShortRepr):
             for group in (self.wheels, self.idle)
         )
         loads = self.contact.loads
-        if loads is not None:
+        if isinstance(loads, LoadTable):
             rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
             loads = LoadTable(rows)
         zero, continuum = self.field.zero, self.continuum
@@ -232,3 +234,15 @@ class Scene(ShortRepr):
             contact=replace(self.contact, loads=loads),
             check=replace(self.check, equilibrium=(zero, zero)),
         )
+
+
+def require_known_loads(scene: Scene, purpose: str) -> None:
+    """Refuse a scene that leaves its loads open for a purpose that needs one load.
+
+    Raises:
+        SceneError: naming the loads.
+    """
+    loads = scene.contact.loads
+    if isinstance(loads, UnknownLoads):
+        expected = f'known loads ("elastic", a table, or measured) {purpose}'
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact(loads.words))

@@ -24,7 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats = NDArray[np.float64]
 
@@ -112,11 +113,13 @@ class ContactModel(ShortRepr, ContactRows):
         rims: unit vectors ``d_i``, shape (n, 2).
         load_table: rows ``r_i`` of affine loads ``N_i = r_i . (1, c)``, shape (n, 3); None means elastic.
         heads: ``d_i`` in the frame of the friction axis and its normal, shape (n, 2); (1, 0) where the axis is the rim.
+        unknown_loads: which loads are meant where the scene leaves them open; empty where they are known.
     """
 
     positions: Floats
     rims: Floats
     load_table: Floats | None = None
+    unknown_loads: str = ""
     heads: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -210,20 +213,22 @@ def _friction_axes(rims: Floats, axes: Sequence[ArrayLike | None] | None) -> tup
 
 def contact_model(scene: Scene) -> ContactModel:
     """The scene in floats, each exact number rounded once."""
+    loads = scene.contact.loads
+    table = loads.rows if isinstance(loads, LoadTable) else None
     directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
     speeds = [
         np.hypot(*direction) if wheel.given_speed is None else float(wheel.given_speed)
         for wheel, direction in zip(scene.wheels, directions, strict=True)
     ]
-    table = scene.contact.loads
-    return ContactModel.build(
+    model = ContactModel.build(
         positions=[[float(x) for x in wheel.position] for wheel in scene.wheels],
         rims=directions,
         surface=speeds,
         friction=[[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels],
-        load_table=None if table is None else [[float(x) for x in row] for row in table.rows],
+        load_table=None if table is None else [[float(x) for x in row] for row in table],
         axes=[None if wheel.axis is None else [float(x) for x in wheel.axis] for wheel in scene.wheels],
     )
+    return replace(model, unknown_loads=loads.words) if isinstance(loads, UnknownLoads) else model
 
 
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ def failed_hypotheses(scene: Scene) -> list[str]:
 
 
 def _loads_balance(scene: Scene) -> bool:
-    """``sum N_i p_i = (sum N_i) c`` identically; elastic loads do by construction."""
+    """``sum N_i p_i = (sum N_i) c`` identically; elastic loads and all admissible ones do by construction."""
     table = scene.contact.loads
-    if table is None:
+    if not isinstance(table, LoadTable):
         return True
     zero = scene.field.zero
     totals = [sum((row[k] for row in table.rows), zero) for k in range(3)]

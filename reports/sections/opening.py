@@ -10,6 +10,7 @@ from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 ANSWERS = "answers"  # the section that shows the array first
 
@@ -104,8 +105,7 @@ def conventions_section(scene: Scene) -> Section:
         prose("R1 is the roll row of wheel 1, S1 its side row."),
     ]
     if rule_of(scene).needs_loads:
-        model = "elastic (identical springs, no tension)" if scene.contact.loads is None else "a table, affine in c"
-        items.append(prose("Normal forces: {}.", model))
+        items.append(prose("Normal forces: {}.", _load_model(scene)))
     if any(scene.check.equilibrium):
         items.append(
             prose(
@@ -114,3 +114,14 @@ def conventions_section(scene: Scene) -> Section:
             )
         )
     return Section("Conventions", (Bullets(tuple(items)),))
+
+
+def _load_model(scene: Scene) -> str:
+    """Which normal forces are taken."""
+    match scene.contact.loads:
+        case None:
+            return "elastic (identical springs, no tension)"
+        case UnknownLoads() as loads:
+            return loads.words
+        case _:
+            return "a table, affine in c"

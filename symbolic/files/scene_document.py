@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 from pydantic import PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
+from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
     AngleUnit,
-    Exact,
     OptionalExact,
     PairField,
     Table,
-    read_exact,
 )
 from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -24,22 +23,6 @@ from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
 from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
 
 MAX_NAME = 200  # characters
-
-LoadRows: TypeAlias = tuple[tuple[Exact, Exact, Exact], ...]
-
-
-def read_loads(value: object) -> LoadRows | None:
-    """``elastic`` (None), [[c0, cx, cy], ...] or {table = [...]}.
-
-    Raises:
-        ValueError: for anything else.
-    """
-    if value == "elastic":
-        return None
-    rows = value["table"] if isinstance(value, dict) and set(value) == {"table"} else value
-    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == 3 for row in rows):
-        raise ValueError('required "elastic" or rows [[c0, cx, cy], ...]')
-    return tuple((read_exact(a), read_exact(b), read_exact(c)) for a, b, c in rows)
 
 
 def read_lyapunov(value: object) -> PiecewiseExpression:
@@ -63,7 +46,6 @@ def read_name(value: object) -> str:
 
 
 Name = Annotated[str | None, PlainValidator(read_name)]
-Loads = Annotated[LoadRows | None, PlainValidator(read_loads)]
 RuleName = Annotated[str, PlainValidator(read_rule)]
 
 

@@ -61,6 +61,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample
@@ -73,6 +74,7 @@ TIES = 16  # candidates that seem to balance exactly, of which a law by directio
 SAME_REACH = 2.0**-20  # relative: reaches as close as this are compared exactly
 FEW_OF = 6  # part of them beyond which the search may end
 TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
+NEEDS_LOADS = "which twists speeds impose depends on the loads, and these are unknown"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 # Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
 # a few hundred.
@@ -184,6 +186,8 @@ def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
 
     Wheels on rollers that turn freely are driven like wheels whose rims lie along the axes of the rollers.
     """
+    if isinstance(scene.contact.loads, UnknownLoads):
+        return DrivenFeedback(Feedback.UNDECIDED, NEEDS_LOADS, length=scene.check.length)
     plain = with_rims_along_axes(scene)
     if plain is None:
         return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
@@ -233,9 +237,11 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
 def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
     """Whether all that is held is held in a load region of the centred scene, or by its wheels."""
     zero = scene.field.zero
-    regions = load_regions(in_own_length(scene), (zero, zero))
     if feedback.length != scene.check.length:
         return False
+    if isinstance(scene.contact.loads, UnknownLoads):
+        return not feedback.cones and not feedback.candidates
+    regions = load_regions(in_own_length(scene), (zero, zero))
     shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
     imposed = (*shown, *feedback.candidates)
     numbers = {wheel.index for wheel in scene.wheels}
