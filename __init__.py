@@ -22,10 +22,12 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.map_result import MapResult as MapResult
+    from nonsmooth.reports.interface.mass_result import MassResult as MassResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.system import System as System
@@ -39,10 +41,12 @@ _MODULES = {
     "CellsResult": "reports.interface.cells_result",
     "CheckResult": "reports.interface.check_result",
     "ComparisonResult": "reports.interface.comparison_result",
+    "FieldResult": "reports.interface.field_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
     "LawResult": "reports.interface.law_result",
     "MapResult": "reports.interface.map_result",
+    "MassResult": "reports.interface.mass_result",
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",

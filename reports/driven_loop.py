@@ -21,6 +21,7 @@ from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, drive
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.proved import proved
+from nonsmooth.analysis.trajectories.held_law import follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -64,12 +65,9 @@ class DrivenLoop:
         return isinstance(rule_of(self.scene), SmoothRule)
 
     @property
-    def why_not_followed(self) -> str:
-        """Why no path is followed; empty where one can be."""
-        count = len(self.feedback.cones)
-        if count <= MOST_CONES:
-            return ""
-        return f"the law has {count} cones of directions of c, and too many of their planes meet where c = 0"
+    def is_sampled(self) -> bool:
+        """Whether the law has too many cones to be followed event by event, and is sampled and held instead."""
+        return len(self.feedback.cones) > MOST_CONES
 
     def value(self, pose: Sequence[float]) -> float:
         """V of a pose measured from the checked point."""
@@ -92,7 +90,7 @@ class DrivenLoop:
         return ImposedMotions(rays, twists, tuple(_minimizing(model, targets) for targets in speeds))
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
-        """The path from a pose measured from the checked point, event by event.
+        """The path from a pose measured from the checked point: event by event, or sampled where cones are many.
 
         Raises:
             TrajectoryError: where a motion is not proved, or the body leaves where the law is certified.
@@ -100,14 +98,18 @@ class DrivenLoop:
         """
         x, y, theta = start
         own = (x / self.length, y / self.length, theta)
-        field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), GAIN)
-        if self.is_smooth:
-            path = follow_smooth(field, own, until, rtol=TOLERANCE, atol=TOLERANCE * field.size)
-        else:
-            path = follow_smooth(field, own, until)
-        path = path.in_lengths(self.length)
+        path = self._followed(own, until).in_lengths(self.length)
         self._refuse_contradiction(path)
         return path
+
+    def _followed(self, own: tuple[float, float, float], until: float) -> Trajectory:
+        """The path, with l for the unit of length."""
+        if self.is_sampled:
+            return follow_held(self.cones, own, until, GAIN)
+        field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), GAIN)
+        if self.is_smooth:
+            return follow_smooth(field, own, until, rtol=TOLERANCE, atol=TOLERANCE * field.size)
+        return follow_smooth(field, own, until)
 
     def _refuse_contradiction(self, path: Trajectory) -> None:
         """Within the certified region V falls; outside of it a path that leaves the reach is none of this law."""

@@ -15,6 +15,7 @@ from rich.text import Text
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.animation.output import FILMS, film_bytes
 from nonsmooth.reports.simulate import SCHEMA
 from nonsmooth.reports.terminal import header_table
@@ -40,6 +41,11 @@ class ShownPath:
 
     scene: Scene
     path: DynamicPath
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The poses, sampled, and how the path ends."""
+        return self.path.trajectory
 
     def record(self) -> dict[str, Any]:
         """The record of a trajectory, with the body and the velocity of its centre of mass at every time."""

@@ -42,6 +42,8 @@ class PathRun:
         law: feedback law, ``certified`` for that of the feedback clause; None for the scene's own speeds.
         width: of the hysteresis or of the smoothing.
         gain: of the law (1/time).
+        mass: of a body under full dynamics, per weight; the default unless given.
+        inertia: of such a body, per weight; that of a disc as large as the array unless given.
     """
 
     start: tuple[float, float, float]
@@ -51,6 +53,8 @@ class PathRun:
     law: LawName | None
     width: float
     gain: float = GAIN
+    mass: float | None = None
+    inertia: float | None = None
 
     @property
     def is_plain(self) -> bool:

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError, refusals_named
-from nonsmooth.symbolic.contact_set import require_no_outline
 
 if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
@@ -144,24 +143,15 @@ class StartsMap(ArrayMode):
 
     def shown(self, options: Options) -> Shown:
         """The ends of a grid of paths."""
-        from nonsmooth.analysis.cells.contact_partition import build_partition
-        from nonsmooth.reports.basins import MAX_GRID, GridRun
-        from nonsmooth.reports.settle_maps import ShownMap, build_map
+        from nonsmooth.reports.interface.argument_error import ArgumentError
+        from nonsmooth.reports.interface.map_result import map_scene
 
-        count = options.grid or 0
-        if not 2 <= count <= MAX_GRID:
-            raise RefusedError(f"--grid: required 2 to {MAX_GRID} starts in a row, received {count}")
-        if not math.isfinite(options.heading):
-            raise RefusedError(f"--heading: required a finite number (radian), received {options.heading}")
-        run = GridRun(count, options.heading, options.until, options.kinematics)
         scene = self._load()
-        with refusals_named(scene):
-            if scene.body is not None:
-                from nonsmooth.reports.body_maps import build_body_map
-
-                return build_body_map(scene, run)
-            partition = build_partition(scene)
-        return ShownMap(partition, run, build_map(partition, run))
+        try:
+            with refusals_named(scene):
+                return map_scene(scene, options.grid or 0, options.heading, options.until, options.kinematics).shown
+        except ArgumentError as error:
+            raise RefusedError(f"--{error}") from None
 
 
 class ArrayPath(ArrayMode):
@@ -204,26 +194,19 @@ class BodyPath(ArrayMode):
 
     def shown(self, options: Options) -> Shown:
         """One path, or a ladder of masses."""
-        from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
-        from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics
-        from nonsmooth.analysis.fields.contact_model import contact_model
         from nonsmooth.analysis.trajectories.result import TrajectoryError
-        from nonsmooth.reports.dynamics import ShownMasses, ShownPath, chosen_body
+        from nonsmooth.reports.interface.argument_error import ArgumentError
+        from nonsmooth.reports.interface.mass_result import compare_masses
+        from nonsmooth.reports.interface.path_result import follow_array
 
         run = _pose_run(options)
         scene = self._load()
-        require_no_outline(scene)
-        model = contact_model(scene)
-        try:
-            body = chosen_body(model, options.mass, options.inertia)
-            bodies = mass_ladder(body) if options.compare_masses else ()
-        except ValueError as error:
-            raise RefusedError(f"--{error}") from None
+        find = compare_masses if options.compare_masses else follow_array
         try:
             with refusals_named(scene):
-                if bodies:
-                    return ShownMasses(scene, mass_study(scene, bodies, run.start, run.until))
-                return ShownPath(scene, simulate_dynamics(model, body, run.start, run.until))
+                return find(scene, run).shown
+        except ArgumentError as error:
+            raise RefusedError(f"--{error}") from None
         except TrajectoryError as error:
             raise RefusedError(f"{scene.origin}: {error}") from None
 
@@ -277,7 +260,7 @@ def _pose_run(options: Options) -> PathRun:
     x, y, theta = read_start(options.start, POSE, angle="theta")
     until = options.until or UNTIL
     run = PathRun((x, y, theta), until, options.kinematics, options.method, options.law, options.width)
-    return replace(run, gain=options.gain)
+    return replace(run, gain=options.gain, mass=options.mass, inertia=options.inertia)
 
 
 def _outside(scene: Scene, start: Sequence[float]) -> str:

@@ -92,5 +92,6 @@ def _only(model: ContactModel, wheels: list[int]) -> ContactModel:
         cuts=model.cuts[wheels],
         positions=model.positions[wheels],
         rims=model.rims[wheels],
+        heads=model.heads[wheels],
         load_table=table if table is None or len(table) != model.wheels else table[wheels],
     )

@@ -1,35 +1,32 @@
-"""An array of driven wheels: made in a line, asked in a line."""
+"""An array of driven wheels, and what can be asked of it in a line."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
-from nonsmooth.reports.interface.entries import table
-from nonsmooth.reports.interface.places import placed
-from nonsmooth.reports.interface.wheel import Wheel
+from nonsmooth.reports.interface.made_array import MadeArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.reports.interface.cells_result import CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult
+    from nonsmooth.reports.interface.field_result import FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.map_result import MapResult
+    from nonsmooth.reports.interface.mass_result import MassResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
-    from nonsmooth.symbolic.scene import Scene
 
 AUTO = "auto"  # the best rest point of the square
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Array:
+class Array(MadeArray):
     """A planar array of driven wheels under a rigid body, with what is to be checked.
 
     Immutable: :meth:`with_` returns another array.  Numbers may be int, float (its shortest decimal: 0.1 is one tenth),
@@ -37,7 +34,7 @@ class Array:
 
     Args:
         wheels: the wheels.
-        mu_roll: friction along the rims.
+        mu_roll: friction along the rims, or along the friction axes of wheels that name one.
         mu_side: friction across them.
         rule: contact rule; see ``nonsmooth rules``.
         at: the point to check.
@@ -47,126 +44,6 @@ class Array:
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
     """
-
-    document: Mapping[str, Any]
-    folder: Path = field(compare=False)
-
-    def __init__(
-        self,
-        wheels: Iterable[Wheel],
-        *,
-        mu_roll: Any = None,
-        mu_side: Any = None,
-        rule: str | None = None,
-        at: Sequence[Any] | None = None,
-        radius: Any = None,
-        **more: Any,
-    ) -> None:
-        given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
-        document = placed({"wheel": [wheel.table() for wheel in wheels]}, given)
-        self._set(document, Path())
-
-    def _set(self, document: Mapping[str, Any], folder: Path) -> None:
-        object.__setattr__(self, "document", document)
-        object.__setattr__(self, "folder", folder)
-        _ = self.scene  # refuse what cannot be used at once
-
-    # ---- making ----------------------------------------------------------------------------------
-
-    @classmethod
-    def of_document(cls, document: Mapping[str, Any], folder: Path | None = None) -> Self:
-        """The array of a scene file's tables; a table of wheels lies in the folder.
-
-        Raises:
-            SceneError: for whatever cannot be used.
-        """
-        array = cls.__new__(cls)
-        array._set(document, folder or Path())
-        return array
-
-    @classmethod
-    def ring(cls, count: int, *, radius: Any = 1, phase: Any = 0, check_radius: Any = None, **more: Any) -> Self:
-        """``count`` wheels evenly on a circle, rims to its centre unless a field says otherwise.
-
-        Args:
-            count: number of wheels.
-            radius: of the circle.
-            phase: angle of the first wheel, such as ``"pi/4"``.
-            check_radius: half-width of the checked square.
-            **more: as for :meth:`with_`, but for ``radius``.
-        """
-        layout = table({"count": count, "radius": radius, "phase": phase})
-        return cls.of_document(placed({"ring": layout}, {**more, "radius": check_radius}))
-
-    @classmethod
-    def grid(cls, rows: int, columns: int, *, pitch: Any = 1, **more: Any) -> Self:
-        """``rows x columns`` wheels, centred on the origin, rims to it unless a field says otherwise."""
-        layout = table({"rows": rows, "columns": columns, "pitch": pitch})
-        return cls.of_document(placed({"grid": layout}, more))
-
-    @classmethod
-    def from_csv(cls, file: str | Path, **more: Any) -> Self:
-        """Wheels of a CSV table with columns x, y and optionally heading, speed, mu_roll, mu_side."""
-        path = Path(file)
-        return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
-
-    def with_(self, **changes: Any) -> Self:
-        """Another array in which some keys are changed.
-
-        Args:
-            **changes: name, mu_roll, mu_side, speed_limit, rule, loads, at, radius, lyapunov, length; field, body and
-                units as tables.
-
-        Raises:
-            SceneError: for whatever cannot be used.
-            TypeError: for a keyword that is none of these.
-        """
-        return self.of_document(placed(self.document, changes), self.folder)
-
-    # ---- what it is ------------------------------------------------------------------------------
-
-    @cached_property
-    def scene(self) -> Scene:
-        """The exact array: all numbers in one field."""
-        from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused
-
-        name = self.document.get("name")
-        label = name if isinstance(name, str) and name.strip() else "array"
-        with deep_nesting_refused(label):
-            return build_scene(dict(self.document), label, self.folder / f"{label}.toml")
-
-    @cached_property
-    def partition(self) -> Partition:
-        """The exact cells of the checked square.
-
-        Raises:
-            RefusalError: where the motion is not determined, and under a rule without cells.
-        """
-        from nonsmooth.analysis.cells.contact_partition import build_partition
-
-        return build_partition(self._standing)
-
-    @property
-    def _standing(self) -> Scene:
-        """The array of the wheels that carry the body at the checked pose."""
-        from nonsmooth.symbolic.contact_set import standing
-
-        return standing(self.scene)
-
-    def __repr__(self) -> str:
-        from nonsmooth.symbolic.number_text import short_text
-
-        scene = self.scene
-        x, y = (short_text(entry) for entry in scene.check.equilibrium)
-        square = f"checked at ({x}, {y}) within {short_text(scene.check.radius)}"
-        return f"Array {scene.name!r}: {len(scene.wheels)} wheels, rule {scene.contact.rule}, {square}"
-
-    def _repr_html_(self) -> str:
-        from nonsmooth.reports.figures.array import array_figure
-
-        return array_figure(self.scene, ".svg").decode()
-
-    # ---- asking ----------------------------------------------------------------------------------
 
     def check(self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any) -> CheckResult:
         """Position, heading and pose, with the clauses of Theorem 4 behind them.
@@ -205,7 +82,7 @@ class Array:
             start: position and heading (radian).
             until: last time.
             feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
-            method: ``events``, ``hysteresis`` or ``smoothed``.
+            method: ``events``, ``hysteresis`` or ``smoothed``; bodies with mass: :meth:`dynamics`.
             gain: of the law (1/time).
             kinematics: ``exact`` pose, or ``leading`` order as in the paper; under rules with cells.
             width: of hysteresis and smoothing, in units of the state.
@@ -221,6 +98,57 @@ class Array:
         array = self.with_(**changes) if changes else self
         run = path_run(start, until, feedback=feedback, method=method, gain=gain, kinematics=kinematics, width=width)
         return follow_array(array.scene, run)
+
+    def dynamics(
+        self,
+        start: Sequence[float],
+        until: float = 2.0,
+        *,
+        mass: float | None = None,
+        inertia: float | None = None,
+    ) -> PathResult:
+        """The path of a body with mass from rest at ``(x, y, theta)``, under full dynamics.
+
+        Args:
+            start: position and heading (radian).
+            until: last time.
+            mass: per weight (1/g); 0.1 unless given.
+            inertia: per weight; that of a disc as large as the array unless given.
+
+        Raises:
+            ValueError: for a mass or an inertia that cannot be used, and a start beyond the support polygon.
+        """
+        from nonsmooth.reports.interface.path_result import follow_array
+        from nonsmooth.reports.interface.path_runs import path_run
+
+        run = path_run(start, until, method="dynamics")
+        return follow_array(self.scene, replace(run, mass=mass, inertia=inertia))
+
+    def compare_masses(
+        self,
+        start: Sequence[float],
+        until: float = 2.0,
+        *,
+        mass: float | None = None,
+        inertia: float | None = None,
+    ) -> MassResult:
+        """How far full dynamics goes from the path of every contact rule, for a mass and a tenth of it, four times.
+
+        Args:
+            start: position and heading (radian); bodies start at rest.
+            until: last time.
+            mass: of the heaviest body, per weight (1/g); 0.1 unless given.
+            inertia: of that body, per weight; that of a disc as large as the array unless given.
+
+        Raises:
+            ValueError: for a mass or an inertia that cannot be used.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.mass_result import compare_masses
+        from nonsmooth.reports.interface.path_runs import path_run
+
+        run = path_run(start, until, method="dynamics")
+        return compare_masses(self.scene, replace(run, mass=mass, inertia=inertia))
 
     def map(
         self, grid: int, *, heading: float = 0.0, until: float | None = None, kinematics: str = "exact"
@@ -280,6 +208,17 @@ class Array:
         from nonsmooth.reports.interface.cells_result import CellsResult
 
         return CellsResult(self.partition)
+
+    def field(self) -> FieldResult:
+        """The field of a rule without cells at a grid of points: streamlines and V*, sampled.
+
+        Raises:
+            TypeError: for a rule with cells.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.field_result import field_of
+
+        return field_of(self._standing)
 
     def compare(self) -> ComparisonResult:
         """The contact rules side by side on the checked square.

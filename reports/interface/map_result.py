@@ -11,6 +11,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.basins import MAX_GRID, GridRun
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
+from nonsmooth.reports.interface.argument_error import ArgumentError
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.settle_maps import ShownMap, build_map
@@ -60,15 +61,15 @@ def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kine
     """Follow a grid of starts; see :meth:`nonsmooth.reports.interface.array.Array.map`.
 
     Raises:
-        ValueError: for a grid, a heading or a last time that cannot be used.
+        ArgumentError: for a grid, a heading or a last time that cannot be used.
         RefusalError: where the motion is not determined.
     """
     if not 2 <= grid <= MAX_GRID:
-        raise ValueError(f"grid: required 2 to {MAX_GRID} starts in a row, received {grid}")
+        raise ArgumentError(f"grid: required 2 to {MAX_GRID} starts in a row, received {grid}")
     if not math.isfinite(heading):
-        raise ValueError(f"heading: required a finite number (radian), received {heading}")
+        raise ArgumentError(f"heading: required a finite number (radian), received {heading}")
     if until is not None and not 0 < until < math.inf:
-        raise ValueError(f"until: required a positive number, received {until}")
+        raise ArgumentError(f"until: required a positive number, received {until}")
     run = GridRun(grid, heading, until, Kinematics(kinematics))
     if scene.body is not None:
         from nonsmooth.reports.body_maps import build_body_map

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.reports.choices import Method
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.dynamics import ShownPath
     from nonsmooth.reports.feedback_loop import FeedbackLoop
     from nonsmooth.symbolic.scene import Scene
 
@@ -45,7 +47,7 @@ class PathResult(Tabular):
 
     name: str
     states: tuple[str, ...]
-    shown: ShownTrajectory | SmoothPath | SystemPath
+    shown: ShownTrajectory | SmoothPath | SystemPath | ShownPath
     scene: Scene | None = None
 
     @property
@@ -132,14 +134,19 @@ class PathResult(Tabular):
 
 
 def follow_array(scene: Scene, run: PathRun) -> PathResult:
-    """The path of a body over an array: by the cells of its rule, or by the rule's own field where it has none.
+    """The path of a body over an array: by the cells of its rule or the rule's own field, or of a body with mass.
 
     Raises:
         ValueError: for a start outside the checked square, and a law that does not apply.
         RefusalError: where the motion is not determined.
+        ArgumentError: for a mass or an inertia that cannot be used.
         SceneError: for a body with an outline that this run does not follow.
         TrajectoryError: where the path cannot be followed.
     """
+    if run.method is Method.DYNAMICS:
+        from nonsmooth.reports.interface.mass_result import follow_body
+
+        return PathResult(scene.name, POSE, follow_body(scene, run), scene)
     rule = rule_of(scene)
     if isinstance(rule, SmoothRule) and run.is_plain:
         return PathResult(scene.name, POSE, SmoothPath(scene, rule.path(scene, run.start, run.until)), scene)

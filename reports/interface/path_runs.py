@@ -14,11 +14,11 @@ def path_run(  # one keyword for each option of the command
     start: Sequence[float],
     until: float,
     *,
-    feedback: bool | str,
-    method: str,
-    gain: float,
-    kinematics: str,
-    width: float,
+    feedback: bool | str = False,
+    method: str = "events",
+    gain: float = 1.0,
+    kinematics: str = "exact",
+    width: float = 1e-3,
 ) -> PathRun:
     """The run; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
 

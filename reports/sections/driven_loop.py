@@ -58,18 +58,18 @@ def _region_blocks(loop: DrivenLoop) -> list[Block]:
 
 
 def _loop_blocks(subject: Subject, loop: DrivenLoop) -> list[Block]:
-    """Paths from some sides, or why there are none."""
-    not_drawn = "The closed loop is not drawn: {}."
-    if loop.why_not_followed:
-        return [paragraph(not_drawn, loop.why_not_followed)]
+    """Paths from some sides; or why there are none."""
     try:
         paths = [_Path(start, loop.follow(start, UNTIL)) for start in _starts(loop)]
     except TrajectoryError as error:
-        return [paragraph(not_drawn, str(error))]
+        return [paragraph("The closed loop is not drawn: {}.", str(error))]
     words = "The closed loop with `k` = {}, a switched field of known motions:"
     if loop.is_smooth:
         words = "The closed loop with `k` = {}, from a start near `c*`: at every instant the motion minimizes D "
         words += "for the speeds of the law, proved by its forces. The path itself is computed in floats:"
+    if loop.is_sampled:
+        words = "The closed loop with `k` = {}, the law sampled and its speeds held in between, as a controller does; "
+        words += "switches are not located:"
     said = paragraph(words, f"{GAIN:g}")
     return [said, _ends(loop, paths), _figure(subject, loop, paths[0])]
 
@@ -97,7 +97,8 @@ def _row(loop: DrivenLoop, path: _Path) -> tuple[Entry, ...]:
     end = path.path.end
     place = [float_text(float(value), 2) for value in end.state]
     values = [float_text(loop.value(pose), 2) for pose in (path.start, end.state)]
-    return start_text(path.start), values[0], float_text(end.t, 4), *place, values[1], str(len(path.path.events))
+    switches = "not located" if loop.is_sampled else str(len(path.path.events))
+    return start_text(path.start), values[0], float_text(end.t, 4), *place, values[1], switches
 
 
 def _figure(subject: Subject, loop: DrivenLoop, path: _Path) -> Figure:

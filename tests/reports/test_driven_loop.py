@@ -16,6 +16,7 @@ from nonsmooth.analysis.fields.driven_field import Motion
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.trajectories.held_law import follow_held
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.own_paths import ContradictionError
@@ -129,8 +130,33 @@ def test_the_report_tabulates_and_draws_the_closed_loop(invoke: Invoke, rule: st
     assert "<svg" in Path("r.html").read_text(encoding="utf-8")
 
 
-def test_the_report_says_why_it_draws_none(invoke: Invoke) -> None:
+def test_a_law_of_many_cones_is_sampled(invoke: Invoke) -> None:
     out = invoke("derive", "ring-8", "--rule", "box", "--only", "feedback").out
-    assert "The closed loop is not drawn: the law has 12 cones of directions of c" in out
+    assert "the law sampled and its speeds held in between" in out
+    assert len([line for line in out.splitlines() if line.startswith("| (") and "not located" in line]) == 4
+    assert "**Figure.** The closed loop of clause 4" in out
+
+
+def test_sampling_leads_where_events_lead() -> None:
+    """The same law, sampled ever more often, and followed event by event."""
+    loop = loop_of("ring-5", "box")
+    start, length = start_of(loop, (0.4, 0.8, 0.3), 0.9), loop.length
+    exact = np.array(loop.follow(start, 1.5).end.state, dtype=float)
+    own = (start[0] / length, start[1] / length, start[2])
+    found = follow_held(loop.cones, own, 1.5, 1.0).in_lengths(length)
+    assert np.abs(np.array(found.end.state) - exact).max() <= 0.01 * np.abs(start).max()
+
+
+@pytest.mark.parametrize("direction", [(0.4, 0.8, 0.3), (-0.8, 0.4, -0.3)])
+def test_a_sampled_path_falls_at_the_certified_rate(direction: tuple[float, float, float]) -> None:
+    loop = loop_of("ring-8", "box")
+    path = loop.follow(start_of(loop, direction, 0.9), 16.0)
+    values = np.array([loop.value(pose) for pose in path.states])
+    bound = values[0] * np.exp(-2 * float(loop.feedback.kappa or 0) * np.array(path.times, dtype=float))
+    assert path.method == "sampled"
+    assert (values <= bound * (1 + INTEGRATION)).all()
+
+
+def test_the_report_says_why_it_draws_none(invoke: Invoke) -> None:
     refused = invoke("derive", "differential-drive", "--rule", "box", "--only", "feedback,left-out").out
     assert "feedback: the feedback clause says: no certificate" in refused.replace("`", "")

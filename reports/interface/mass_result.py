@@ -1,0 +1,102 @@
+"""A body with mass over an array, and how far it goes from the paths of the contact rules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
+from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.reports.dynamics import ShownMasses, ShownPath, chosen_body
+from nonsmooth.reports.files import PICTURES, output_path, write_whole
+from nonsmooth.reports.interface.argument_error import ArgumentError
+from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.shown import file_bytes
+from nonsmooth.reports.simulate import PathRun
+from nonsmooth.symbolic.contact_set import require_no_outline
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.scene import Scene
+
+MASS_FORMATS = (".csv", ".json", *PICTURES)
+
+
+@dataclass(frozen=True, repr=False)
+class MassResult(Tabular):
+    """Distances of bodies under full dynamics from the path of every contact rule, by mass.
+
+    Attributes:
+        shown: the study in every form that the command ``simulate --compare-masses`` offers.
+    """
+
+    shown: ShownMasses
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON record of the command."""
+        return self.shown.record()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One row for each mass and rule, as in the CSV file; mass 0 is the path of rule ellipse itself."""
+        names, *lines = (tuple(line) for line in self.shown.lines())
+        return [dict(zip(names, line, strict=True)) for line in lines]
+
+    def save(self, file: str | Path) -> Path:
+        """Write it: .csv, .json or a picture (.svg, .png, .pdf).
+
+        Raises:
+            OutputError: for another ending, and for a file that cannot be written.
+        """
+        path = output_path(str(file), MASS_FORMATS)
+        write_whole(path, file_bytes(self.shown, path.suffix.lower()))
+        return path
+
+    def __repr__(self) -> str:
+        head = f"full dynamics over {self.shown.scene.name}, by mass: {self.shown.summary()}"
+        return short_lines(head, [_line(row) for row in self.rows()])
+
+    def _repr_html_(self) -> str:
+        return self.shown.study._repr_html_()
+
+
+def follow_body(scene: Scene, run: PathRun) -> ShownPath:
+    """The path of a body with mass under full dynamics, from rest.
+
+    Raises:
+        ArgumentError: for a mass or an inertia that cannot be used.
+        SceneError: for a body with an outline.
+        TrajectoryError: where the path cannot be followed.
+    """
+    require_no_outline(scene)
+    model = contact_model(scene)
+    return ShownPath(scene, simulate_dynamics(model, _body(model, run), run.start, run.until))
+
+
+def compare_masses(scene: Scene, run: PathRun) -> MassResult:
+    """The distance of bodies of one shape, each a tenth as heavy as the one before, from every rule's path.
+
+    Raises:
+        ArgumentError: for a mass or an inertia that cannot be used.
+        SceneError: for a body with an outline.
+        RefusalError: where the motion is not determined.
+        TrajectoryError: where a path cannot be followed.
+    """
+    require_no_outline(scene)
+    try:
+        bodies = mass_ladder(_body(contact_model(scene), run))
+    except ValueError as error:  # the lightest of them
+        raise ArgumentError(str(error)) from None
+    return MassResult(ShownMasses(scene, mass_study(scene, bodies, run.start, run.until)))
+
+
+def _body(model: ContactModel, run: PathRun) -> Body:
+    try:
+        return chosen_body(model, run.mass, run.inertia)
+    except ValueError as error:
+        raise ArgumentError(str(error)) from None
+
+
+def _line(row: dict[str, Any]) -> tuple[str, str]:
+    position, rotation = (float_text(row[name], 3) for name in ("position", "rotation"))
+    return f"{row['mass']:g}, {row['rule']}:", f"{position} apart, {rotation} rad"
