@@ -23,7 +23,11 @@ from nonsmooth.symbolic.number_text import place_text
 
 
 class SetMotion:
-    """Pose rates ``(c', theta')`` on one set of wheels."""
+    """Pose rates ``(c', theta')`` on one set of wheels.
+
+    Attributes:
+        model: the contacts of these wheels.
+    """
 
     def __init__(self, model: ContactModel, pose: Floats) -> None:
         """For the contacts of the set, and a pose at which they carry the body.
@@ -31,7 +35,7 @@ class SetMotion:
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where they do not.
         """
-        self._model, self._loads = model, MovingLoads(model, pose[:2])
+        self.model, self._loads = model, MovingLoads(model, pose[:2])
         self._minimize = path_minimizer(model)
         self._quick = None if needs_drag(model) else SmoothNewton(model)
         self._regime = NOBODY
@@ -60,7 +64,7 @@ class SetMotion:
         if found is not None:
             return found
         minima = self._minimize(loads)
-        if not (minima.check() & resists_every_motion(self._model, loads[None]))[0]:
+        if not (minima.check() & resists_every_motion(self.model, loads[None]))[0]:
             place = place_text((float(pose[0]), float(pose[1])))
             raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
         (twist,) = minima.twists
