@@ -23,7 +23,7 @@ SMOOTHING = 1e-6  # g, of the fastest wheel's speed times friction
 SMOOTHING_OF_ROLLERS = 1e-4  # the same where D is linear in pieces, and its least value lies in corners
 COARSE = 1e-2  # g up to which a twist that settled counts, where it does not with less
 SETTLED = 1e-7  # step after which it ends, in the same unit
-SMALLEST = 600  # multiplications that take as long as what every problem costs, however few contacts it has
+SMALLEST = 2_000  # multiplications that take as long as what every problem costs, however few contacts it has
 REGULAR = 1e-13  # multiple of the identity beside a Hessian, of its trace
 
 

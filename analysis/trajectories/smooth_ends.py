@@ -2,6 +2,7 @@
 
 The field ``c' = v(c) + omega(c) J c`` is continuous, so all paths are integrated together (Bogacki and Shampine's pair
 of orders 2 and 3) until each has left the square or stands still; Newton's method then finds where the field vanishes.
+Where twists jump, as under rule ``roller``, paths along the jumps need very short steps, and may stay unknown.
 Along the paths D is slightly smoothed, and each minimizer begins at the last one of its path; at the starts and where
 the bodies stand it is the rule's own, with its proof.
 """
@@ -21,7 +22,8 @@ from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.symbolic.scene import Scene
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
-MOST_WORK = 200_000_000  # smoothed minimizations times multiplications of a step: a few seconds too
+SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
+MOST_WORK = 600_000_000  # smoothed minimizations times multiplications of a step: a few seconds too
 MOST_FACES = 1_000  # points at which several motions tie, as they may by symmetry; more, and nothing is determined
 CROSSINGS = 8.0  # of the square at the largest speed of the starts: how long the first stretch of time is
 STRETCHES = 5  # of time, each twice as long as the one before
@@ -82,7 +84,7 @@ class _Field:
         return _velocities(twists, points)
 
     def _proved(self, points: Floats) -> Floats:
-        self._left -= len(points)
+        self._left -= max(len(points), SMALLEST)
         if self._left < 0:
             raise _EnoughError
         found = self._rule.minima(self._scene, points)
