@@ -13,6 +13,13 @@ class Equilibrium(StrEnum):
     UNDECIDED = "undecided"
 
 
+class Certainty(StrEnum):
+    """Whether a statement about every array within tolerances is proved."""
+
+    CERTIFIED = "certified"
+    UNDECIDED = "undecided"
+
+
 class Translation(StrEnum):
     """Stability of (x, y), strong: of every Filippov solution."""
 

@@ -34,7 +34,7 @@ THEOREM = "the position is attracted, the heading is not, feedback holds both"
 
 def answers_view(result: Check, answers: Answers) -> RenderableType:
     """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
-    table = _answers_table(answers.answers)
+    table = _answers_table([*answers.answers, *([answers.robust] if answers.robust else [])])
     contact = "; ".join(fact.words for fact in contact_facts(result) if fact.words)
     parts: list[RenderableType] = [Text(contact), table]
     if answers.destinations is not None:
@@ -77,6 +77,11 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
         "destinations": None if destinations is None else _destinations_record(destinations),
         "other_rules": {other.name: _other_record(other) for other in others} or None,
     }
+
+
+def robust_record(answered: Answers | None) -> Record | None:
+    """JSON of what holds within the tolerances; null where none are stated, or nobody asked."""
+    return None if answered is None or answered.robust is None else _answer_record(answered.robust)
 
 
 def _answer_record(answer: Answer) -> Record:

@@ -13,7 +13,8 @@ from nonsmooth.symbolic.rule import CONTACT_RULES
 ALL_RULES = "all"
 AUTO = "auto"  # for --at: the best rest point of the square
 THEOREM = "theorem4"
-REQUIRABLE = ("position", "heading", "pose", THEOREM)  # the questions, and the theorem; tests hold them to the registry
+# The questions, and the theorem; tests hold them to the registry.
+REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
 
 
 def chosen_rules(rule: str | None) -> tuple[str | None, ...]:

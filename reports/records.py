@@ -11,7 +11,7 @@ from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contact import contact_facts
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.answers import answers_record
+from nonsmooth.reports.answers import answers_record, robust_record
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.facts import fact_record
 from nonsmooth.symbolic.contact_states import ContactState
@@ -41,6 +41,7 @@ def check_record(result: Check, answered: Answers | None = None, continuum: Reco
         **with_exact({"radius": scene.check.radius, "length": scene.field(scene.check.length)}),
         "contact_set": fact_record(contact_facts(result)),
         "answers": answers_record(answers_of(result), answered),
+        "robust": robust_record(answered),
         "contact_states": _census_record(result),
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},

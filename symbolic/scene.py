@@ -26,6 +26,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, cross, dot
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.units import Units
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -172,6 +173,7 @@ class Scene(ShortRepr):
     field that the array stands for, where its file gives one; ``units`` are labels, which no result depends on.
     ``body`` is what lies on the array, None where every wheel carries at every pose; ``idle`` are the wheels that do
     not carry it at the checked pose, where they were set apart (:func:`nonsmooth.symbolic.contact_set.standing`).
+    ``tolerances`` are how far the array that is built may be from this one, None where nothing is said of it.
     """
 
     name: str
@@ -184,6 +186,7 @@ class Scene(ShortRepr):
     units: Units = dataclasses.field(default=Units(), compare=False)
     body: Body | None = None
     idle: tuple[Wheel, ...] = ()
+    tolerances: Tolerance | None = None
 
     @property
     def speed_limits(self) -> dict[int, Number]:

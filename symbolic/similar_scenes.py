@@ -42,7 +42,9 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
         lyapunov=None,
         length=scene.check.length * factor,
     )
-    return replace(with_wheels(scene, larger), contact=replace(scene.contact, loads=loads), check=check)
+    box = None if scene.tolerances is None else scene.tolerances.scaled(factor)
+    changed = replace(with_wheels(scene, larger), contact=replace(scene.contact, loads=loads), check=check)
+    return replace(changed, tolerances=box)
 
 
 def in_own_length(scene: Scene) -> Scene:

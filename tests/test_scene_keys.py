@@ -18,6 +18,7 @@ from nonsmooth.symbolic.files.scene_document import (
     UnitsTable,
     WheelFile,
 )
+from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.wheel_csv import COLUMNS
 
 PAGE = (Path(__file__).resolve().parents[1] / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -30,6 +31,7 @@ TABLES: dict[str, type[BaseModel]] = {
     "[grid]": Grid,
     "[wheels]": WheelFile,
     "[body]": BodyTable,
+    "[tolerance]": ToleranceTable,
     "[check]": CheckTable,
 }
 
@@ -46,7 +48,7 @@ def test_every_key_of_a_table_is_named(table: str) -> None:
 
 
 def test_every_table_is_named() -> None:
-    for name in Document.model_fields:
+    for name in (field.alias or key for key, field in Document.model_fields.items()):
         assert f"`[{name}]`" in PAGE or f"`[[{name}]]`" in PAGE or f"`{name}`" in PAGE, name
 
 

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
 
 UNDECIDED = "undecided"
@@ -44,7 +45,7 @@ class Pose(StrEnum):
     UNDECIDED = "undecided"
 
 
-GOOD = frozenset({Position.COMES_HOME, Heading.RETURNS, Heading.KEEPS, Pose.CAN_BE_HELD})
+GOOD = frozenset({Position.COMES_HOME, Heading.RETURNS, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED})
 
 
 @dataclass(frozen=True, repr=False)
@@ -58,7 +59,7 @@ class Answer:
     """
 
     name: str
-    verdict: Position | Heading | Pose
+    verdict: Position | Heading | Pose | Certainty
     facts: tuple[Fact, ...]
 
     @property

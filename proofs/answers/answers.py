@@ -11,7 +11,9 @@ from nonsmooth.proofs.answers.heading import heading_answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.pose import pose_answer
 from nonsmooth.proofs.answers.position import position_answer
+from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destinations
@@ -29,11 +31,13 @@ class Answers:
         answers: one to every question, in order.
         destinations: where bodies from all over the square end, where they do not all come home.
         others: what the other contact rules say.
+        robust: what holds for every array within the tolerances; None for a scene that states none.
     """
 
     answers: tuple[Answer, ...]
     destinations: Destinations | None
     others: tuple[OtherRule, ...]
+    robust: Answer | None = None
 
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
@@ -47,7 +51,8 @@ def full_answers(check: Theorem4Result, *, ask_others: bool = True) -> Answers:
     position = answers[0].verdict
     goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
     destinations = _destinations_of(check) if goes_elsewhere else None
-    return Answers(answers, destinations, other_rules(check.scene) if ask_others else ())
+    others = other_rules(check.scene) if ask_others else ()
+    return Answers(answers, destinations, others, robust_answer(check.scene))
 
 
 def _destinations_of(check: Theorem4Result) -> Destinations | None:
@@ -56,14 +61,25 @@ def _destinations_of(check: Theorem4Result) -> Destinations | None:
     return destinations_of(check)
 
 
-def exit_status(check: Theorem4Result, required: Sequence[str]) -> int:
+def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answers | None = None) -> int:
     """0 where every required answer is the one a builder hopes for, 1 where one is not, else 3 for undecided.
 
     Args:
         check: the verdicts.
-        required: names of questions, or :data:`THEOREM`.
+        required: names of questions, :data:`THEOREM` or :data:`TOLERANCES`.
+        answered: the answers, where they are known already.
+
+    Raises:
+        SceneError: where tolerances are required of a scene that states none.
     """
     found = {answer.name: answer.exit_status for answer in answers_of(check)}
     found[THEOREM] = check.verdict.exit_status
+    if TOLERANCES in required:
+        robust = robust_answer(check.scene) if answered is None else answered.robust
+        if robust is None:
+            raise SceneError(
+                check.scene.origin, "tolerance", "a table of tolerances to require them", StatedFact("none")
+            )
+        found[TOLERANCES] = robust.exit_status
     statuses = {found[name] for name in required}
     return next((status for status in (1, 3) if status in statuses), 0)

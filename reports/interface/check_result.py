@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.answers.answers import Answers, answers_of, exit_status, full_answers
+from nonsmooth.proofs.answers.robust import TOLERANCES
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
@@ -58,6 +59,11 @@ class CheckResult(Tabular):
         return self._answers["pose"]
 
     @property
+    def tolerances(self) -> Answer | None:
+        """What holds for every array within the tolerances; None for a scene that states none."""
+        return self.answers.robust
+
+    @property
     def theorem4(self) -> str:
         """The verdict of Theorem 4: holds, fails, hypotheses not met or undecided."""
         return str(self.evidence.verdict)
@@ -97,9 +103,9 @@ class CheckResult(Tabular):
         """What ``nonsmooth check --require`` returns: 0 if all of these are as hoped for, 1 if one is not, else 3.
 
         Args:
-            required: of position, heading, pose and theorem4.
+            required: of position, heading, pose, tolerances and theorem4.
         """
-        return exit_status(self.evidence, required)
+        return exit_status(self.evidence, required, self.answers if TOLERANCES in required else None)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON record of ``nonsmooth check --json``."""

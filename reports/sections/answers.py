@@ -30,7 +30,8 @@ def answers_section(subject: Subject) -> Section:
         point(scene.check.equilibrium),
         number(scene.check.radius),
     )
-    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in answered.answers]
+    given = [*answered.answers, *([answered.robust] if answered.robust else [])]
+    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in given]
     said = table(("question", "answer", "how far, how fast, on what conditions"), rows, (2, 3, 8))
     goes = _destinations(answered.destinations)
     return Section("Answers", (intro, said, _items(subject), *goes, array_figure(subject)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated
 
-from pydantic import PlainValidator, StrictStr
+from pydantic import Field, PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
@@ -17,6 +17,7 @@ from nonsmooth.symbolic.files.scene_values import (
     PairField,
     Table,
 )
+from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
@@ -135,3 +136,4 @@ class Document(Table):
     body: BodyTable | None = None
     contact: ContactTable = ContactTable()
     check: CheckTable = CheckTable()
+    tolerances: Annotated[ToleranceTable | None, Field(alias="tolerance")] = None

@@ -25,6 +25,7 @@ from nonsmooth.symbolic.files.scene_document import Document, StatedUnits
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angle_remarks, angles, field_of
 from nonsmooth.symbolic.files.text_files import path_beside, read_text
+from nonsmooth.symbolic.files.tolerance_table import build_tolerance
 from nonsmooth.symbolic.files.toml_bounds import toml_excess
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, speed_of_field
@@ -215,6 +216,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
         continuum=_continuum(document, numbers, wheels, body),
         units=document.units.labels,
         body=body,
+        tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
     )
 
 

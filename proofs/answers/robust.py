@@ -1,0 +1,63 @@
+"""Does it hold for every array within the tolerances?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.bounds import at_least, at_most
+from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.robust.decide import Robust, decide_robust
+from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.symbolic.scene import Scene
+
+TOLERANCES = "tolerances"
+KEYS = ("radius", "from", "within", "turning", "factor", "binding")
+WORDS = {
+    "position": "the positions of the wheels",
+    "heading": "the headings of the wheels",
+    "speed": "the speeds",
+    "mu_roll": "mu_roll",
+    "mu_side": "mu_side",
+    "centre_of_mass": "the centre of mass",
+}
+
+
+def robust_answer(scene: Scene) -> Answer | None:
+    """The answer for every array within the scene's tolerances; None for a scene that states none."""
+    found = decide_robust(scene)
+    return None if found is None else Answer(TOLERANCES, found.verdict, tuple(_facts(scene, found)))
+
+
+def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
+    """The keys are the same for every verdict."""
+    unit = of_length(scene)
+    if found.verdict is Certainty.UNDECIDED:
+        yield Fact(words=found.reason)
+    values: dict[str, Any] = dict(zip(KEYS, (found.radius, found.start, found.within, found.turning), strict=False))
+    words = dict.fromkeys(KEYS, "")
+    if found.start is not None and found.radius is not None and found.within is not None:
+        words["radius"] = (
+            f"for every array within them, the body ends within {at_most(found.radius)}{unit} of the point"
+        )
+        words["from"] = f"from anywhere within {at_least(found.start)}{unit}"
+        words["within"] = f"after at most {at_most(found.within)} s"
+        if found.turning is not None:
+            words["turning"] = f"on the way it turns by at most {at_most(found.turning)} rad"
+    for key, value in values.items():
+        yield Fact(key, Quantity(value), words[key])
+    yield Fact("factor", Quantity(found.factor), _factor_words(found))
+    yield Fact(
+        "binding", found.binding, "" if found.binding is None else f"the tolerance of {WORDS[found.binding]} binds"
+    )
+
+
+def _factor_words(found: Robust) -> str:
+    """How much larger the tolerances may be."""
+    if found.factor is None:
+        return ""
+    if not found.factor:
+        return "no multiple of the tolerances is certified"
+    return f"some such distance is certified up to {at_least(found.factor)} times the tolerances"

@@ -1,0 +1,1 @@
+"""What holds for every array within the tolerances of a scene."""

@@ -1,0 +1,188 @@
+"""Bounds for every array of a box, against arrays drawn from it: corners of the box, and paths of bodies.
+
+The motion of an array is written anew here, in floats: the two nearest wheels, their rows, a linear system.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.robust.decide import Robust, decide_robust
+from nonsmooth.proofs.robust.nearest import UltimateBound, is_bounded, ultimate_bound
+from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+
+Floats: TypeAlias = NDArray[np.float64]
+
+TABLE = """
+friction = { mu_roll = 1, mu_side = "1/2" }
+wheel = [
+  { position = ["1/10", "1/10"], speed = "1/10" }, { position = ["-1/10", "1/10"], speed = "1/10" },
+  { position = ["-1/10", "-1/10"], speed = "1/10" }, { position = ["1/10", "-1/10"], speed = "1/10" },
+]
+[tolerance]
+position = "1/1000"
+heading = "1 deg"
+speed = "1/50"
+mu_roll = "1/5"
+mu_side = "1/5"
+"""
+BOX = '\n[tolerance]\nposition = "1/50"\nheading = "1 deg"\nspeed = "1/50"\nmu_roll = "1/5"\nmu_side = "1/5"\n'
+SCENES = ("four-wheel", "ring-5", "ring-6", "rectangle")
+ROUNDING = 1e-9
+
+
+class Arrays(NamedTuple):
+    """Arrays of n wheels each: places (m, n, 2), rims (m, n, 2), speeds (m, n), whether the rim row counts (m, n)."""
+
+    places: Floats
+    rims: Floats
+    speeds: Floats
+    along: NDArray[np.bool_]
+
+
+def drawn(scene: Scene, count: int, seed: int, factor: float = 1.0) -> Arrays:
+    """Arrays of the box: half of them corners of it, the others anywhere inside."""
+    box, rng = scene.tolerances, np.random.default_rng(seed)
+    assert box is not None
+    n = len(scene.wheels)
+
+    def shifts(shape: tuple[int, ...]) -> Floats:
+        inside = rng.uniform(-1, 1, shape)
+        inside[: count // 2] = rng.choice([-1.0, 1.0], (count // 2, *shape[1:]))
+        return factor * inside
+
+    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    angles = np.array([np.arctan2(*(float(x) for x in wheel.unit_direction[::-1])) for wheel in scene.wheels])
+    angles = angles + shifts((count, n)) * np.pi * float(box.heading)
+    speeds = np.array([float(wheel.speed) for wheel in scene.wheels]) * (1 + float(box.speed) * shifts((count, n)))
+    roll = np.array([float(wheel.friction.roll) for wheel in scene.wheels]) * (
+        1 + float(box.mu_roll) * shifts((count, n))
+    )
+    side = np.array([float(wheel.friction.side) for wheel in scene.wheels]) * (
+        1 + float(box.mu_side) * shifts((count, n))
+    )
+    rims = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    return Arrays(places + float(box.position) * shifts((count, n, 2)), rims, speeds, roll > side)
+
+
+def velocities(arrays: Arrays, points: Floats) -> Floats:
+    """``c' = v + omega J c`` of every array at a point of its own (m, 2): the rows of its two nearest wheels."""
+    order = np.argsort(((arrays.places - points[:, None]) ** 2).sum(axis=2), axis=1)[:, :2]
+    at = np.arange(len(points))
+    i, j = order.T
+    (p, q), (d, e) = ((array[at, i], array[at, j]) for array in (arrays.places, arrays.rims))
+    along = arrays.along[at, j]
+    third = np.where(along[:, None], e, np.stack([-e[:, 1], e[:, 0]], axis=1))
+    third_speed = np.where(along, arrays.speeds[at, j], 0.0)
+    rows = [(d, p), (np.stack([-d[:, 1], d[:, 0]], axis=1), p), (third, q)]
+    matrix = np.stack([np.column_stack([m, m[:, 1] * r[:, 0] - m[:, 0] * r[:, 1]]) for m, r in rows], axis=1)
+    right = np.stack([arrays.speeds[at, i], np.zeros(len(at)), third_speed], axis=1)
+    twist = np.linalg.solve(matrix, right[..., None])[..., 0]
+    return twist[:, :2] + twist[:, 2:] * np.stack([-points[:, 1], points[:, 0]], axis=1)
+
+
+def bound_of(scene: Scene) -> tuple[Scene, UltimateBound]:
+    centred = scene.recentred()
+    assert centred.tolerances is not None
+    bound = ultimate_bound(centred, centred.tolerances)
+    assert bound is not None
+    return centred, bound
+
+
+def with_box(name: str, folder: Path) -> Scene:
+    """A built-in scene within tolerances."""
+    file = folder / f"{name}.toml"
+    built_in = Path(__file__).parents[3] / "symbolic" / "scenes" / f"{name}.toml"
+    file.write_text(built_in.read_text(encoding="utf-8") + BOX, encoding="utf-8")
+    return load_scene(file, rule="nearest")
+
+
+def table(folder: Path) -> Scene:
+    file = folder / "table.toml"
+    file.write_text(TABLE, encoding="utf-8")
+    return load_scene(file)
+
+
+@pytest.mark.parametrize("name", ["table", *SCENES])
+def test_no_array_of_the_box_breaks_the_bound(name: str, tmp_path: Path) -> None:
+    """Ten thousand arrays, each at a point of its own outside the disc, most of them close to it."""
+    scene, bound = bound_of(table(tmp_path) if name == "table" else with_box(name, tmp_path))
+    inner, outer = float(bound.squared) ** 0.5, float(scene.check.radius)
+    rng = np.random.default_rng(1)
+    sizes = inner + (outer - inner) * rng.random(10_000) ** 3
+    angles = rng.uniform(0, 2 * np.pi, len(sizes))
+    points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    moved = velocities(drawn(scene, len(sizes), 2), points)
+    assert ((points * moved).sum(axis=1) <= -float(bound.kappa) * sizes * (1 - ROUNDING)).all()
+
+
+def test_paths_end_in_the_disc_in_time_and_stay(tmp_path: Path) -> None:
+    """Euler's steps of 100 arrays from 32 starts each: no path is outside after the time, but for one step."""
+    scene = table(tmp_path)
+    found = decide_robust(scene)
+    assert found is not None
+    assert found.radius is not None
+    assert found.within is not None
+    arrays = drawn(scene, 100, 3)
+    chosen = np.repeat(np.arange(100), 32)
+    spread = Arrays(arrays.places[chosen], arrays.rims[chosen], arrays.speeds[chosen], arrays.along[chosen])
+    angles = np.tile(np.arange(32) * np.pi / 16, 100)
+    points = float(scene.check.radius) * 0.999 * np.column_stack([np.cos(angles), np.sin(angles)])
+    step = float(found.within) / 600
+    fastest = 0.0
+    for k in range(900):
+        moved = velocities(spread, points)
+        # Where two rows are dependent the motion is as fast as one likes: inside the disc nothing is said of it.
+        sizes = np.hypot(*moved.T)
+        fastest = max(fastest, float(sizes[np.hypot(*points.T) > float(found.radius)].max(initial=0.0)))
+        points = points + step * moved * np.minimum(1, 0.3 / np.maximum(sizes, 1e-30))[:, None]
+        if k >= 600:
+            assert np.hypot(*points.T).max() <= float(found.radius) + 0.3 * step
+    assert fastest < 0.3
+
+
+def test_a_larger_box_breaks_what_the_factor_says(tmp_path: Path) -> None:
+    """Beyond the factor mu_roll and mu_side may change places, which the nominal bound does not survive."""
+    scene = table(tmp_path)
+    found = decide_robust(scene)
+    assert found is not None
+    assert found.factor is not None
+    assert found.radius is not None
+    assert found.binding in ("mu_roll", "mu_side")
+    assert not is_bounded(scene, scene.tolerances.times(found.factor * Fraction(11, 10)))  # type: ignore[union-attr]
+    beyond = drawn(scene, 4_000, 5, factor=float(found.factor) * 1.1)
+    rng = np.random.default_rng(6)
+    points = rng.uniform(-1, 1, (4_000, 2)) * float(scene.check.radius)
+    outward = (points * velocities(beyond, points)).sum(axis=1) > 0
+    assert np.hypot(*points[outward].T).max() > 5 * float(found.radius)
+
+
+def test_the_radius_goes_to_zero_with_the_tolerances(tmp_path: Path) -> None:
+    """In proportion: the ratio at a hundredth and at a thousandth is the same but for the rate that is chosen."""
+    scene = table(tmp_path)
+    assert scene.tolerances is not None
+    ratios = []
+    for parts in (100, 1000):
+        bound = ultimate_bound(scene, scene.tolerances.times(Fraction(1, parts)))
+        assert bound is not None
+        ratios.append(float(bound.squared) ** 0.5 * parts)
+    assert ratios[0] == pytest.approx(ratios[1], rel=0.05)
+
+
+def test_what_is_not_followed_is_undecided(tmp_path: Path) -> None:
+    scene = table(tmp_path)
+    for changed in (replace(scene, contact=replace(scene.contact, rule="box")), load_scene("omni-3", rule="nearest")):
+        found = decide_robust(replace(changed, tolerances=scene.tolerances))
+        assert isinstance(found, Robust)
+        assert found.verdict is Certainty.UNDECIDED
+        assert found.reason
+    assert decide_robust(load_scene("four-wheel")) is None
