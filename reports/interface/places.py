@@ -22,6 +22,7 @@ _PLACES = {
     "lyapunov": ("check",),
     "field": (),
     "body": (),
+    "tolerance": (),
     "units": (),
 }
 _KEYS = {"at": "equilibrium"}

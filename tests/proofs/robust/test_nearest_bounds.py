@@ -61,7 +61,7 @@ def drawn(scene: Scene, count: int, seed: int, factor: float = 1.0) -> Arrays:
         return factor * inside
 
     places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-    angles = np.array([np.arctan2(*(float(x) for x in wheel.unit_direction[::-1])) for wheel in scene.wheels])
+    angles = np.array([np.arctan2(float(y), float(x)) for x, y in (wheel.unit_direction for wheel in scene.wheels)])
     angles = angles + shifts((count, n)) * np.pi * float(box.heading)
     speeds = np.array([float(wheel.speed) for wheel in scene.wheels]) * (1 + float(box.speed) * shifts((count, n)))
     roll = np.array([float(wheel.friction.roll) for wheel in scene.wheels]) * (
