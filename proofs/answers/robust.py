@@ -9,12 +9,13 @@ from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.bounds import at_least, at_most
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.robust.decide import Robust, decide_robust
+from nonsmooth.proofs.robust.decide import decide_robust
+from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
 
 TOLERANCES = "tolerances"
-KEYS = ("radius", "from", "within", "turning", "factor", "binding")
+KEYS = ("radius", "from", "within", "turning", "drift")
 WORDS = {
     "position": "the positions of the wheels",
     "heading": "the headings of the wheels",
@@ -36,8 +37,16 @@ def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     unit = of_length(scene)
     if found.verdict is Certainty.UNDECIDED:
         yield Fact(words=found.reason)
-    values: dict[str, Any] = dict(zip(KEYS, (found.radius, found.start, found.within, found.turning), strict=False))
+    values: dict[str, Any] = dict(
+        zip(KEYS, (found.radius, found.start, found.within, found.turning, found.drift), strict=True)
+    )
     words = dict.fromkeys(KEYS, "")
+    if found.radius is not None and found.drift is not None:
+        words["radius"] = (
+            f"every array within them has one equilibrium within {at_most(found.radius)}{unit} of the point"
+        )
+        words["from"] = "it attracts, exponentially, bodies that start close to it"
+        words["drift"] = f"there a body turns at no more than {at_most(found.drift)} rad/s"
     if found.start is not None and found.radius is not None and found.within is not None:
         words["radius"] = (
             f"for every array within them, the body ends within {at_most(found.radius)}{unit} of the point"
@@ -59,5 +68,5 @@ def _factor_words(found: Robust) -> str:
     if found.factor is None:
         return ""
     if not found.factor:
-        return "no multiple of the tolerances is certified"
-    return f"some such distance is certified up to {at_least(found.factor)} times the tolerances"
+        return "no multiple of the tolerances above a thousandth is certified"
+    return f"such a bound is certified up to {at_least(found.factor)} times the tolerances"

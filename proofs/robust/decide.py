@@ -1,134 +1,124 @@
-"""Whether what a check says holds for every array within the tolerances of its scene, and for how much larger ones."""
+"""Whether what a check says holds for every array within the tolerances of its scene, and for how much larger ones.
+
+For each contact rule a class on :class:`BoxProof` says what is proved; to follow another rule, write one and list it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import replace
 from fractions import Fraction
 
 from flint import fmpq
 
-from nonsmooth.proofs.robust.nearest import UltimateBound, inner_radius, is_bounded, ultimate_bound, why_not_nearest
+from nonsmooth.proofs.robust.factor import binding_entry, largest_factor
+from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
+from nonsmooth.proofs.robust.robust import Robust, above, beside
+from nonsmooth.proofs.robust.smooth import equilibrium_box
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.proofs.verdicts import Certainty
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.contact_set import contact_set
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
-
-DOUBLINGS = 10  # of the factor: a thousand times the tolerances is as good as all
-HALVINGS = 6  # of the interval in which the largest factor lies
-LARGEST_SHARE = Fraction(99, 100)
-LARGEST_TURN = Fraction(49, 100)  # of pi
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 
-@dataclass(frozen=True)
-class Robust:
-    """What holds for every array within the tolerances.
+class BoxProof(ABC):
+    """What is proved about all arrays of a box under one contact rule."""
 
-    Attributes:
-        verdict: whether a bound is proved.
-        reason: why not, else empty.
-        radius: of the disc about the point in which every body ends (length).
-        start: radius of the disc of starts (length).
-        within: time after which every body is in the disc and stays there (time).
-        turning: bound of the rotation on the way, in radian; None where it is not bounded.
-        factor: a multiple of the tolerances for which a bound is proved too, nearly the largest one.
-        binding: the tolerance without which that multiple would grow most.
-    """
+    no_proof: str
 
-    verdict: Certainty
-    reason: str = ""
-    radius: Fraction | None = None
-    start: Fraction | None = None
-    within: Fraction | None = None
-    turning: Fraction | None = None
-    factor: Fraction | None = None
-    binding: str | None = None
+    def __init__(self, scene: Scene) -> None:
+        """For a centred scene."""
+        self.scene = scene
+
+    @abstractmethod
+    def why_not(self) -> str:
+        """Why the scene is not followed; empty where it is."""
+
+    @abstractmethod
+    def holds(self, box: Tolerance) -> bool:
+        """Whether the statement is proved for a box."""
+
+    @abstractmethod
+    def statement(self, box: Tolerance) -> Robust | None:
+        """The statement with its numbers; None where it is not proved."""
+
+
+class NearestProof(BoxProof):
+    """Rule ``nearest``: a disc in which every body ends."""
+
+    no_proof = "no distance below the half-width of the square is found to which every body comes"
+
+    def why_not(self) -> str:
+        """Bodies with an outline, and rows that are missing."""
+        if self.scene.body is not None:
+            return "within the tolerances other wheels may come under the outline of the body"
+        return why_not_nearest(self.scene)
+
+    def holds(self, box: Tolerance) -> bool:
+        """At some rate."""
+        return (not box.centre_of_mass and is_bounded(self.scene, box)) or self.statement(box) is not None
+
+    def statement(self, box: Tolerance) -> Robust | None:
+        """About the nominal centre of mass of the body, which may be beside the true one."""
+        bound = ultimate_bound(self.scene, box)
+        if bound is None:
+            return None
+        radius, start, off = root_above(_fraction(bound.squared)), _fraction(inner_radius(self.scene)), beside(box)
+        if start <= radius + 2 * off:
+            return None
+        within = (start - radius) / _fraction(bound.kappa)
+        turning = None if bound.turning is None else _fraction(bound.turning) * within
+        return Robust(Certainty.CERTIFIED, "", radius + off, start - off, within, turning)
+
+
+class SmoothProof(BoxProof):
+    """Rules ``ellipse`` and ``roller``: one equilibrium of every array nearby, which attracts exponentially."""
+
+    no_proof = "it is not shown that every array has one equilibrium nearby that attracts"
+
+    def why_not(self) -> str:
+        """Loads that nobody knows."""
+        return "the loads are not known" if isinstance(self.scene.contact.loads, UnknownLoads) else ""
+
+    def holds(self, box: Tolerance) -> bool:
+        """The same as the statement."""
+        return self.statement(box) is not None
+
+    def statement(self, box: Tolerance) -> Robust | None:
+        """While no wheel comes under the body or leaves it."""
+        found = equilibrium_box(self.scene, box)
+        if found is None:
+            return None
+        radius = root_above(found.squared) + beside(box)
+        margin = contact_set(self.scene).margin
+        off = root_above(2 * above((box.position + box.centre_of_mass).ball()) ** 2)
+        if margin is not None and radius + off >= margin:
+            return None
+        return Robust(Certainty.CERTIFIED, radius=radius, drift=found.drift)
+
+
+PROOFS: dict[str, type[BoxProof]] = {"nearest": NearestProof, "ellipse": SmoothProof, "roller": SmoothProof}
 
 
 def decide_robust(scene: Scene) -> Robust | None:
     """Decide for every array within the scene's tolerances; None for a scene without."""
     if scene.tolerances is None:
         return None
-    reason = _why_not(scene)
+    if scene.contact.rule not in PROOFS:
+        rules = ", ".join(PROOFS)
+        reason = f"tolerances are followed under the rules {rules}, not under {scene.contact.rule}"
+        return Robust(Certainty.UNDECIDED, reason)
+    proof = PROOFS[scene.contact.rule](scene.recentred())
+    reason = proof.why_not()
     if reason:
         return Robust(Certainty.UNDECIDED, reason)
-    centred = scene.recentred()
-    bound = ultimate_bound(centred, scene.tolerances)
-    largest = largest_factor(lambda box: is_bounded(centred, box), scene.tolerances)
-    binding = _binding(centred, scene.tolerances, largest)
-    if bound is None:
-        reason = "no distance below the half-width of the square is found to which every body comes"
-        return Robust(Certainty.UNDECIDED, reason, factor=largest, binding=binding)
-    return _certified(centred, scene.tolerances, bound, largest, binding)
-
-
-def _why_not(scene: Scene) -> str:
-    if scene.contact.rule != "nearest":
-        return f"tolerances are followed under rule nearest, not under {scene.contact.rule}"
-    if scene.body is not None:
-        return "within the tolerances other wheels may come under the outline of the body"
-    return why_not_nearest(scene)
-
-
-def _certified(scene: Scene, box: Tolerance, bound: UltimateBound, factor: Fraction, binding: str | None) -> Robust:
-    """The statement about the body's nominal centre of mass, which may be beside the true one."""
-    radius, kappa = root_above(_fraction(bound.squared)), _fraction(bound.kappa)
-    start = _fraction(inner_radius(scene))
-    beside = root_above(2 * (-rational_below(-box.centre_of_mass.ball())) ** 2)
-    within = (start - radius) / kappa
-    if start <= radius + 2 * beside:
-        reason = "the centre of mass is not known well enough"
-        return Robust(Certainty.UNDECIDED, reason, factor=factor, binding="centre_of_mass")
-    turning = None if bound.turning is None else _fraction(bound.turning) * within
-    return Robust(Certainty.CERTIFIED, "", radius + beside, start - beside, within, turning, factor, binding)
+    found = proof.statement(scene.tolerances)
+    factor = largest_factor(proof.holds, scene.tolerances)
+    binding = binding_entry(proof.holds, scene.tolerances, factor)
+    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
 
 
 def _fraction(value: fmpq) -> Fraction:
     return Fraction(int(value.p), int(value.q))
-
-
-def largest_factor(holds: Callable[[Tolerance], bool], box: Tolerance) -> Fraction:
-    """Nearly the largest multiple of a box for which a statement is proved; 0 where none is.
-
-    A statement about a box holds for every box inside it, so that any multiple found serves all smaller ones.
-    """
-    most = _largest_multiple(box)
-
-    def proved(factor: Fraction) -> bool:
-        return factor <= most and holds(box.times(factor))
-
-    low, high = Fraction(0), Fraction(1)
-    for _ in range(DOUBLINGS):
-        if proved(high):
-            low, high = high, 2 * high
-        elif not low and high > Fraction(1, 2**DOUBLINGS):
-            high /= 2
-        else:
-            break
-    for _ in range(HALVINGS if low else 0):
-        middle = (low + high) / 2
-        low, high = (middle, high) if proved(middle) else (low, middle)
-    return low
-
-
-def _largest_multiple(box: Tolerance) -> Fraction:
-    """Up to which shares stay below one and rims have a direction."""
-    bounds = [Fraction(2**DOUBLINGS)]
-    if box.heading:
-        bounds.append(LARGEST_TURN / box.heading)
-    for share in (box.speed, box.mu_roll, box.mu_side):
-        if share:
-            bounds.append(LARGEST_SHARE / -rational_below(-share.ball()))
-    return min(bounds)
-
-
-def _binding(scene: Scene, box: Tolerance, factor: Fraction) -> str | None:
-    """The entry without which the factor grows most; None where none matters."""
-    grown: dict[str, Fraction] = {}
-    for name in box.names:
-        others = box.without(name)
-        grown[name] = largest_factor(lambda box: is_bounded(scene, box), others)
-    if not grown or max(grown.values()) <= factor:
-        return None
-    return max(grown, key=lambda name: grown[name])

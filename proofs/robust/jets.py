@@ -36,6 +36,29 @@ class Jet:
         return Jet(quotient, tuple((a - quotient * b) / other.value for a, b in pairs))
 
 
+def direction(first: Jet, second: Jet) -> tuple[Jet, Jet] | None:
+    """The unit vector e along ``w = (first, second)``; None where w may vanish.
+
+    Written so that little is lost where w is known in proportion: ``e = (1, t)/sqrt(1 + t^2)`` with the ratio t of the
+    smaller to the larger entry, and ``e' = (-e_2, e_1) (e_1 w_2' - e_2 w_1')/|w|``.
+    """
+    a, b = first.value, second.value
+    square = a * a + b * b
+    if not square > 0:
+        return None
+    size = square.sqrt()
+    e, f = _unit(a, b) if abs(a) > abs(b) else (_unit(b, a)[::-1] if abs(b) > abs(a) else (a / size, b / size))
+    turns = [(e * q - f * p) / size for p, q in zip(first.slopes, second.slopes, strict=True)]
+    return Jet(e, tuple(-f * turn for turn in turns)), Jet(f, tuple(e * turn for turn in turns))
+
+
+def _unit(larger: arb, smaller: arb) -> tuple[arb, arb]:
+    """``(larger, smaller)`` divided by its length."""
+    ratio = smaller / abs(larger)
+    size = (1 + ratio * ratio).sqrt()
+    return (1 if larger > 0 else -1) / size, ratio / size
+
+
 def parameter(value: arb, number: int, count: int) -> Jet:
     """The parameter of a number among ``count``."""
     return Jet(value, tuple(arb(int(k == number)) for k in range(count)))

@@ -1,0 +1,57 @@
+"""How many times larger a box of parameters may be, and which of its entries binds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.tolerances import Tolerance
+
+DOUBLINGS = 10  # of the factor: a thousand times the tolerances is as good as all
+HALVINGS = 6  # of the interval in which the largest factor lies
+LARGEST_SHARE = Fraction(99, 100)
+LARGEST_TURN = Fraction(49, 100)  # of pi
+
+
+def largest_factor(holds: Callable[[Tolerance], bool], box: Tolerance) -> Fraction:
+    """Nearly the largest multiple of a box for which a statement is proved; 0 where none is.
+
+    A statement about a box holds for every box inside it, so that any multiple found serves all smaller ones.
+    """
+    most = _largest_multiple(box)
+
+    def proved(factor: Fraction) -> bool:
+        return factor <= most and holds(box.times(factor))
+
+    low, high = Fraction(0), Fraction(1)
+    for _ in range(DOUBLINGS):
+        if proved(high):
+            low, high = high, 2 * high
+        elif not low and high > Fraction(1, 2**DOUBLINGS):
+            high /= 2
+        else:
+            break
+    for _ in range(HALVINGS if low else 0):
+        middle = (low + high) / 2
+        low, high = (middle, high) if proved(middle) else (low, middle)
+    return low
+
+
+def _largest_multiple(box: Tolerance) -> Fraction:
+    """Up to which shares stay below one and rims have a direction."""
+    bounds = [Fraction(2**DOUBLINGS)]
+    if box.heading:
+        bounds.append(LARGEST_TURN / box.heading)
+    for share in (box.speed, box.mu_roll, box.mu_side):
+        if share:
+            bounds.append(LARGEST_SHARE / -rational_below(-share.ball()))
+    return min(bounds)
+
+
+def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fraction) -> str | None:
+    """The entry without which the factor grows most; None where none matters."""
+    grown = {name: largest_factor(holds, box.without(name)) for name in box.names}
+    if not grown or max(grown.values()) <= factor:
+        return None
+    return max(grown, key=lambda name: grown[name])
