@@ -32,6 +32,7 @@ DIFFERENCE = 1e-4  # of the body's size: for slopes
 LONGEST = 0.3  # step, of the half-width of the square
 SETTLED = 1e-6  # residual, of the fastest wheel's speed
 AT_REST = 1e-3  # speed on both sets, of the fastest wheel's, below which the body rests on either
+STICKS, STICKS_BESIDE_ROLLERS = 1e-4, 1e-2  # slip, of the fastest wheel's speed, below which a wheel may stick
 ALIKE = 1e-5  # of the body's size: places closer together are one
 BALANCED = 1e-9  # force and moment of a body at rest, of all friction
 LOADED_SETS = 10  # that are tried for one contact set
@@ -49,6 +50,7 @@ class EdgeRest:
         ratio: ``-1`` times that of the motion with the wheel to the motion without.
         loaded: which of ``inside`` are pressed, without the wheel and with it; in the latter case the last entry is
             the wheel's own.
+        stuck: which of them seem not to slip, in the same order.
     """
 
     pose: tuple[float, float, float]
@@ -57,6 +59,7 @@ class EdgeRest:
     twist: tuple[float, float, float]
     ratio: float
     loaded: tuple[tuple[bool, ...], tuple[bool, ...]]
+    stuck: tuple[tuple[bool, ...], tuple[bool, ...]]
 
 
 @dataclass(frozen=True)
@@ -147,19 +150,38 @@ class RestSearch:
         inside = (unknowns[:, 2] > 0) & (unknowns[:, 2] < 1)
         near = np.abs(unknowns[:, :2] - self._point).max(axis=1) <= self.reach
         for k in np.flatnonzero(settled & fast & inside & near & first.known & second.known):
-            share = unknowns[k, 2]
-            x, y = (float(value) for value in unknowns[k, :2])
-            vx, vy, turn = first.rates[k]
-            omega = float(turn / self._outline.size)
-            twist = (float(vx + omega * y), float(vy - omega * x), omega)
-            kept = tuple(int(j) for j in np.flatnonzero(without[k]))
-            wheel = int(wheels[k])
-            loaded = (
-                tuple(bool(first.loads[k, j] > 0) for j in kept),
-                tuple(bool(second.loads[k, j] > 0) for j in (*kept, wheel)),
-            )
+            kept = [int(j) for j in np.flatnonzero(without[k])]
+            wheel, place = int(wheels[k]), unknowns[k, :2]
+            twists = [self._spatial(found.rates[k], place) for found in (first, second)]
+            groups = (kept, [*kept, wheel])
+            loaded = [
+                tuple(bool(found.loads[k, j] > 0) for j in group)
+                for found, group in zip((first, second), groups, strict=True)
+            ]
+            stuck = [self._stuck(twist, group) for twist, group in zip(twists, groups, strict=True)]
+            share, (x, y) = unknowns[k, 2], (float(value) for value in place)
+            vx, vy, omega = (float(value) for value in twists[0])
             for theta in self._headings(without[k], wheel, (x, y)):
-                yield EdgeRest((x, y, theta), wheel, kept, twist, float((1 - share) / share), loaded)
+                yield EdgeRest(
+                    (x, y, theta),
+                    wheel,
+                    tuple(kept),
+                    (vx, vy, omega),
+                    float((1 - share) / share),
+                    (loaded[0], loaded[1]),
+                    (stuck[0], stuck[1]),
+                )
+
+    def _spatial(self, rate: Floats, place: Floats) -> Floats:
+        """``(v, omega)`` of a rate ``(c', size theta')``."""
+        omega = rate[2] / self._outline.size
+        return np.array([rate[0] + omega * place[1], rate[1] - omega * place[0], omega])
+
+    def _stuck(self, twist: Floats, wheels: list[int]) -> tuple[bool, ...]:
+        """Which wheels hardly slip."""
+        slips = np.abs(self.model.slips(twist)).max(axis=-1)[wheels]
+        limit = STICKS_BESIDE_ROLLERS if (self.model.cuts < 1).any() else STICKS
+        return tuple(bool(slip <= limit * self._fastest) for slip in slips)
 
     def on_one_set(self, met: MetSets) -> Iterator[SetRest]:
         """Rest on one set of wheels, where all of them slip: forces and moment balance."""

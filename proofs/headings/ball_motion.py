@@ -3,8 +3,9 @@
 The spatial twist ``xi = (v, omega)`` minimizes ``D = sum_i N_i(c) f_i(r_i, s_i)`` with the slips ``r_i = a_i . xi - u_i``
 and ``s_i = b_i . xi`` and the support functions f_i of the friction sets
 (:mod:`nonsmooth.symbolic.friction_set`), so the centre of mass enters through the loads alone.  Where every loaded wheel
-slips, ``G(xi, c) = sum_i N_i(c) (f_i,r a_i + f_i,s b_i) = 0`` determines it; D is convex, so a zero of G with a regular
-Hessian is the only minimizer.
+slips, ``G(xi, c) = sum_i N_i(c) (f_i,r a_i + f_i,s b_i) = 0`` determines it.  A wheel that sticks adds two equations, no
+slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces inside the friction
+sets and a regular Jacobian is the only minimizer, and smooth in c.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ class BallWheel:
         speed: u.
         moment: ``(1, p)`` as a column.
         axes: squares of the half-axes of the friction set.
+        half_axes: of the friction set.
         cut: share of the half-axis across the rim at which it is cut; None of a whole ellipse.
         corner: the force at a corner of a cut set, for positive slips.
     """
@@ -44,6 +46,7 @@ class BallWheel:
     speed: arb
     moment: arb_mat
     axes: Pair
+    half_axes: Pair
     cut: arb | None
     corner: Pair
 
@@ -57,7 +60,7 @@ class BallWheel:
         axes = (along * along, across * across)
         rows = arb_mat([[p, q] for p, q in zip(a, b, strict=True)])
         moment = arb_mat([[arb(1)], [x], [y]])
-        return cls(rows, ball_of(wheel.speed), moment, axes, cut if limits.is_cut else None, corner)
+        return cls(rows, ball_of(wheel.speed), moment, axes, (along, across), cut if limits.is_cut else None, corner)
 
     def force(self, twist: arb_mat) -> tuple[arb_mat, arb_mat]:
         """Gradient (2, 1) and Hessian (2, 2) of f at the slips of a twist (3, 1).
@@ -89,33 +92,56 @@ class BallWheel:
         """Whether it has no friction, and so no force."""
         return self.axes[0].is_zero() and self.axes[1].is_zero()
 
+    @property
+    def grip(self) -> arb_mat:
+        """What forces in units of the half-axes do, shape (3, 2)."""
+        along, across = self.half_axes
+        return self.row * arb_mat([[along, arb(0)], [arb(0), across]])
+
+    def holds(self, along: arb, across: arb) -> bool:
+        """Whether a force, in units of the half-axes, is certainly inside the friction set."""
+        fits = self.cut is None or abs(across) < self.cut
+        return bool(along * along + across * across < 1) and bool(fits)
+
 
 @dataclass(frozen=True)
 class Pull:
-    """G and its slopes at one twist and one centre of mass.
+    """The equations of a motion and their slopes, at one state ``(xi, f)`` and one centre of mass.
 
     Attributes:
-        force: G, shape (3, 1).
-        hessian: its slope in the twist, (3, 3).
-        slope: its slope in c, (3, 2).
+        values: G and the slips of the z wheels that stick, shape (3 + 2 z, 1).
+        state: their slopes in the state, (3 + 2 z, 3 + 2 z).
+        centre: their slopes in c, (3 + 2 z, 2).
     """
 
-    force: arb_mat
-    hessian: arb_mat
-    slope: arb_mat
+    values: arb_mat
+    state: arb_mat
+    centre: arb_mat
+
+    def twist_slope(self) -> arb_mat:
+        """The slope of the spatial twist in c, (3, 2).
+
+        Raises:
+            ZeroDivisionError: where the slopes may be singular.
+        """
+        moved = self.state.inv() * self.centre * arb(-1)
+        return arb_mat([[moved[r, k] for k in range(2)] for r in range(3)])
 
 
 class BallMotion:
-    """The motion of a body on a set of wheels, of which some are loaded."""
+    """The motion of a body on a set of wheels, of which some are loaded, and some of these stick."""
 
-    def __init__(self, wheels: Sequence[Wheel], loaded: Sequence[bool], rule: SmoothRule) -> None:
-        """Elastic loads, total weight 1, with a guess of which wheels they press.
+    def __init__(self, wheels: Sequence[Wheel], loaded: Sequence[bool], stuck: Sequence[bool], rule: SmoothRule) -> None:
+        """Elastic loads, total weight 1, with a guess of which wheels they press, and which stick.
 
         Raises:
             UnprovedError: where the loaded wheels may stand on one line.
         """
         self._wheels = [BallWheel.of(wheel, rule.friction_set(wheel.friction)) for wheel in wheels]
         self._loaded = tuple(loaded)
+        holding = zip(self._wheels, loaded, stuck, strict=True)
+        self._stuck = [pressed and sticks and not wheel.is_idle for wheel, pressed, sticks in holding]
+        self.forces = 2 * sum(self._stuck)
         stiffness = arb_mat(3, 3)
         for wheel, pressed in zip(self._wheels, self._loaded, strict=True):
             if pressed:
@@ -126,36 +152,57 @@ class BallMotion:
             raise UnprovedError("loaded wheels on one line") from None
         self._forms = [inverse * wheel.moment for wheel in self._wheels]
 
-    def require_loads(self, centre: arb_mat) -> None:
-        """Refuse a guess that is not certain at all centres of mass in a box: then the loads are affine around it.
+    def require_certain(self, centre: arb_mat, forces: arb_mat) -> None:
+        """Refuse guesses that are not certain: then loads are affine around, and what sticks goes on sticking.
 
         Raises:
-            UnprovedError: where a loaded wheel may be free, or a free one pressed.
+            UnprovedError: where a loaded wheel may be free, a free one pressed, or one that sticks may slip.
         """
         point = _with_one(centre)
         for form, pressed in zip(self._forms, self._loaded, strict=True):
             spring = (form.transpose() * point)[0, 0]
             if not (spring > 0 if pressed else spring < 0):
                 raise UnprovedError("loads that change their form")
+        sticking = [wheel for wheel, stuck in zip(self._wheels, self._stuck, strict=True) if stuck]
+        for k, wheel in enumerate(sticking):
+            if not wheel.holds(forces[2 * k, 0], forces[2 * k + 1, 0]):
+                raise UnprovedError("a wheel that sticks at its limit")
 
-    def pull(self, twist: arb_mat, centre: arb_mat) -> Pull:
-        """G and its slopes at a twist (3, 1) and a centre of mass (2, 1).
+    def pull(self, twist: arb_mat, forces: arb_mat, centre: arb_mat) -> Pull:
+        """The equations at a twist (3, 1), forces (2 z, 1) of the wheels that stick, and a centre of mass (2, 1).
 
         Raises:
-            UnprovedError: where a wheel may stick.
+            UnprovedError: where another wheel may stick.
         """
-        point = _with_one(centre)
-        total, hessian, slope = arb_mat(3, 1), arb_mat(3, 3), arb_mat(3, 2)
-        for wheel, form, pressed in zip(self._wheels, self._forms, self._loaded, strict=True):
+        point, size = _with_one(centre), 3 + self.forces
+        values, state, slope = arb_mat(size, 1), arb_mat(size, size), arb_mat(size, 2)
+        row = 3
+        for wheel, form, pressed, stuck in zip(self._wheels, self._forms, self._loaded, self._stuck, strict=True):
             if not pressed or wheel.is_idle:
                 continue
             load = (form.transpose() * point)[0, 0]
-            gradient, bend = wheel.force(twist)
-            way = wheel.row * gradient
-            total += way * load
-            hessian += (wheel.row * bend * wheel.row.transpose()) * load
-            slope += way * arb_mat([[form[1, 0], form[2, 0]]])
-        return Pull(total, hessian, slope)
+            if stuck:
+                force = arb_mat([[forces[row - 3, 0]], [forces[row - 2, 0]]])
+                way, rows = wheel.grip * force, wheel.row.transpose()
+                slips = rows * twist
+                add(values, row, 0, arb_mat([[slips[0, 0] - wheel.speed], [slips[1, 0]]]))
+                add(state, row, 0, rows)
+                add(state, 0, row, wheel.grip * load)
+                row += 2
+            else:
+                gradient, bend = wheel.force(twist)
+                way = wheel.row * gradient
+                add(state, 0, 0, (wheel.row * bend * wheel.row.transpose()) * load)
+            add(values, 0, 0, way * load)
+            add(slope, 0, 0, way * arb_mat([[form[1, 0], form[2, 0]]]))
+        return Pull(values, state, slope)
+
+
+def add(matrix: arb_mat, row: int, column: int, block: arb_mat) -> None:
+    """Add a block to a part of a matrix, in place."""
+    for r in range(block.nrows()):
+        for k in range(block.ncols()):
+            matrix[row + r, column + k] = matrix[row + r, column + k] + block[r, k]
 
 
 def _with_one(centre: arb_mat) -> arb_mat:

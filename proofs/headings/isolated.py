@@ -5,14 +5,14 @@ spatial twists at the centre of mass c.  Zero is a mixture of F_1 and F_2 iff ``
 
     G_1(xi_1, c) = 0,      G_2(-mu xi_1, c) = 0
 
-are six equations for ``(c, xi_1, mu)`` (:mod:`nonsmooth.proofs.headings.ball_motion`).  Krawczyk's operator encloses a
-zero; the heading is one of those at which the wheel lies under the edge.  Let ``nu . xi`` be the rate at which a twist
+are six equations for ``(c, xi_1, mu)``, and two more for each wheel that sticks, with its force
+(:mod:`nonsmooth.proofs.headings.ball_motion`).  Krawczyk's operator encloses a zero; the heading is one of those at which the wheel lies under the edge.  Let ``nu . xi`` be the rate at which a twist
 takes the wheel under the body (``nu = (n, n . J p)``, n the outward normal of the edge) and g how deep it lies there.
 
 - ``nu . xi_1 > 0 > nu . xi_2``: the body comes to the surface ``g = 0`` within finite time and slides on it.  Where
   ``dg/dtheta`` does not vanish, c tells the pose on the surface, and to first order the slide is ``c' = A c`` with ::
 
-      A = [I, J c] (I - xi_1 nu^T/(nu . xi_1)) (D xi_1 + D xi_2/mu)/(1 + 1/mu),      D xi_k = -H_k^-1 dG_k/dc
+      A = [I, J c] (I - xi_1 nu^T/(nu . xi_1)) (D xi_1 + D xi_2/mu)/(1 + 1/mu),      dG_k/dxi D xi_k = -dG_k/dc
 
   (the weights of the mixture are 1 and 1/mu; how the normal turns drops out, because the mixture rests).  With both
   eigenvalues in the left half-plane position *and heading* return.  With one in the right half-plane the place is
@@ -30,7 +30,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.bodies.edge_rests import EdgeRest
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UnprovedError
+from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UnprovedError, add
 from nonsmooth.proofs.headings.krawczyk import contracted, zero_near
 from nonsmooth.symbolic.edge_headings import BallOutline, BallVector, ball_of, halved, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
@@ -53,7 +53,7 @@ class EdgePose:
     Attributes:
         scene: all wheels, with the body.
         candidate: the floats that it was found from.
-        box: holds exactly one solution ``(x, y, v_x, v_y, omega, mu)``; None where none is proved.
+        box: holds exactly one solution ``(x, y, v_x, v_y, omega, mu, forces that stick)``; None where none is proved.
         theta: encloses the heading, in radians from the checked one; None where none is proved.
         position: what becomes of the place.
         heading: what becomes of the heading.
@@ -87,7 +87,7 @@ class EdgePose:
 
 
 class EdgeEquations:
-    """The six equations of one candidate."""
+    """The equations of one candidate."""
 
     def __init__(self, scene: Scene, candidate: EdgeRest) -> None:
         """Of a scene with a body, under a rule without cells.
@@ -97,26 +97,43 @@ class EdgeEquations:
         """
         rule, wheels = smooth_rule_of(scene), scene.wheels
         inside = [wheels[k] for k in candidate.inside]
+        every = [*inside, wheels[candidate.wheel]]
         self.scene, self.candidate = scene, candidate
-        self.without = BallMotion(inside, candidate.loaded[0], rule)
-        self.including = BallMotion([*inside, wheels[candidate.wheel]], candidate.loaded[1], rule)
+        self.without = BallMotion(inside, candidate.loaded[0], candidate.stuck[0], rule)
+        self.including = BallMotion(every, candidate.loaded[1], candidate.stuck[1], rule)
+
+    @property
+    def start(self) -> list[float]:
+        """The candidate as unknowns, with no forces where wheels stick: the equations are linear in these."""
+        found = self.candidate
+        return [*found.pose[:2], *found.twist, found.ratio, *[0.0] * (self.without.forces + self.including.forces)]
+
+    def forces(self, unknowns: arb_mat) -> tuple[arb_mat, arb_mat]:
+        """Of the wheels that stick, without and with the wheel."""
+        entries, split = unknowns.entries()[6:], self.without.forces
+        return _column(entries[:split]), _column(entries[split:])
 
     def pulls(self, unknowns: arb_mat) -> tuple[Pull, Pull]:
-        """G without and with the wheel, at ``(c, xi_1, mu)``."""
+        """The equations without and with the wheel, at ``(c, xi_1, mu, forces)``."""
         centre, twist, ratio = _parts(unknowns)
-        return self.without.pull(twist, centre), self.including.pull(twist * -ratio, centre)
+        first, second = self.forces(unknowns)
+        return self.without.pull(twist, first, centre), self.including.pull(twist * -ratio, second, centre)
 
     def __call__(self, unknowns: arb_mat) -> tuple[arb_mat, arb_mat]:
-        """Values (6, 1) and Jacobian (6, 6)."""
+        """Values (6 + 2 z, 1) and Jacobian (6 + 2 z, 6 + 2 z)."""
         _, twist, ratio = _parts(unknowns)
         first, second = self.pulls(unknowns)
-        jacobian = arb_mat(6, 6)
-        _put(jacobian, 0, 0, first.slope)
-        _put(jacobian, 0, 2, first.hessian)
-        _put(jacobian, 3, 0, second.slope)
-        _put(jacobian, 3, 2, second.hessian * -ratio)
-        _put(jacobian, 3, 5, second.hessian * twist * arb(-1))
-        return arb_mat([[entry] for pull in (first, second) for entry in pull.force.entries()]), jacobian
+        split, size = first.values.nrows(), unknowns.nrows()
+        jacobian = arb_mat(size, size)
+        add(jacobian, 0, 0, first.centre)
+        add(jacobian, 0, 2, _columns(first.state, 0, 3))
+        add(jacobian, 0, 6, _columns(first.state, 3, split))
+        turning = _columns(second.state, 0, 3)
+        add(jacobian, split, 0, second.centre)
+        add(jacobian, split, 2, turning * -ratio)
+        add(jacobian, split, 5, turning * twist * arb(-1))
+        add(jacobian, split, 6 + self.without.forces, _columns(second.state, 3, second.values.nrows()))
+        return _column([*first.values.entries(), *second.values.entries()]), jacobian
 
 
 def decide_edge_pose(scene: Scene, candidate: EdgeRest) -> EdgePose:
@@ -124,7 +141,7 @@ def decide_edge_pose(scene: Scene, candidate: EdgeRest) -> EdgePose:
     with ctx.workprec(PRECISION):
         try:
             equations = EdgeEquations(scene, candidate)
-            image = zero_near(equations, [*candidate.pose[:2], *candidate.twist, candidate.ratio])
+            image = zero_near(equations, equations.start)
             box = _widened(image)
             return _decided(equations, box)
         except UnprovedError as error:
@@ -146,8 +163,8 @@ def _decided(equations: EdgeEquations, box: arb_mat) -> EdgePose:
     centre, twist, ratio = _parts(image)
     if not ratio > 0:
         raise UnprovedError("a mixture with a negative weight")
-    equations.without.require_loads(centre)
-    equations.including.require_loads(centre)
+    for motion, forces in zip((equations.without, equations.including), equations.forces(image), strict=True):
+        motion.require_certain(centre, forces)
     theta, side = _heading(equations, centre)
     found = EdgePose(equations.scene, equations.candidate, box, theta)
     try:
@@ -231,8 +248,7 @@ def _slide(equations: EdgeEquations, image: arb_mat, rate: arb_mat) -> arb_mat:
     centre, twist, ratio = _parts(image)
     first, second = equations.pulls(image)
     weight = 1 / ratio
-    slopes = [pull.hessian.inv() * pull.slope * arb(-1) for pull in (first, second)]
-    mixed = (slopes[0] + slopes[1] * weight) * (1 / (1 + weight))
+    mixed = (first.twist_slope() + second.twist_slope() * weight) * (1 / (1 + weight))
     along = twist * (rate * mixed) * (1 / (rate * twist)[0, 0])
     x, y = centre.entries()
     moved = arb_mat([[arb(1), arb(0), -y], [arb(0), arb(1), x]])
@@ -246,14 +262,12 @@ def _parts(unknowns: arb_mat) -> tuple[arb_mat, arb_mat, arb]:
 
 
 def _column(entries: Sequence[arb]) -> arb_mat:
-    return arb_mat([[entry] for entry in entries])
+    return arb_mat(len(entries), 1, list(entries))
 
 
-def _put(matrix: arb_mat, row: int, column: int, block: arb_mat) -> None:
-    """Write a block into a matrix."""
-    for r in range(block.nrows()):
-        for k in range(block.ncols()):
-            matrix[row + r, column + k] = block[r, k]
+def _columns(matrix: arb_mat, start: int, end: int) -> arb_mat:
+    """Some columns of a matrix."""
+    return arb_mat(matrix.nrows(), end - start, [matrix[r, k] for r in range(matrix.nrows()) for k in range(start, end)])
 
 
 def _places(scene: Scene, centre: arb_mat) -> list[BallVector]:
