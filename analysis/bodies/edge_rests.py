@@ -109,6 +109,19 @@ class RestSearch:
         self._motions = MotionsOnSets(self.model, self._outline.size)
         self.reach = self._spacing()
 
+    @property
+    def size(self) -> float:
+        """Of the body (length)."""
+        return self._outline.size
+
+    def distance(self, place: tuple[float, float]) -> float:
+        """Of a place from the point."""
+        return float(np.hypot(*(np.array(place) - self._point)))
+
+    def is_at_the_point(self, place: tuple[float, float]) -> bool:
+        """Whether a place is the point itself, but for rounding."""
+        return self.distance(place) <= ALIKE * self.size
+
     def meet(self) -> MetSets:
         """The contact sets about the point."""
         steps = np.linspace(-self.reach, self.reach, PLACES)
@@ -296,13 +309,12 @@ class RestSearch:
 
     def _spacing(self) -> float:
         """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""
-        from scipy.spatial import cKDTree
-
         places = self.model.positions
         if len(places) < 2:
-            return self._outline.size
-        nearest = cKDTree(places).query(places, k=2)[0][:, 1]
-        return min(float(np.median(nearest)), self._outline.size)
+            return self.size
+        distances = np.linalg.norm(places[:, None] - places, axis=2)
+        np.fill_diagonal(distances, np.inf)
+        return min(float(np.median(distances.min(axis=1))), self.size)
 
 
 def distinct(rests: Iterator[EdgeRest], size: float) -> list[EdgeRest]:

@@ -15,6 +15,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.headings import HeadingsOfRest
 
 # In the order in which they are said; to ask another question, write its function and a line here.
 QUESTIONS: dict[str, Question] = {"position": position_answer, "heading": heading_answer, "pose": pose_answer}
@@ -29,11 +30,13 @@ class Answers:
         answers: one to every question, in order.
         destinations: where bodies from all over the square end, where they do not all come home.
         others: what the other contact rules say.
+        headings: at which headings a body with an outline rests; None where its heading does not matter.
     """
 
     answers: tuple[Answer, ...]
     destinations: Destinations | None
     others: tuple[OtherRule, ...]
+    headings: HeadingsOfRest | None = None
 
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
@@ -47,7 +50,16 @@ def full_answers(check: Theorem4Result, *, ask_others: bool = True) -> Answers:
     position = answers[0].verdict
     goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
     destinations = _destinations_of(check) if goes_elsewhere else None
-    return Answers(answers, destinations, other_rules(check.scene) if ask_others else ())
+    others = other_rules(check.scene) if ask_others else ()
+    return Answers(answers, destinations, others, _headings_of(check))
+
+
+def _headings_of(check: Theorem4Result) -> HeadingsOfRest | None:
+    if check.scene.body is None:
+        return None
+    from nonsmooth.proofs.answers.headings import headings_of_rest  # a search: only a body with an outline needs it
+
+    return headings_of_rest(check.scene)
 
 
 def _destinations_of(check: Theorem4Result) -> Destinations | None:

@@ -131,7 +131,9 @@ class Pull:
 class BallMotion:
     """The motion of a body on a set of wheels, of which some are loaded, and some of these stick."""
 
-    def __init__(self, wheels: Sequence[Wheel], loaded: Sequence[bool], stuck: Sequence[bool], rule: SmoothRule) -> None:
+    def __init__(
+        self, wheels: Sequence[Wheel], loaded: Sequence[bool], stuck: Sequence[bool], rule: SmoothRule
+    ) -> None:
         """Elastic loads, total weight 1, with a guess of which wheels they press, and which stick.
 
         Raises:

@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.contact_set import standing, whole
-from nonsmooth.symbolic.edge_headings import BallOutline, Gap, gaps, halved, places_of
+from nonsmooth.symbolic.edge_headings import BallOutline, Gap, gaps, halved, places_of, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import Vector
@@ -75,24 +75,36 @@ class RestInterval:
         again = _verdicts_at(_turned(self.scene, found))
         return again == (self.wheels, (self.translation, self.rotation, self.rests))
 
+    def repeats(self, other: RestInterval) -> bool:
+        """Whether the same wheels carry in this interval, at the same point, as in another, with the same verdicts."""
+        with ctx.workprec(PRECISION):
+            here = HeadingsAt(self.scene, self.scene.check.equilibrium)
+            wheels = here.carrying((2 * self.gap.low + self.gap.high) / 3)
+        claims = [(one.wheels, one.translation, one.rotation, one.rests) for one in (self, other)]
+        same_point = self.scene.check.equilibrium == other.scene.check.equilibrium
+        return same_point and wheels == self.wheels and claims[0] == claims[1]
+
 
 class HeadingsAt:
     """The intervals of headings at one point of one scene."""
 
     def __init__(self, scene: Scene, point: Vector) -> None:
-        """For a scene with a body, at a point in its numbers."""
-        whole_scene = whole(scene)
-        self.scene = replace(whole_scene, check=replace(scene.check, equilibrium=point))
+        """For a scene with a body, at a point in its numbers.
+
+        Raises:
+            ValueError: for a scene without a body.
+        """
+        if scene.body is None:
+            raise ValueError("required a scene with a body")
+        self.scene = replace(whole(scene), check=replace(scene.check, equilibrium=point))
+        with ctx.workprec(PRECISION):
+            self._outline = BallOutline(scene.body)
+            self._places = places_of([wheel.position for wheel in self.scene.wheels], point)
         self._decided: dict[Wheels, Verdicts | None] = {}
 
     def gaps(self) -> list[Gap]:
         """Between headings at which a wheel lies under the edge."""
-        body, point = self.scene.body, self.scene.check.equilibrium
-        if body is None:
-            raise ValueError("required a scene with a body")
-        outline = BallOutline(body)
-        places = places_of([wheel.position for wheel in self.scene.wheels], point)
-        return gaps([edge for k, place in enumerate(places) for edge in outline.edge_headings(k, place)])
+        return gaps([edge for k, place in enumerate(self._places) for edge in self._outline.edge_headings(k, place)])
 
     def intervals(self, only: Wheels | None = None) -> Iterator[RestInterval]:
         """Those in which the centre of mass is proved to stay; the others tell nothing.
@@ -106,27 +118,37 @@ class HeadingsAt:
                 if found is not None:
                     yield found
 
+    def at(self, theta: arb) -> Gap | None:
+        """The gap that certainly holds a heading."""
+        with ctx.workprec(PRECISION):
+            for gap in self.gaps():
+                offset = halved(theta - (gap.low + gap.high) / 2)
+                if abs(offset) < (gap.high - gap.low) / 2:
+                    return gap
+        return None
+
     def _interval(self, gap: Gap, only: Wheels | None) -> RestInterval | None:
-        direction = _direction_between(gap.low, gap.high)
-        if direction is None:
-            return None
-        there = _turned(self.scene, direction)
-        wheels = _carrying(there)
+        wheels = self.carrying((gap.low + gap.high) / 2)
         if wheels is None or only not in (None, wheels):
             return None
         if wheels not in self._decided:
-            found = _verdicts_at(there)
-            self._decided[wheels] = None if found is None else found[1]
+            self._decided[wheels] = self._verdicts(gap, wheels)
         verdicts = self._decided[wheels]
         return None if verdicts is None else RestInterval(self.scene, gap, wheels, *verdicts)
 
+    def carrying(self, theta: arb) -> Wheels | None:
+        """Numbers of the wheels under the body at a heading; None where that is not certain."""
+        theta = theta.mid()
+        sides = [self._outline.side_of(seen(place, theta)) for place in self._places]
+        if 0 in sides:
+            return None
+        return tuple(wheel.index for wheel, side in zip(self.scene.wheels, sides, strict=True) if side > 0)
 
-def _carrying(scene: Scene) -> Wheels | None:
-    """Numbers of the wheels under the body; None where it tips."""
-    try:
-        return tuple(wheel.index for wheel in standing(scene).wheels)
-    except SceneError:
-        return None
+    def _verdicts(self, gap: Gap, wheels: Wheels) -> Verdicts | None:
+        """What happens in a gap, by the exact clauses at a rational heading in it."""
+        direction = _direction_between(gap.low, gap.high)
+        found = None if direction is None else _verdicts_at(_turned(self.scene, direction))
+        return found[1] if found is not None and found[0] == wheels else None
 
 
 def _verdicts_at(scene: Scene) -> tuple[Wheels, Verdicts] | None:

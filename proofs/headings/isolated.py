@@ -267,7 +267,9 @@ def _column(entries: Sequence[arb]) -> arb_mat:
 
 def _columns(matrix: arb_mat, start: int, end: int) -> arb_mat:
     """Some columns of a matrix."""
-    return arb_mat(matrix.nrows(), end - start, [matrix[r, k] for r in range(matrix.nrows()) for k in range(start, end)])
+    return arb_mat(
+        matrix.nrows(), end - start, [matrix[r, k] for r in range(matrix.nrows()) for k in range(start, end)]
+    )
 
 
 def _places(scene: Scene, centre: arb_mat) -> list[BallVector]:

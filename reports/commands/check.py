@@ -155,7 +155,7 @@ def _check_array(  # one keyword for each option
             with refusals_named(scene):
                 heard = announce if alone else _with_rule(scene, announce)
                 results.append(check_scene(scene, prune=prune, best=best, ask_others=alone, announce=heard))
-        announce("where bodies go, and the other rules")
+        announce("where bodies go, headings of rest, and the other rules")
         for result in results:
             _ = result.answers
     files.write(results[0])

@@ -22,6 +22,7 @@ from nonsmooth.symbolic.number_text import short_text
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.headings import HeadingsOfRest
     from nonsmooth.reports.interface.law_result import LawResult
     from nonsmooth.symbolic.scene import Scene
 
@@ -82,6 +83,11 @@ class CheckResult(Tabular):
     def destinations(self) -> Destinations | None:
         """Where bodies go that start all over the square; None where all come home."""
         return self.answers.destinations
+
+    @property
+    def equilibrium_headings(self) -> HeadingsOfRest | None:
+        """At which headings a body with an outline rests, and which of them attract; None where none matters."""
+        return self.answers.headings
 
     def law(self) -> LawResult:
         """The certified feedback law as a table of regions and speeds, or a program.
