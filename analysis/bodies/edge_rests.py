@@ -1,9 +1,9 @@
 """Poses at which a body may rest with one wheel under its edge, and points at which it may rest on one set of wheels.
 
-Floats that propose, under a rule without cells.  Contact sets, and pairs of them that differ by one wheel, are met on a
-grid of places about a point, each at a fine set of headings.  On a pair with the motions F_1 (without the wheel) and F_2
-(with it) a body rests under the edge iff ``(1 - w) F_1(c) + w F_2(c) = 0`` with ``0 < w < 1``: three equations for
-``(x, y, w)``, which know nothing of the heading; that is one at which the wheel lies under the edge.
+Floats that propose, under a rule without cells.  Contact sets, and pairs of them that differ by one wheel, are met on
+a grid of places about a point, each at a fine set of headings.  On a pair with the motions F_1 (without the wheel) and
+F_2 (with it) a body rests under the edge iff ``(1 - w) F_1(c) + w F_2(c) = 0`` with ``0 < w < 1``: three equations
+for ``(x, y, w)``, which know nothing of the heading; that is one at which the wheel lies under the edge.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ class RestSearch:
         headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
         sets: dict[bytes, Mask] = {}
         pairs: dict[tuple[bytes, int], tuple[Mask, Floats]] = {}
-        places = [self._point + [x + GENERIC[0] * width, y + GENERIC[1] * width] for x in steps for y in steps]
+        places = [self._point + np.add((x, y), np.multiply(GENERIC, width)) for x in steps for y in steps]
         for place in sorted(places, key=lambda at: float(np.hypot(*(at - self._point)))):
             poses = np.column_stack([np.tile(place, (HEADINGS, 1)), headings])
             under = self._outline.depths(poses) > 0
@@ -211,7 +211,7 @@ class RestSearch:
                 yield SetRest(wheels, (float(place[0]), float(place[1])), middle)
 
     def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Numbers, Mask, Floats]:
-        """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start from.
+        """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.
 
         The nearest to zero of all ``(1 - w) F_1 + w F_2`` is compared with the larger of both.
         """

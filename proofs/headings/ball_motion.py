@@ -1,11 +1,11 @@
 """The motion on one set of wheels in balls, under a rule without cells: forces, their slopes, and loads.
 
-The spatial twist ``xi = (v, omega)`` minimizes ``D = sum_i N_i(c) f_i(r_i, s_i)`` with the slips ``r_i = a_i . xi - u_i``
-and ``s_i = b_i . xi`` and the support functions f_i of the friction sets
-(:mod:`nonsmooth.symbolic.friction_set`), so the centre of mass enters through the loads alone.  Where every loaded wheel
-slips, ``G(xi, c) = sum_i N_i(c) (f_i,r a_i + f_i,s b_i) = 0`` determines it.  A wheel that sticks adds two equations, no
-slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces inside the friction
-sets and a regular Jacobian is the only minimizer, and smooth in c.
+The spatial twist ``xi = (v, omega)`` minimizes ``D = sum_i N_i(c) f_i(r_i, s_i)`` with the slips
+``r_i = a_i . xi - u_i`` and ``s_i = b_i . xi`` and the support functions f_i of the friction sets
+(:mod:`nonsmooth.symbolic.friction_set`), so the centre of mass enters through the loads alone.  Where every loaded
+wheel slips, ``G(xi, c) = sum_i N_i(c) (f_i,r a_i + f_i,s b_i) = 0`` determines it.  A wheel that sticks adds two
+equations, no slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces
+inside the friction sets and a regular Jacobian is the only minimizer, and smooth in c.
 """
 
 from __future__ import annotations

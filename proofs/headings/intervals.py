@@ -1,7 +1,7 @@
 """Headings at which a body rests with its centre of mass at one point, exactly.
 
-The motion depends on the point and on the wheels under the outline, and on the heading through these alone.  So with the
-centre of mass at c0, every heading between two that bring wheels under the edge has one verdict: the one decided
+The motion depends on the point and on the wheels under the outline, and on the heading through these alone.  So with
+the centre of mass at c0, every heading between two that bring wheels under the edge has one verdict: the one decided
 exactly, by the clauses of a check, at a rational heading between them.
 """
 

@@ -6,8 +6,9 @@ spatial twists at the centre of mass c.  Zero is a mixture of F_1 and F_2 iff ``
     G_1(xi_1, c) = 0,      G_2(-mu xi_1, c) = 0
 
 are six equations for ``(c, xi_1, mu)``, and two more for each wheel that sticks, with its force
-(:mod:`nonsmooth.proofs.headings.ball_motion`).  Krawczyk's operator encloses a zero; the heading is one of those at which the wheel lies under the edge.  Let ``nu . xi`` be the rate at which a twist
-takes the wheel under the body (``nu = (n, n . J p)``, n the outward normal of the edge) and g how deep it lies there.
+(:mod:`nonsmooth.proofs.headings.ball_motion`).  Krawczyk's operator encloses a zero; the heading is one of those at
+which the wheel lies under the edge.  Let ``nu . xi`` be the rate at which a twist takes the wheel under the body
+(``nu = (n, n . J p)``, n the outward normal of the edge) and g how deep it lies there.
 
 - ``nu . xi_1 > 0 > nu . xi_2``: the body comes to the surface ``g = 0`` within finite time and slides on it.  Where
   ``dg/dtheta`` does not vanish, c tells the pose on the surface, and to first order the slide is ``c' = A c`` with ::
@@ -17,7 +18,8 @@ takes the wheel under the body (``nu = (n, n . J p)``, n the outward normal of t
   (the weights of the mixture are 1 and 1/mu; how the normal turns drops out, because the mixture rests).  With both
   eigenvalues in the left half-plane position *and heading* return.  With one in the right half-plane the place is
   unstable.
-- ``nu . xi_1 < 0 < nu . xi_2``: both motions lead away from the surface, at speeds bounded below: what they move leaves.
+- ``nu . xi_1 < 0 < nu . xi_2``: both motions lead away from the surface, at speeds bounded below: what they move
+  leaves.
 """
 
 from __future__ import annotations
@@ -160,7 +162,7 @@ def _decided(equations: EdgeEquations, box: arb_mat) -> EdgePose:
         UnprovedError: where it proves no rest.
     """
     image = contracted(equations, box)
-    centre, twist, ratio = _parts(image)
+    centre, _, ratio = _parts(image)
     if not ratio > 0:
         raise UnprovedError("a mixture with a negative weight")
     for motion, forces in zip((equations.without, equations.including), equations.forces(image), strict=True):

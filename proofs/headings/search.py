@@ -1,9 +1,8 @@
 """Equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one.
 
-At the checked point every heading is decided, under every contact rule.  Under a rule without cells rest is also looked
-for around that point, in floats, and what is found is decided: exactly on one set of wheels, in ball arithmetic with one
-wheel under the edge.  That search may miss poses; it never adds one that is not there, for what it cannot prove it
-calls sampled.
+At the checked point every heading is decided, under every contact rule.  Under a rule without cells rest is also
+looked for around that point, in floats, and what is found is decided: exactly on one set of wheels, in ball arithmetic
+with one wheel under the edge.  That search may miss poses; what it finds and cannot prove is called sampled.
 """
 
 from __future__ import annotations
