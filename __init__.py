@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
@@ -40,6 +41,7 @@ _MODULES = {
     "CellsResult": "reports.interface.cells_result",
     "CheckResult": "reports.interface.check_result",
     "ComparisonResult": "reports.interface.comparison_result",
+    "FieldResult": "reports.interface.field_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
     "LawResult": "reports.interface.law_result",

@@ -42,6 +42,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Record: TypeAlias = dict[str, Any]
 
@@ -59,6 +60,7 @@ def build_certificate(result: CellCheck | SmoothCheck) -> Record:
         CertificateError: for rule ``ellipse``, and where the checker does not follow the verdict.
     """
     rule = result.scene.contact.rule
+    _loads(result.scene)
     if isinstance(result, SmoothCheck) or rule not in FOLLOWED:
         names, why = " or ".join(f'"{name}"' for name in FOLLOWED), "follows cells, and this rule has none"
         if isinstance(result, CellCheck):
@@ -152,18 +154,22 @@ def _disc(partition: Partition) -> Disc:
 def _loads(scene: Scene) -> Any:
     if not rule_of(scene).needs_loads:
         return None
-    return "elastic" if scene.contact.loads is None else scene.contact.loads.rows
+    loads = scene.contact.loads
+    if isinstance(loads, UnknownLoads):
+        raise CertificateError(f"certificate: required loads that are known, received {loads.words}")
+    return "elastic" if loads is None else loads.rows
 
 
 def _wheel(wheel: Wheel) -> Record:
     try:
-        direction, speed = wheel.unit_direction, wheel.speed
+        direction, speed, _ = wheel.unit_direction, wheel.speed, wheel.unit_grip
     except NestingError as error:
         raise CertificateError(
-            f"certificate: the length of the rim direction of wheel {wheel.index}: {error}"
+            f"certificate: the length of the rim direction or of the axis of wheel {wheel.index}: {error}"
         ) from None
     friction = wheel.friction.roll, wheel.friction.side
-    return {"position": wheel.position, "direction": direction, "speed": speed, "friction": friction}
+    record = {"position": wheel.position, "direction": direction, "speed": speed, "friction": friction}
+    return record if wheel.axis is None else {**record, "axis": wheel.unit_grip}
 
 
 def _cells(partition: Partition, chains: list[list[int]], disc: Disc) -> list[Record]:

@@ -36,6 +36,8 @@ def find_difference(certificate: Record, scene: Scene) -> str:
     if len(certificate["wheels"]) != len(own["wheels"]):
         return f"number of wheels ({len(certificate['wheels'])} instead of {len(own['wheels'])})"
     for number, (theirs, ours) in enumerate(zip(certificate["wheels"], own["wheels"], strict=True), 1):
+        if set(theirs) != set(ours):
+            return f"axis of wheel {number}"
         for key in ours:
             if _value(theirs[key], None) != _value(ours[key], names):
                 return f"{key} of wheel {number}"

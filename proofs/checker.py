@@ -12,7 +12,8 @@ cells, the fan of cones at the checked point, the clauses, the command.
 
 Conventions: J is the quarter turn.  A twist is ``(vx, vy, omega, 1)``; the body at c moves by ``c' = v + omega J c``,
 measured from the checked point.  A row is the vector of an equation ``row . twist = 0``: rolling ``d . v(p) = u`` and
-no side slip ``n . v(p) = 0`` with ``v(p) = v + omega J p``.  A point is ``(X, Y, W)``, W > 0, for ``(X/W, Y/W)``.
+no side slip ``n . v(p) = 0`` with ``v(p) = v + omega J p``; of a wheel with a friction axis a these are
+``a . v(p) = u a . d`` and ``J a . v(p) = u J a . d``.  A point is ``(X, Y, W)``, W > 0, for ``(X/W, Y/W)``.
 """
 
 from __future__ import annotations
@@ -399,6 +400,8 @@ class Array:
     Attributes:
         places: position ``(p_x, p_y, 1)`` of each wheel.
         rows: the rows "R1" (rolling), "S1" (no side slip), ... as ``(a, b, c, -u)``.
+        askew: the wheels with a friction axis; true where the drive of the wheel moves it along its axis and there is
+            no friction across it, so that its speed can be any along the axis, as that of a rim can.
         friction: coefficient of each row.
         loads: for each wheel ``(b, c, a)`` with ``N = a + b x + c y`` where a table is given; empty otherwise.
         elastic: whether the wheels are identical springs.
@@ -406,37 +409,63 @@ class Array:
 
     places: dict[str, Vector]
     rows: dict[str, Vector]
+    askew: dict[str, bool]
     friction: dict[str, Number]
     loads: dict[str, Vector]
     elastic: bool
 
 
+@dataclass(frozen=True)
+class Contact:
+    """One wheel: its place, its rolling and its side row, their friction, and see ``askew`` of :class:`Array`."""
+
+    place: Vector
+    rows: tuple[Vector, Vector]
+    friction: Vector
+    askew: bool | None
+
+
+def read_wheel(field: Field, at: Vector, name: str, entry: Any) -> Contact:
+    """The claim: unit vectors for directions, and friction that is not negative.  Without an axis it is the rim."""
+    named = dict(entry)
+    axis = field.vector(named.pop("axis"), 2) if "axis" in named else None
+    *pairs, speed = take(named, "position direction friction speed")
+    position, direction, friction = (field.vector(pair, 2) for pair in pairs)
+    grip = direction if axis is None else axis
+    one, u = field.constant(1), field.parse(speed)
+    lengths = signs(dot(v, v) - one for v in (direction, grip))
+    sound = not any(lengths) and min(signs(friction)) >= 0
+    require(sound, f"{name}: a unit direction, and friction that is not negative")
+    (a, b), p, q = grip, position[0] - at[0], position[1] - at[1]
+    along, across = dot(grip, direction), cross(grip, direction)
+    rows = (a, b, b * p - a * q, -(u * along)), (-b, a, a * p + b * q, -(u * across))
+    askew = None if axis is None else bool(along.sign()) and not friction[1].sign()
+    return Contact((p, q, one), rows, friction, askew)
+
+
 def read_array(field: Field, at: Vector, rule: str, loads: Any, wheels: Any) -> Array:
-    """The wheels with their rows; the claim of each: a unit direction, and friction that is not negative."""
+    """The wheels with their rows and loads."""
     require(rule == "box" or (rule == "nearest" and loads is None), "schema, rule, loads")
     entries = items(wheels)
     require(len(entries) <= MAX_WHEELS, f"at most {MAX_WHEELS} wheels")
-    one, zero = field.constant(1), field.constant(0)
     places: dict[str, Vector] = {}
     rows: dict[str, Vector] = {}
     friction: dict[str, Number] = {}
+    askew: dict[str, bool] = {}
     for number, entry in enumerate(entries, 1):
-        *pairs, speed = take(entry, "position direction friction speed")
-        position, (a, b), (roll, side) = (field.vector(pair, 2) for pair in pairs)
-        sound = not (a * a + b * b - one).sign() and min(signs((roll, side))) >= 0
-        require(sound, f"wheels[{number - 1}]: a unit direction, and friction that is not negative")
-        p, q = position[0] - at[0], position[1] - at[1]
-        places[str(number)] = (p, q, one)
-        rows[f"R{number}"] = (a, b, b * p - a * q, -field.parse(speed))
-        rows[f"S{number}"] = (-b, a, a * p + b * q, zero)
-        friction[f"R{number}"], friction[f"S{number}"] = roll, side
+        wheel = read_wheel(field, at, f"wheels[{number - 1}]", entry)
+        places[str(number)] = wheel.place
+        rows[f"R{number}"], rows[f"S{number}"] = wheel.rows
+        friction[f"R{number}"], friction[f"S{number}"] = wheel.friction
+        if wheel.askew is not None:
+            askew[str(number)] = wheel.askew
     elastic = rule == "box" and loads == "elastic"
     table: dict[str, Vector] = {}
     if rule == "box" and not elastic:
         for name, form in zip(places, items(loads, len(places)), strict=True):
             a, b, c = field.vector(form, 3)
             table[name] = (b, c, a + b * at[0] + c * at[1])
-    return Array(places, rows, friction, table, elastic)
+    return Array(places, rows, askew, friction, table, elastic)
 
 
 def friction_limits(array: Array, loaded: Any, corners: Sequence[Vector]) -> list[dict[str, Number]]:
@@ -1050,13 +1079,17 @@ class Checker:
         """The claim: some law brings pose and heading home; or no static law does; or the clause does not apply.
 
         It speaks of wheels with less friction across the rim than along it: those whose rows act at the point under
-        rule nearest, all of them under rule box.
+        rule nearest, all of them under rule box.  Wheels with a friction axis are followed under rule box only, and
+        only where nothing but the speed along the axis counts, and the drive can choose that: then the axis is the rim.
         """
         if self.said["feedback"] == UNDECIDED:
             return UNDECIDED
+        askew = [free for name, free in self.array.askew.items() if name in self._acting_wheels()]
         gaps = (self.array.friction["S" + n] - self.array.friction["R" + n] for n in self._acting_wheels())
         if max(signs(gaps)) >= 0:
             return NOT_APPLICABLE
+        if askew and (self.rule == "nearest" or not all(askew)):
+            return UNDECIDED
         if self.evidence is None:
             return UNDECIDED if self.rule == "box" else NO_CERTIFICATE
         if self.said["feedback"] == NO_CERTIFICATE:

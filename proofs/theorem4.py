@@ -16,7 +16,7 @@ from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck, conclude
 from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census
+from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census, triples_with_friction
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
 
@@ -107,7 +107,10 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
 
 def _census(work: Workspace) -> ContactCensus:
     """Count the row triples where that is cheap or asked for."""
-    possible = possible_triples(len(work.scene.wheels))
+    possible = triples_with_friction(work.scene)
+    frictionless = possible_triples(len(work.scene.wheels)) - possible
+    if frictionless:
+        work.skip("contact states", frictionless, "they hold a row without friction, which constrains nothing")
     limit = CENSUS_LIMIT if work.prune else FULL_CENSUS_LIMIT
     if possible <= limit:
         return take_census(work.given)

@@ -18,10 +18,10 @@ from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
-from nonsmooth.analysis.fields.held_law import follow_held
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.proved import proved
+from nonsmooth.analysis.trajectories.held_law import follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback

@@ -6,6 +6,8 @@ from scene files are text.  Verdicts are words first; color repeats them, and on
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -142,3 +144,11 @@ def two_columns() -> Table:
     table.add_column(overflow="fold")
     table.add_column(overflow="fold", ratio=1)
     return table
+
+
+def pairs_view(head: str, pairs: Iterable[tuple[str, str]]) -> RenderableType:
+    """A headline, and a table of names and findings."""
+    rows = two_columns()
+    for name, text in pairs:
+        rows.add_row(Text(name), Text(text))
+    return Group(Text(head), rows)

@@ -6,8 +6,11 @@ inward headings and drive ``+u``)::
     roll   d_i . v + (d_i . J p_i) omega = u_i
     side   n_i . v + (n_i . J p_i) omega = 0        n_i = J d_i
 
-A :class:`Row` is kept multiplied by ``|D_i|``: then its left side holds no square root, and only the right
-side does.  Scaling changes neither rank nor solution.
+A wheel with a friction axis a_i apart from its rim has ``a_i`` and ``J a_i`` for ``d_i`` and ``n_i``, and the right
+sides ``u_i a_i . d_i`` and ``u_i J a_i . d_i``.
+
+A :class:`Row` is kept multiplied by ``|D_i|`` (``|A_i|`` where there is an axis): then its left side holds no square
+root, and only the right side does.  Scaling changes neither rank nor solution.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ Triple: TypeAlias = tuple[Number, Number, Number]
 
 
 class RowKind(StrEnum):
-    """Roll row (along the rim, R) or side row (across it, S)."""
+    """Roll row (along the friction axis, most often the rim, R) or side row (across it, S)."""
 
     ROLL = "R"
     SIDE = "S"
@@ -65,30 +68,35 @@ class Row:
 
     @property
     def unit_normal(self) -> Triple:
-        """``(d_i, d_i . J p_i)`` or ``(n_i, n_i . J p_i)``, of a unit rim direction."""
-        return scaled(self.normal, self.wheel.length.inverse())
+        """``(d_i, d_i . J p_i)`` or ``(n_i, n_i . J p_i)``, of a unit direction."""
+        return scaled(self.normal, self.wheel.grip_length.inverse())
+
+    @property
+    def gain(self) -> Number:
+        """The right side for each unit of speed: ``rhs = gain u_i``."""
+        return self.wheel.gains[0 if self.kind is RowKind.ROLL else 1]
 
     @property
     def friction(self) -> Number:
-        """Coulomb coefficient: mu_R along the rim, mu_S across it."""
+        """Coulomb coefficient: mu_R along the friction axis, mu_S across it."""
         return self.wheel.friction.roll if self.kind is RowKind.ROLL else self.wheel.friction.side
 
     def residual(self, twist: Twist) -> Number:
-        """``|D_i|`` times the slip ``d_i . v(p_i) - u_i`` or ``n_i . v(p_i)``."""
+        """``|A_i|`` times the slip ``d_i . v(p_i) - u_i`` or ``n_i . v(p_i)``."""
         a, b, m = self.normal
         return a * twist.vx + b * twist.vy + m * twist.omega - self.rhs
 
 
 def roll_row(wheel: Wheel) -> Row:
-    """``(D, D . J p | |D| u)``."""
-    d = wheel.direction
+    """``(A, A . J p | u A . d)``, which is ``(D, D . J p | |D| u)`` where the friction axis is the rim."""
+    d = wheel.grip
     return Row(wheel, RowKind.ROLL, (*d, dot(d, turned(wheel.position))), wheel.scaled_speed)
 
 
 def side_row(wheel: Wheel) -> Row:
-    """``(N, N . J p | 0)`` with ``N = J D``."""
-    n = turned(wheel.direction)
-    return Row(wheel, RowKind.SIDE, (*n, dot(n, turned(wheel.position))), wheel.direction[0] * 0)
+    """``(N, N . J p | u N . d)`` with ``N = J A``; the right side is zero where the friction axis is the rim."""
+    n = turned(wheel.grip)
+    return Row(wheel, RowKind.SIDE, (*n, dot(n, turned(wheel.position))), wheel.scaled_side_speed)
 
 
 def wheel_rows(wheel: Wheel) -> tuple[Row, Row]:
@@ -109,7 +117,8 @@ def rows_with_friction(scene: Scene) -> list[Row]:
 def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
     """``Omega_i``: the two unit-length rows acting on ``(xi, 1)``, eq. (2)."""
     first, second = (
-        (*(entry / wheel.length for entry in row.normal), -row.rhs / wheel.length) for row in wheel_rows(wheel)
+        (*(entry / wheel.grip_length for entry in row.normal), -row.rhs / wheel.grip_length)
+        for row in wheel_rows(wheel)
     )
     return first, second
 

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.support_polygon import default_radius, outer_positions, support_polygon
 
@@ -99,7 +99,7 @@ def standing(scene: Scene) -> Scene:
     carrying = tuple(wheel for wheel in wheels if _carries(scene, scene.body, wheel, point))
     idle = tuple(wheel for wheel in wheels if wheel not in carrying)
     _require_standing(scene, carrying, point)
-    if idle and scene.contact.loads is not None:
+    if idle and isinstance(scene.contact.loads, LoadTable):
         expected = "elastic loads, or a body that covers every wheel"
         raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
     positions = [wheel.position for wheel in carrying]

@@ -14,15 +14,16 @@ from math import comb
 
 from nonsmooth.symbolic.constraints import (
     Row,
-    RowKind,
     Triple,
     Twist,
+    added,
     cofactors,
     combine,
     independent,
     inner,
     outer,
-    scene_rows,
+    rows_with_friction,
+    scaled,
 )
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene
@@ -59,7 +60,7 @@ class ContactState(ShortRepr):
 
     @cached_property
     def control_fields(self) -> dict[int, Triple]:
-        """``g_w`` by wheel index: ``xi = sum_w g_w u_w``; side rows carry no input.
+        """``g_w`` by wheel index: ``xi = sum_w g_w u_w``; side rows carry no input, unless the wheel has an axis.
 
         Raises:
             ValueError: for more than three rows, which hold together for these speeds only.
@@ -70,9 +71,9 @@ class ContactState(ShortRepr):
         inverse = inner(self.rows[0].normal, columns[0]).inverse()
         fields: dict[int, Triple] = {}
         for row, column in zip(self.rows, columns, strict=True):
-            if row.kind is RowKind.ROLL:
-                scale = row.wheel.length * inverse
-                fields[row.wheel.index] = (column[0] * scale, column[1] * scale, column[2] * scale)
+            if row.gain:
+                own, index = scaled(column, row.gain * inverse), row.wheel.index
+                fields[index] = added(fields[index], own) if index in fields else own
         return fields
 
 
@@ -92,7 +93,7 @@ class ContactCensus:
     """Count of all row triples of an array.
 
     Attributes:
-        possible: C(2n, 3).
+        possible: C(m, 3) of m rows with friction; C(2n, 3) where every row has some.
         singular: triples of dependent rows; None where they were not counted.
         distinct_twists: different twists among the regular triples; None where not counted.
     """
@@ -112,9 +113,14 @@ def possible_triples(wheel_count: int) -> int:
     return comb(2 * wheel_count, 3)
 
 
+def triples_with_friction(scene: Scene) -> int:
+    """C(m, 3) triples of the m rows with friction: a row without friction holds nothing."""
+    return comb(len(rows_with_friction(scene)), 3)
+
+
 def regular_states(scene: Scene) -> list[ContactState]:
-    """Every regular triple of the array, in lexicographic order of its rows."""
-    rows = scene_rows(scene)
+    """Every regular triple of rows with friction, in lexicographic order."""
+    rows = rows_with_friction(scene)
     crosses = {(i, j): outer(rows[i].normal, rows[j].normal) for i, j in combinations(range(len(rows)), 2)}
     states: list[ContactState] = []
     for i, j, k in combinations(range(len(rows)), 3):
@@ -133,7 +139,7 @@ def regular_states(scene: Scene) -> list[ContactState]:
 def take_census(scene: Scene) -> ContactCensus:
     """Count possible and singular triples and distinct twists."""
     states = regular_states(scene)
-    possible = possible_triples(len(scene.wheels))
+    possible = triples_with_friction(scene)
     return ContactCensus(possible, possible - len(states), len({state.twist for state in states}))
 
 

@@ -61,8 +61,8 @@ class ContinuousField:
     footprint: Footprint | None = None
 
     def is_followed_by(self, wheel: Wheel) -> bool:
-        """Whether a wheel points along the field at its place and runs at the field's speed."""
-        if self.matrix is None:
+        """Whether a wheel points along the field at its place, runs at the field's speed, and grips along its rim."""
+        if self.matrix is None or wheel.axis is not None:
             return False
         x, y = (p - c for p, c in zip(wheel.position, self.centre, strict=True))
         fx, fy = (row[0] * x + row[1] * y for row in self.matrix)

@@ -107,7 +107,8 @@ def wheel_constraints(wheel: Wheel, *, symbolic_input: bool = False, body: bool 
 
     matrix = sympy.Matrix([[entry.to_sympy() for entry in row] for row in constraint_matrix(wheel)])
     if symbolic_input:
-        matrix[0, 3] = -input_symbol(wheel.index)
+        for k, gain in enumerate(wheel.gains):
+            matrix[k, 3] = -input_symbol(wheel.index) * (gain / wheel.grip_length).to_sympy()
     if body:
         x, y = sympy.symbols("x y", real=True)
         for k in range(2):

@@ -3,6 +3,11 @@
 World frame; the reference point of the body is its centre of mass ``c``.  Wheel ``i`` sits at ``p_i``, its
 rim points along ``d_i = D_i/|D_i|`` (``D_i`` is kept as the user wrote it: its length is the only square
 root of the wheel, so it is taken only when needed), and its surface runs along ``d_i`` with speed ``u_i``.
+
+Friction is ``mu_R`` along an axis ``a_i = A_i/|A_i|`` and ``mu_S`` across it, along ``J a_i``.  The axis is the rim
+unless the wheel names one: a mecanum wheel grips along the axes of its rollers, which stand askew to its rim.  The slip
+``q = v(p_i) - u_i d_i`` is then ``a_i . v(p_i) - u_i a_i . d_i`` along the axis and
+``J a_i . v(p_i) - u_i J a_i . d_i`` across it.
 """
 
 from __future__ import annotations
@@ -19,13 +24,15 @@ from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.plane import Vector, dot
+from nonsmooth.symbolic.plane import Vector, cross, dot
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb coefficients along the rim (``roll``, mu_R) and across it (``side``, mu_S); both >= 0."""
+    """Coulomb coefficients along the friction axis (``roll``, mu_R) and across it (``side``, mu_S); both >= 0."""
 
     roll: Number
     side: Number
@@ -42,6 +49,7 @@ class Wheel:
         given_speed: ``u_i`` along the rim (length/time); None means the magnitude ``|D_i|`` of a velocity field.
         friction: coefficients of this wheel.
         speed_limit: the largest ``|u_i|`` that its drive can do (length/time); None where that is not stated.
+        axis: ``A_i``, the friction axis, of any nonzero length and not along the rim; None where it is the rim.
     """
 
     index: int
@@ -50,6 +58,7 @@ class Wheel:
     given_speed: Number | None
     friction: Friction
     speed_limit: Number | None = None
+    axis: Vector | None = None
 
     @cached_property
     def length(self) -> Number:
@@ -61,12 +70,55 @@ class Wheel:
         """Surface speed ``u_i``."""
         return self.length if self.given_speed is None else self.given_speed
 
+    @property
+    def grip(self) -> Vector:
+        """``A_i``, of the friction axis: ``D_i`` where that is the rim."""
+        return self.direction if self.axis is None else self.axis
+
+    @cached_property
+    def grip_length(self) -> Number:
+        """``|A_i|``."""
+        return self.length if self.axis is None else dot(self.axis, self.axis).sqrt()
+
+    @cached_property
+    def unit_grip(self) -> Vector:
+        """``a_i = A_i/|A_i|``."""
+        return self.grip[0] / self.grip_length, self.grip[1] / self.grip_length
+
+    @cached_property
+    def gains(self) -> Vector:
+        """``(A_i . d_i, J A_i . d_i)``: what the two rows, scaled by ``|A_i|``, demand for each unit of speed."""
+        if self.axis is None:
+            return self.length, self.direction[0] * 0
+        along, across = dot(self.axis, self.direction), cross(self.axis, self.direction)
+        return along and along / self.length, across and across / self.length
+
     @cached_property
     def scaled_speed(self) -> Number:
-        """``|D_i| u_i``: the right-hand side of the roll row ``D_i . v(p_i) = |D_i| u_i``."""
+        """``|A_i| u_i a_i . d_i``: the right-hand side of the roll row ``A_i . v(p_i) = u_i A_i . d_i``."""
+        if self.axis is not None:
+            return self._scaled(dot(self.axis, self.direction))
         if self.given_speed is None:
             return dot(self.direction, self.direction)
         return self.length * self.given_speed if self.given_speed else self.given_speed
+
+    @cached_property
+    def scaled_side_speed(self) -> Number:
+        """``|A_i| u_i J a_i . d_i``: the right-hand side of the side row, zero where the axis is the rim."""
+        return self.direction[0] * 0 if self.axis is None else self._scaled(cross(self.axis, self.direction))
+
+    @property
+    def slip_speeds(self) -> Vector:
+        """``(u_i a_i . d_i, u_i J a_i . d_i)``: the speeds of the surface along the friction axis and across it."""
+        if self.axis is None:
+            return self.speed, self.direction[0] * 0
+        return self.scaled_speed / self.grip_length, self.scaled_side_speed / self.grip_length
+
+    def _scaled(self, product: Number) -> Number:
+        """A product with ``D_i`` for ``u_i d_i``."""
+        if self.given_speed is None or not product:
+            return product
+        return self.given_speed and product * self.given_speed / self.length
 
     @cached_property
     def unit_direction(self) -> Vector:
@@ -86,7 +138,7 @@ class Contact:
     """Contact rule and load model; ``loads`` None means elastic (identical springs, no tension)."""
 
     rule: str
-    loads: LoadTable | None = None
+    loads: LoadTable | UnknownLoads | None = None
 
 
 @dataclass(frozen=True)
@@ -168,7 +220,7 @@ class Scene(ShortRepr):
             for group in (self.wheels, self.idle)
         )
         loads = self.contact.loads
-        if loads is not None:
+        if isinstance(loads, LoadTable):
             rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
             loads = LoadTable(rows)
         zero, continuum = self.field.zero, self.continuum
@@ -182,3 +234,15 @@ class Scene(ShortRepr):
             contact=replace(self.contact, loads=loads),
             check=replace(self.check, equilibrium=(zero, zero)),
         )
+
+
+def require_known_loads(scene: Scene, purpose: str) -> None:
+    """Refuse a scene that leaves its loads open for a purpose that needs one load.
+
+    Raises:
+        SceneError: naming the loads.
+    """
+    loads = scene.contact.loads
+    if isinstance(loads, UnknownLoads):
+        expected = f'known loads ("elastic", a table, or measured) {purpose}'
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact(loads.words))

@@ -33,7 +33,7 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
         return replace(wheel, position=(x * factor, y * factor))
 
     (x, y), loads = scene.check.equilibrium, scene.contact.loads
-    if loads is not None:
+    if isinstance(loads, LoadTable):
         loads = LoadTable(tuple((a, b / factor, c / factor) for a, b, c in loads.rows))
     check = replace(
         scene.check,
@@ -57,7 +57,7 @@ def moved(scene: Scene, x: Fraction, y: Fraction) -> Scene:
         return replace(wheel, position=(wheel.position[0] + x, wheel.position[1] + y))
 
     (p, q), loads = scene.check.equilibrium, scene.contact.loads
-    if loads is not None:
+    if isinstance(loads, LoadTable):
         loads = LoadTable(tuple((a - b * x - c * y, b, c) for a, b, c in loads.rows))
     check = replace(scene.check, equilibrium=(p + x, q + y))
     return replace(with_wheels(scene, shifted), contact=replace(scene.contact, loads=loads), check=check)

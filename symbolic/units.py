@@ -59,6 +59,11 @@ class Units:
     length: str = ""
 
     @property
+    def metres(self) -> Fraction | None:
+        """The unit of length in metres; None where there is none."""
+        return LengthUnit(self.length).metres if self.length else None
+
+    @property
     def speed(self) -> str:
         """Of surface speeds and of velocities of the body."""
         return f"{self.length}/s" if self.length else ""

@@ -125,9 +125,14 @@ class PlateEngine:
 
 
 def plate_engine(
-    scene: Scene, pose: tuple[float, float, float], scale: float, timestep: float = 1e-3, time_constant: float = 0.01
+    scene: Scene,
+    pose: tuple[float, float, float],
+    scale: float,
+    timestep: float = 1e-3,
+    time_constant: float = 0.01,
+    lowered: Floats | None = None,
 ) -> PlateEngine:
-    """The body of a scene laid onto all its wheels, which run ``scale`` times as fast."""
+    """The body of a scene laid onto all its wheels, which run ``scale`` times as fast; some may be lowered."""
     body = scene.body
     assert body is not None
     rims = np.array([[*map(float, wheel.unit_direction), 0.0] for wheel in scene.wheels])
@@ -156,7 +161,8 @@ def plate_engine(
         conaffinity=0,
     )
     for k, wheel in enumerate(scene.wheels):
-        place = [*(float(entry) for entry in wheel.position), -RADIUS]
+        depth = 0.0 if lowered is None else float(lowered[k])
+        place = [*(float(entry) for entry in wheel.position), -RADIUS - depth]
         sphere = mujoco.mjtGeom.mjGEOM_SPHERE
         spec.worldbody.add_geom(
             name=f"wheel {k}", type=sphere, size=[RADIUS, 0, 0], pos=place, surfacevel=[*velocities[k], 0, 0, 0]

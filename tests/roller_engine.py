@@ -1,12 +1,12 @@
 """Wheels with real rollers in MuJoCo, a rigid-body physics engine that knows nothing of rule ``roller``.
 
 A wheel is a sphere on a hinge along its rim, as a roller on its bearing: it turns freely across the rim, and its
-surface moves along the hinge with the speed of the wheel (``surfacevel``, a velocity that contacts see).  The contact
+surface moves along the rim with the speed of the wheel (``surfacevel``, a velocity that contacts see).  The contact
 has one friction mu_R in all directions, the bearing a friction torque (``frictionloss``) of ``mu_S N`` times its
 radius, with the load N that springs carry.  The body is a thin square plate with a free joint in space, under gravity,
 on soft contacts, as in ``test_dynamics_mujoco``.  What the engine has and the model has not: inertia of the rollers,
 springs that tilt the plate, loads that move with slip, a bearing that creeps (``armature`` and ``solimp`` keep that
-below a thousandth of the slips).
+below a thousandth of the slips).  Mecanum wheels have the hinge along their friction axis, askew to the rim.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def roller_plate(wheels: ContactModel, start: Floats) -> RollerPlate:
         roller = spec.worldbody.add_body(name=f"roller {k}", pos=[*position, -RADIUS])
         roller.add_joint(
             type=mujoco.mjtJoint.mjJNT_HINGE,
-            axis=[*rim, 0],
+            axis=[*wheels.axes[k], 0],
             armature=ARMATURE,
             frictionloss=wheels.mu_side[k] * loads[k] * RADIUS,
             solref_friction=[2e-3, 1],
@@ -104,8 +104,11 @@ def settled_twist(wheels: ContactModel, start: Floats) -> tuple[Floats, Floats]:
     return plate.twist, plate.centre
 
 
-def random_array(seed: int) -> tuple[ContactModel, Floats]:
-    """Four to six wheels with rims in all directions, bearing friction of 0.02 to 0.5, and a place for the body."""
+def random_array(seed: int, *, askew: bool = False) -> tuple[ContactModel, Floats]:
+    """Four to six wheels with rims in all directions, bearing friction of 0.02 to 0.5, and a place for the body.
+
+    With ``askew`` their rollers stand in all directions too.
+    """
     rng = np.random.default_rng(seed)
     count, side = int(rng.integers(4, 7)), float(np.exp(rng.uniform(np.log(0.02), np.log(0.5))))
     while True:
@@ -113,7 +116,9 @@ def random_array(seed: int) -> tuple[ContactModel, Floats]:
         start = rng.dirichlet(np.full(count, 3.0)) @ positions
         speeds = SPEED * rng.uniform(0.3, 1.0, count)
         rims = np.column_stack([np.cos(angles), np.sin(angles)])
-        wheels = ContactModel.build(positions, rims, speeds, (1.0, side))
+        turns = rng.uniform(0, np.pi, count) if askew else None
+        axes = None if turns is None else list(np.column_stack([np.cos(turns), np.sin(turns)]))
+        wheels = ContactModel.build(positions, rims, speeds, (1.0, side), axes=axes)
         if loads_at(wheels, start[None]).min() > LEAST_LOAD:
             return wheels, start
 

@@ -21,7 +21,7 @@ from nonsmooth.analysis.bodies.many_rates import ManyRates, Rates
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
@@ -101,13 +101,15 @@ class ManyPaths:
 
         Raises:
             ValueError: for a scene without a body.
-            SceneError: for a table of loads, which are known for one contact set only.
+            SceneError: for a table of loads, which are known for one contact set only, and for unknown loads.
         """
         if scene.body is None:
             raise ValueError("required a scene with a body")
         if scene.contact.loads is not None:
             expected = "elastic loads for a map of a body with an outline"
-            raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table"))
+            loads = scene.contact.loads
+            received = "a table" if isinstance(loads, LoadTable) else loads.words
+            raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
         self._numbers = np.array([*(wheel.index for wheel in scene.wheels), 0])
         self._model = rule.contacts(scene)
         self._outline = MovingOutline(scene.body, self._model.positions)

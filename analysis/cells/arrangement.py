@@ -220,8 +220,8 @@ def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:
 
 
 def _weight(row: Row, force: Affine) -> Affine:
-    """``mu_k N_i / |D_i|`` for a row scaled by ``|D_i|``."""
-    return scaled(force, row.friction / row.wheel.length)
+    """``mu_k N_i / |A_i|`` for a row scaled by ``|A_i|``."""
+    return scaled(force, row.friction / row.wheel.grip_length)
 
 
 def _zero_form(scene: Scene) -> Affine:

@@ -4,7 +4,9 @@ Elastic loads (identical springs under a rigid plate, no tension) solve ``min |N
 ``sum N_i = 1, sum N_i p_i = c, N >= 0`` (total weight 1).  With ``m_i = (1, p_i)`` the optimality conditions are
 ``N_i = max(0, m_i . y)``, so for a set A of loaded wheels ``N_i = m_i^T G_A^-1 (1, c)``, ``G_A = sum_A m_i m_i^T``:
 affine in c.  The plane inside the support polygon splits into convex regions by A; crossing a side of a region
-changes A by one wheel, which is how the regions are found.  Outside the support polygon the body tips, and for
+mostly changes A by one wheel, which is how the regions are found.  Where wheels on one line carry the whole load on a
+side, the body tilts about it and others change at once: floats propose the set beyond, and the exact conditions of its
+region dispose.  Outside the support polygon the body tips, and for
 collinear wheels the loads are undetermined: both are refused.
 """
 
@@ -12,8 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, TypeAlias
 
+import numpy as np
+
+from nonsmooth.analysis.cells.loaded_sets import loaded_wheels
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
@@ -22,12 +28,29 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import Vector, around, cross, minus
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
+
+UNKNOWN = (
+    'contact.loads: required loads that are known ("elastic", a table, or measured) to follow the motion, received {}'
+)
+
+
+ALL_AT_ONCE = (
+    "check.radius: required a smaller square, received one crossed by a line of wheels that carries the whole "
+    "load: beside it the loaded wheels change all at once, and what they change to is not found"
+)
+STEPS_BESIDE = (2.0**-6, 2.0**-10, 2.0**-14)  # of a side, or of the square: how far beside it floats look for loads
+WAYS = ((1.0, 0.6), (-0.6, 1.0), (-1.0, -0.6), (0.6, -1.0))  # along no usual symmetry axis
 
 
 class LoadError(RefusalError):
     """Normal forces that do not exist in the checked square; the message names the place."""
+
+
+class CollinearLoadError(LoadError):
+    """A line of wheels that carries the whole load, where beside it no loads are found."""
 
 
 @dataclass(frozen=True)
@@ -61,14 +84,16 @@ def load_regions(scene: Scene, holding: Point | None = None) -> tuple[LoadRegion
     With a point, only the regions that hold it are sought: a hundred wheels have hundreds of regions.
 
     Raises:
-        LoadError: where the body tips, wheels are collinear, or a table gives a negative load.
+        LoadError: where the body tips, wheels are collinear, a table gives a negative load, or loads are unknown.
     """
     domain = square(scene.check.equilibrium, scene.check.radius)
     table = scene.contact.loads
+    if isinstance(table, UnknownLoads):
+        raise LoadError(UNKNOWN.format(table.words))
     if table is not None:
         _require_positive(scene, table.rows, domain)
         return (LoadRegion(domain, table.rows, frozenset(w.index for w in scene.wheels)),)
-    _require_support(scene, domain)
+    require_support(scene, domain)
     return _elastic_regions(scene, domain, holding)
 
 
@@ -101,8 +126,12 @@ def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> 
                 )
 
 
-def _require_support(scene: Scene, domain: Polygon) -> None:
-    """Refuse squares that leave the support polygon."""
+def require_support(scene: Scene, domain: Polygon) -> None:
+    """Refuse squares that leave the support polygon.
+
+    Raises:
+        LoadError: naming the place, or that the wheels are collinear.
+    """
     hull = support_polygon([wheel.position for wheel in scene.wheels])
     if len(hull) < 3:
         raise LoadError(
@@ -131,26 +160,94 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
     )
 
 
+class _Regions:
+    """The load regions of a square by their sets of loaded wheels, each built once; None for sets without area."""
+
+    def __init__(self, scene: Scene, domain: Polygon) -> None:
+        self.scene, self.domain = scene, domain
+        self.moments: list[Triple] = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
+        self.positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        self._known: dict[frozenset[int], LoadRegion | None] = {}
+
+    def of(self, active: frozenset[int] | None) -> LoadRegion | None:
+        """The region of a set; None where it has no area in the square, or the wheels are on one line."""
+        if active is None:
+            return None
+        if active not in self._known:
+            try:
+                self._known[active] = _region(self.scene, self.moments, active, self.domain)
+            except CollinearLoadError:
+                self._known[active] = None
+        return self._known[active]
+
+    def first(self, start: Point) -> frozenset[int]:
+        """The loaded wheels of a region at a point."""
+        everyone = frozenset(range(len(self.moments)))
+        try:
+            return _loaded_at(self.moments, everyone, start)
+        except CollinearLoadError:
+            centre, reach = np.array([float(x) for x in start]), float(self.scene.check.radius)
+            for step, way in product(STEPS_BESIDE, WAYS):
+                active = loaded_wheels(self.positions, centre + step * reach * np.array(way))
+                region = self.of(active)
+                if active is not None and region is not None and region.polygon.contains(start):
+                    return active
+            raise
+
+    def beyond(self, active: frozenset[int], polygon: Polygon, k: int) -> tuple[frozenset[int] | None, bool]:
+        """The loaded wheels beyond side k of a region, and whether that is one wheel more or less, as it mostly is.
+
+        Where several change at once, floats propose the set just beyond the middle of the side; None without a region.
+        """
+        wheel = int(polygon.sides[k].label.split()[1])
+        if self.of(active ^ {wheel}) is not None:
+            return active ^ {wheel}, True
+        start, end = (np.array([float(x) for x in polygon.vertices[n % len(polygon.vertices)]]) for n in (k, k + 1))
+        along = end - start
+        outward = np.array([along[1], -along[0]])
+        for step in STEPS_BESIDE:
+            proposed = loaded_wheels(self.positions, (start + end) / 2 + step * outward)
+            if proposed != active and self.of(proposed) is not None:
+                return proposed, False
+        return None, False
+
+
 def _elastic_regions(scene: Scene, domain: Polygon, holding: Point | None) -> tuple[LoadRegion, ...]:
-    """Walk from the region where the search starts to its neighbours until the square (or the point) is covered."""
-    moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
-    everyone = frozenset(range(len(moments)))
-    found: dict[frozenset[int], LoadRegion | None] = {}
-    waiting = [_loaded_at(moments, everyone, domain.centre if holding is None else holding)]
+    """Walk from the region where the search starts to its neighbours until the square (or the point) is covered.
+
+    Where floats proposed a neighbour the areas of all regions must add up.
+
+    Raises:
+        CollinearLoadError: where they do not.
+    """
+    regions = _Regions(scene, domain)
+    found: dict[frozenset[int], LoadRegion] = {}
+    waiting, is_whole = [regions.first(domain.centre if holding is None else holding)], True
     while waiting:
         active = waiting.pop()
-        if active in found:
+        region = regions.of(active)
+        if active in found or region is None:
             continue
-        found[active] = region = _region(scene, moments, active, domain)
-        if region is not None:
-            waiting += [active ^ {i} for i in _crossings(region.polygon, holding)]
-    return tuple(region for region in found.values() if region is not None)
+        found[active] = region
+        for k in _crossings(region.polygon, holding):
+            neighbour, is_plain = regions.beyond(active, region.polygon, k)
+            is_whole = is_whole and is_plain
+            waiting += [] if neighbour is None else [neighbour]
+    if is_whole:
+        return tuple(found.values())
+    if holding is not None:
+        every = _elastic_regions(scene, domain, None)
+        return tuple(region for region in every if region.polygon.contains(holding))
+    if sum((region.polygon.area for region in found.values()), scene.field.zero) != domain.area:
+        raise CollinearLoadError(ALL_AT_ONCE)
+    return tuple(found.values())
 
 
 def _crossings(polygon: Polygon, holding: Point | None) -> list[int]:
-    """The wheels whose state changes at the sides of a region (at those that hold a point)."""
-    sides = (side for side in polygon.sides if side.label.startswith("load"))
-    return [int(side.label.split()[1]) for side in sides if holding is None or not sign(side.slack(holding))]
+    """The sides of a region at which loads change their form (those that hold a point)."""
+    sides = enumerate(polygon.sides)
+    inner_sides = ((k, side) for k, side in sides if side.label.startswith("load"))
+    return [k for k, side in inner_sides if holding is None or not sign(side.slack(holding))]
 
 
 def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -> frozenset[int]:
@@ -191,10 +288,7 @@ def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:
     columns = cofactors(*rows)
     determinant = inner(rows[0], columns[0])
     if not determinant:
-        raise LoadError(
-            "check.radius: required a smaller square, received one crossed by a line of wheels that carries the whole "
-            "load: beside it the loaded wheels change all at once, which is not followed"
-        )
+        raise CollinearLoadError(ALL_AT_ONCE)
     inverse = determinant.inverse()
     adjugate = [(columns[0][r], columns[1][r], columns[2][r]) for r in range(3)]
     forms: list[Triple] = []

@@ -13,6 +13,7 @@ from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, ti
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Twist, independent
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.free_motions import free_text, kernel
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
@@ -155,12 +156,15 @@ def require_rank(rows: Iterable[Row], required: str) -> None:
     """Refuse rows that leave a motion free.
 
     Raises:
-        RefusalError: saying what was required, and how many independent rows there are.
+        RefusalError: saying what was required, how many independent rows there are, and which motions are free.
     """
-    rank = len(independent([row.normal for row in rows]))
+    known = list(rows)
+    rank = len(independent([row.normal for row in known]))
     if rank < 3:
+        free = f": {free_text(kernel(known))}" if rank else ""
         raise RefusalError(
-            f"{required} with friction in three independent directions, received {rank}: the motion is not determined"
+            f"{required} with friction in three independent directions, received {rank}: "
+            f"the motion is not determined{free}"
         )
 
 

@@ -6,6 +6,8 @@ Row ``2i`` is the roll row of wheel i, row ``2i + 1`` its side row, acting on th
     a_2i   = (d_i, d_i . J p_i)      b_2i   = u_i      friction mu_R
     a_2i+1 = (n_i, n_i . J p_i)      b_2i+1 = 0        friction mu_S        n_i = J d_i
 
+(a wheel with a friction axis apart from its rim has the axis and its normal for ``d_i`` and ``n_i``, and the parts of
+``u_i d_i`` along these two for ``u_i`` and 0).
 The slip of a row is ``a_k . xi - b_k``.  :class:`ContactRows` is that much and no more, so that general
 surface velocities (two targets per wheel) and other weighted fits can be minimized too;
 :class:`ContactModel` adds the geometry of the wheels, from which normal forces follow.
@@ -22,7 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats = NDArray[np.float64]
 
@@ -79,7 +82,7 @@ class ContactRows:
         return ContactRows(self.rows, targets, self.friction, cuts=self.cuts)
 
     def slips(self, twists: ArrayLike) -> Floats:
-        """``a_k . xi - b_k`` for twists of shape (..., 3); shape (..., n, 2): (along, across) the rim."""
+        """``a_k . xi - b_k`` for twists of shape (..., 3); shape (..., n, 2): (along, across) the axis."""
         slips = np.asarray(twists, float) @ self.rows.T - self.targets
         return slips.reshape(*slips.shape[:-1], self.wheels, 2)
 
@@ -109,11 +112,20 @@ class ContactModel(ShortRepr, ContactRows):
         positions: ``p_i``, shape (n, 2), length.
         rims: unit vectors ``d_i``, shape (n, 2).
         load_table: rows ``r_i`` of affine loads ``N_i = r_i . (1, c)``, shape (n, 3); None means elastic.
+        heads: ``d_i`` in the frame of the friction axis and its normal, shape (n, 2); (1, 0) where the axis is the rim.
+        unknown_loads: which loads are meant where the scene leaves them open; empty where they are known.
     """
 
     positions: Floats
     rims: Floats
     load_table: Floats | None = None
+    unknown_loads: str = ""
+    heads: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.heads.size:
+            object.__setattr__(self, "heads", np.tile([1.0, 0.0], (self.wheels, 1)))
 
     @classmethod
     def build(
@@ -123,16 +135,18 @@ class ContactModel(ShortRepr, ContactRows):
         surface: ArrayLike,
         friction: ArrayLike,
         load_table: ArrayLike | None = None,
+        axes: Sequence[ArrayLike | None] | None = None,
     ) -> ContactModel:
         """Rows from geometry.
 
         Args:
             positions: ``p_i``, shape (n, 2).
             rims: rim directions of any nonzero length, shape (n, 2).
-            surface: surface velocity in the wheel's frame: speeds ``u_i``, shape (n,), or components
-                along and across the rim, shape (n, 2).
+            surface: surface velocity: speeds ``u_i`` along the rims, shape (n,), or components
+                along and across the friction axis, shape (n, 2).
             friction: ``(mu_R, mu_S)`` for all wheels or per wheel, shape (2,) or (n, 2).
             load_table: see the class.
+            axes: friction axes of any nonzero length, None for the rim; None for the rims of all wheels.
 
         Raises:
             ValueError: for shapes that do not fit, values that are not finite, or a rim without direction.
@@ -142,9 +156,10 @@ class ContactModel(ShortRepr, ContactRows):
         if not (lengths > 0).all():
             raise ValueError(f"required rims of nonzero length, received {d[~(lengths > 0)][0]}")
         d = d / lengths[:, None]
-        frames = np.stack([d, turned(d)], axis=1)
+        a, heads = _friction_axes(d, axes)
+        frames = np.stack([a, turned(a)], axis=1)
         moments = frames @ turned(p)[..., None]
-        targets = np.stack([u, np.zeros_like(u)], axis=1) if u.ndim == 1 else u
+        targets = u[:, None] * heads if u.ndim == 1 else u
         return cls(
             rows=np.concatenate([frames, moments], axis=2).reshape(-1, 3),
             targets=targets.reshape(-1),
@@ -152,44 +167,68 @@ class ContactModel(ShortRepr, ContactRows):
             positions=p,
             rims=d,
             load_table=None if load_table is None else np.array(load_table, float),
+            heads=heads,
         )
 
     @property
+    def axes(self) -> Floats:
+        """Unit vectors along the friction axes, shape (n, 2)."""
+        return self.rows[::2, :2]
+
+    @property
     def sides(self) -> Floats:
-        """``n_i = J d_i``, shape (n, 2)."""
+        """``J d_i``, shape (n, 2)."""
         return turned(self.rims)
 
     @property
     def speeds(self) -> Floats:
         """Surface speeds ``u_i`` along the rims, shape (n,)."""
-        return self.targets[::2]
+        return np.asarray((self.targets.reshape(-1, 2) * self.heads).sum(axis=1))
+
+    def targets_of(self, speeds: ArrayLike) -> Floats:
+        """Right sides ``b_k`` for other speeds along the rims: (..., n) to (..., 2n)."""
+        targets = np.asarray(speeds, float)[..., None] * self.heads
+        return targets.reshape(*targets.shape[:-2], -1)
 
     @property
     def mu_roll(self) -> Floats:
-        """Friction along the rims, shape (n,)."""
+        """Friction along the friction axes, shape (n,)."""
         return self.friction[::2]
 
     @property
     def mu_side(self) -> Floats:
-        """Friction across the rims, shape (n,)."""
+        """Friction across the friction axes, shape (n,)."""
         return np.asarray(self.friction[1::2] * self.cuts)
+
+
+def _friction_axes(rims: Floats, axes: Sequence[ArrayLike | None] | None) -> tuple[Floats, Floats]:
+    """Unit vectors of the friction axes, and the rims in their frames."""
+    units, heads = rims.copy(), np.tile([1.0, 0.0], (len(rims), 1))
+    for k, axis in enumerate(axes or ()):
+        if axis is not None:
+            units[k] = np.asarray(axis, float) / np.hypot(*np.asarray(axis, float))
+            heads[k] = units[k] @ rims[k], turned(units[k]) @ rims[k]
+    return units, heads
 
 
 def contact_model(scene: Scene) -> ContactModel:
     """The scene in floats, each exact number rounded once."""
+    loads = scene.contact.loads
+    table = loads.rows if isinstance(loads, LoadTable) else None
     directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
     speeds = [
         np.hypot(*direction) if wheel.given_speed is None else float(wheel.given_speed)
         for wheel, direction in zip(scene.wheels, directions, strict=True)
     ]
-    table = scene.contact.loads
-    return ContactModel.build(
+    model = ContactModel.build(
         positions=[[float(x) for x in wheel.position] for wheel in scene.wheels],
         rims=directions,
         surface=speeds,
         friction=[[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels],
-        load_table=None if table is None else [[float(x) for x in row] for row in table.rows],
+        load_table=None if table is None else [[float(x) for x in row] for row in table],
+        axes=[None if wheel.axis is None else [float(x) for x in wheel.axis] for wheel in scene.wheels],
     )
+    return replace(model, unknown_loads=loads.words) if isinstance(loads, UnknownLoads) else model
 
 
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:

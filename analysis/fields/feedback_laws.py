@@ -137,6 +137,9 @@ def _require_a_pair(state: ContactState) -> None:
         raise ValueError(
             f"required both rows of one wheel and one of another (no row without friction), received {state.name}"
         )
+    askew = [row.wheel.index for row in state.rows if row.wheel.axis is not None]
+    if askew:
+        raise ValueError(f"required friction axes along the rims, received another axis at wheel {askew[0]}")
 
 
 def _require_two_inputs(state: ContactState) -> None:

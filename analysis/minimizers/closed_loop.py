@@ -161,8 +161,7 @@ def _minimizers(
     model: ContactModel, functional: Functional, points: Floats, speeds: Floats
 ) -> Iterator[tuple[slice, Minima]]:
     """Minimizers for points with their own speeds, in blocks."""
-    targets = np.zeros((len(points), 2 * model.wheels))
-    targets[:, 0::2] = speeds
+    targets = model.targets_of(speeds)
     loads = loads_at(model, points)
     if functional is Functional.ELLIPSE:
         yield slice(None), EllipseInterior().minimize(model.with_targets(targets), loads)

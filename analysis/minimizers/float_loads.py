@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nonsmooth.analysis.cells.loads import LoadError
+from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
@@ -31,8 +31,10 @@ def loads_at(model: ContactModel, points: ArrayLike) -> Floats:
     """Normal forces of the model's load rule at centres of mass (m, 2); shape (m, n).
 
     Raises:
-        LoadError: see :func:`elastic_loads` and :func:`table_loads`.
+        LoadError: where the scene leaves the loads open; see also :func:`elastic_loads` and :func:`table_loads`.
     """
+    if model.unknown_loads:
+        raise LoadError(UNKNOWN.format(model.unknown_loads))
     return elastic_loads(model, points) if model.load_table is None else table_loads(model, points)
 
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.analysis.minimizers.minimum import Minima
-from nonsmooth.symbolic.constraints import complement, independent, rows_with_friction
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.free_motions import free_text, free_twists
 from nonsmooth.symbolic.scene import Scene
 
 DEPENDENT = 1e-9  # singular value, relative to the largest, of rows that leave a motion free
@@ -45,9 +44,4 @@ def minima_without_proof(found: NDArray[np.bool_]) -> str:
 
 def free_motions(scene: Scene) -> str:
     """In words, the motions that no row with friction resists; empty where there are none."""
-    normals = [row.normal for row in rows_with_friction(scene)]
-    motions = complement([normals[k] for k in independent(normals)])
-    if not motions:
-        return ""
-    listed = ", ".join(f"({', '.join(brief_text(entry) for entry in motion)})" for motion in motions)
-    return f"no row with friction resists the motion{'s' if len(motions) > 1 else ''} xi = {listed}"
+    return free_text(free_twists(scene))

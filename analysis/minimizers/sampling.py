@@ -114,10 +114,11 @@ def greedy_twist(ordered: Sequence[Wheel]) -> tuple[NDArray[np.float64], int]:
 
 def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
     """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
-    p, d = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_direction))
-    n, moved = turned(d), turned(p)
-    roll = float(wheel.friction.roll), np.append(d, d @ moved), float(wheel.speed)
-    side = float(wheel.friction.side), np.append(n, n @ moved), 0.0
+    p, a = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_grip))
+    n, moved = turned(a), turned(p)
+    along, across = (float(speed) for speed in wheel.slip_speeds)
+    roll = float(wheel.friction.roll), np.append(a, a @ moved), along
+    side = float(wheel.friction.side), np.append(n, n @ moved), across
     ordered = (side, roll) if side[0] > roll[0] else (roll, side)
     return [(normal, speed) for friction, normal, speed in ordered if friction]
 

@@ -128,8 +128,11 @@ def _loaded(scene: Scene, model: ContactModel, poses: Floats) -> NDArray[np.bool
 
 
 def wheel_slips(model: ContactModel, twists: Floats, speeds: Floats) -> Floats:
-    """``(d_i . v(p_i) - u_i, n_i . v(p_i))`` for twists (m, 3) and speeds (m, n); shape (m, n, 2)."""
-    surface = np.stack([speeds, np.zeros_like(speeds)], axis=-1)
+    """``(d_i . v(p_i) - u_i, n_i . v(p_i))`` for twists (m, 3) and speeds (m, n); shape (m, n, 2).
+
+    Along and across the friction axes, where these are not the rims.
+    """
+    surface = model.targets_of(speeds).reshape(*speeds.shape, 2)
     moving = (twists @ model.rows.T).reshape(*speeds.shape, 2)
     return np.asarray(moving - surface)
 

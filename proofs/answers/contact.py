@@ -11,6 +11,7 @@ from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.contact_set import contact_set
+from nonsmooth.symbolic.free_motions import free_text, free_twists
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Theorem4Result
@@ -19,8 +20,10 @@ ALL_CARRY = "all wheels carry the body, at every pose: the scene names no [body]
 
 
 def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
-    """The contact set of a check, under the keys ``wheels``, ``margin``, ``angle`` and ``keeps_wheels_within``."""
-    return tuple(_facts(check))
+    """The contact set of a check under its keys, and the twists that its rows leave ``free``, about the point."""
+    free = free_twists(check.scene.recentred())
+    words = f"free: {free_text(free)}, so D is the same all along" if free else ""
+    return *_facts(check), Fact("free", Quantity(free), words)
 
 
 def _facts(check: Theorem4Result) -> Iterator[Fact]:

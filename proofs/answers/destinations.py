@@ -30,6 +30,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import percent_text, place_text
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
@@ -102,7 +103,9 @@ class Destinations:
 
 
 def destinations_of(check: Theorem4Result) -> Destinations | None:
-    """Every destination in the checked square; None where not all cells were built."""
+    """Every destination in the checked square; None where not all cells were built, or loads decide and are unknown."""
+    if rule_of(check.scene).needs_loads and isinstance(check.scene.contact.loads, UnknownLoads):
+        return None
     if isinstance(rule_of(check.scene), SmoothRule):
         return _sampled_destinations(check.scene)
     partition, places = check.partition, check.equilibria

@@ -8,7 +8,9 @@ from typing import cast
 from nonsmooth.proofs.answers.answer import Answer, Position, Results
 from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
 from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
+from nonsmooth.proofs.clauses.translation.mass_facts import mass_words
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.scene import Scene
@@ -47,6 +49,8 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
     if verdict is Position.COMES_HOME:
         yield from _homecoming(found, unit)
         yield said(found.support_note)
+        if isinstance(found, EllipseTranslation):
+            yield said(mass_words(found.mass, scene.units))
         return
     stays = found.region_radius if verdict is Position.STAYS_NEAR else None
     yield from (Fact("within", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))

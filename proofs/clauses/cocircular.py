@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,8 @@ def failed_hypotheses(scene: Scene) -> list[str]:
         failed.append("the wheels do not lie on one circle about the equilibrium")
     if any(cross(w.direction, w.position) or dot(w.direction, w.position).sign() >= 0 for w in wheels):
         failed.append("not every rim points inward")
+    if any(w.axis is not None for w in wheels):
+        failed.append("not every friction axis is the rim")
     if any(w.given_speed is not None and w.given_speed.sign() <= 0 for w in wheels):
         failed.append("not every speed is positive")
     if len({w.friction.roll for w in wheels}) > 1 or not wheels[0].friction.roll:
@@ -61,9 +63,9 @@ def failed_hypotheses(scene: Scene) -> list[str]:
 
 
 def _loads_balance(scene: Scene) -> bool:
-    """``sum N_i p_i = (sum N_i) c`` identically; elastic loads do by construction."""
+    """``sum N_i p_i = (sum N_i) c`` identically; elastic loads and all admissible ones do by construction."""
     table = scene.contact.loads
-    if table is None:
+    if not isinstance(table, LoadTable):
         return True
     zero = scene.field.zero
     totals = [sum((row[k] for row in table.rows), zero) for k in range(3)]

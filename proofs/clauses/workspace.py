@@ -15,7 +15,9 @@ from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
 from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
+from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Announce: TypeAlias = Callable[[str], None]  # called with the name of each step before it begins
 LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
@@ -67,15 +69,31 @@ class Workspace:
         """The certificate of ``V* <= 0`` on the whole square, where the array meets its hypotheses."""
         return cocircular_array(self.scene)
 
+    @property
+    def leaves_loads_open(self) -> bool:
+        """Whether the rule asks for loads and the scene names a set of them."""
+        return self.rule.needs_loads and isinstance(self.scene.contact.loads, UnknownLoads)
+
+    @cached_property
+    def every_load(self) -> EveryLoadPoint:
+        """The motion at the point under every load of the scene.
+
+        Raises:
+            nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
+        """
+        return every_load_point(self.scene)
+
     @cached_property
     def partition(self) -> Partition | None:
         """The cells of the square, or where the lemma covers it only those of rest at the point; None without cells.
+
+        Loads that are left open give no cells either: at one place one twist follows from one load.
 
         Raises:
             RefusalError: where the motion is not determined.
         """
         rule = self.rule
-        if not isinstance(rule, CellRule):
+        if not isinstance(rule, CellRule) or self.leaves_loads_open:
             return None
         rest = rule.build_rest_partition(self.scene) if self.lemma is not None and self.prune else None
         if rest is not None:

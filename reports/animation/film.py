@@ -92,6 +92,11 @@ class Film:
         """Unit vectors along the rims (n, 2)."""
         return np.array([[float(x) for x in wheel.unit_direction] for wheel in self.scene.wheels])
 
+    @property
+    def axes(self) -> Floats:
+        """Unit vectors along the friction axes (n, 2)."""
+        return np.array([[float(x) for x in wheel.unit_grip] for wheel in self.scene.wheels])
+
     @cached_property
     def view(self) -> tuple[float, float, float, float]:
         """Left, right, low and high end of what is shown (length)."""
@@ -129,9 +134,9 @@ class Film:
 
         Those of wheels that carry nothing are cut to the longest arrow.
         """
-        slips, rims = self.frames.slips[k], self.rims
-        sides = np.column_stack([-rims[:, 1], rims[:, 0]])
-        arrows = self.arrow_scale * (slips[:, :1] * rims + slips[:, 1:] * sides)
+        slips, axes = self.frames.slips[k], self.axes
+        sides = np.column_stack([-axes[:, 1], axes[:, 0]])
+        arrows = self.arrow_scale * (slips[:, :1] * axes + slips[:, 1:] * sides)
         lengths = np.hypot(*arrows.T)
         longest = LONGEST_ARROW * self.rim
         cut = np.where(lengths > longest, longest / np.where(lengths > 0, lengths, 1.0), 1.0)

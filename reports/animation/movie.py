@@ -15,7 +15,7 @@ from nonsmooth.reports.figures.cell_map import INKED, LABEL
 from nonsmooth.reports.figures.labels import length_label, wrapped
 from nonsmooth.reports.figures.outline import placed
 from nonsmooth.reports.figures.trajectory import MARKERS, PATH, marked
-from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.figures.wheels import INK, draw_axis, floats
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,6 +164,8 @@ def _still_picture(film: Film) -> Any:
     for k in film.shown:
         (x, y), (dx, dy), half = film.places[k], film.rims[k], film.rim
         axes.plot([x - half * dx, x + half * dx], [y - half * dy, y + half * dy], color=INK, linewidth=4, zorder=4)
+        if film.scene.wheels[k].axis is not None:
+            draw_axis(axes, (x, y), floats(film.axes[k]), half)
     axes.plot(*film.trail.T, color=PATH, linewidth=0.8, alpha=0.6, zorder=2)
     _draw_time_line(figure, film)
     _explain(figure, film)

@@ -33,10 +33,11 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     ] = False,
     json: Json = False,
 ) -> int:
-    """List or draw the cells of the plane, each with its contact state and twist.
+    """List or draw the cells of the plane, each with its contact state and twist; or a field without cells, sampled.
 
     Exit status: 0 done, 2 bad input.
     """
+    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.interface.cells_result import cells_of
     from nonsmooth.reports.progress import steps
@@ -53,6 +54,8 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         return _compare(loaded, path, json=json)
     if path is not None and show is Drawing.ARRAY and not json:
         return _draw_array(loaded, path)
+    if isinstance(rule_of(loaded), SmoothRule):
+        return _sample(loaded, path, json=json)
     with refusals_named(loaded), steps(f"cells of rule {loaded.contact.rule}"):
         cells = cells_of(loaded)
     if path is not None:
@@ -75,6 +78,26 @@ def _draw_array(scene: Scene, path: Path) -> int:
 
     write_whole(path, drawn(scene, path.suffix.lower(), Drawing.ARRAY))
     write(f"{path}: {len(scene.wheels)} wheels\n")
+    return 0
+
+
+def _sample(scene: Scene, path: Path | None, *, json: bool) -> int:
+    """The field of a rule without cells."""
+    from nonsmooth.reports.interface.field_result import field_of
+    from nonsmooth.reports.progress import steps
+
+    with refusals_named(scene), steps(f"field of rule {scene.contact.rule}"):
+        found = field_of(scene)
+    if path is not None:
+        found.save(path)
+    if json:
+        write_json(found.to_dict())
+    elif path is not None:
+        write(f"{path}: {len(found.field.points)} sampled points\n")
+    else:
+        from nonsmooth.reports.terminal import pairs_view
+
+        write_views([pairs_view(found.headline, found.summary)])
     return 0
 
 

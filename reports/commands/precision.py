@@ -51,6 +51,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.scene import require_known_loads
 
     if runs < 1:
         raise RefusedError(f"--runs: required at least 1, received {runs}")
@@ -59,6 +60,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     studies = _studies(study)
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
     loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
+    require_known_loads(loaded, "to measure errors")
     with progress() as report:
         run = measure(loaded, studies, Limits(runs, time_limit), report)
     show(Precision(run), path, json=json)

@@ -34,12 +34,15 @@ def stress(
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.files.system_file import load_any
+    from nonsmooth.symbolic.scene import require_known_loads
     from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
     path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
     loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     if isinstance(loaded, SwitchedSystem):
         require_plane(loaded)
+    else:
+        require_known_loads(loaded, "to measure errors")
     with progress() as report:
         run = measure(loaded, CASES, report=report)
     show(Stress(run), path, json=json)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.reports.figures.cell_map import LABEL, LEGEND_ROW, PALETTE, PICTURE, TINT, figure_bytes
 from nonsmooth.reports.figures.labels import length_label, wrapped
-from nonsmooth.reports.figures.wheels import INK, RIM_SHARE, draw_wheel, floats
+from nonsmooth.reports.figures.wheels import AXIS_COLOR, INK, RIM_SHARE, draw_wheel, floats
+from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -33,7 +34,7 @@ def build_figure(scene: Scene) -> Figure:
 
     figure = Figure(figsize=(PICTURE, PICTURE + 2 * LEGEND_ROW), layout="constrained")
     draw_array(figure.subplots(), scene)
-    _explain(figure)
+    _explain(figure, bool(askew_wheels(scene)))
     return figure
 
 
@@ -74,7 +75,7 @@ def _draw_square(axes: Axes, centre: NDArray[np.float64], radius: float) -> None
     axes.plot([x], [y], marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
 
 
-def _explain(figure: Figure) -> None:
+def _explain(figure: Figure, askew: bool) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -83,6 +84,7 @@ def _explain(figure: Figure) -> None:
         Line2D(
             [], [], linestyle="none", color=INK, marker=r"$\rightarrow$", markersize=9, label="surface speed (size)"
         ),
+        *[Line2D([], [], color=AXIS_COLOR, linewidth=1.2, label="friction axis")] * askew,
         Patch(facecolor=PALETTE[0], alpha=TINT / 2, edgecolor=INK, linestyle="--", label="checked square"),
         Line2D([], [], linestyle="none", color=INK, marker="+", markersize=9, label="checked point"),
     ]

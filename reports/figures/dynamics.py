@@ -16,7 +16,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, length_label, pose_labels, time_label, wrapped
 from nonsmooth.reports.figures.outline import outline_of, placed
-from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.figures.wheels import INK, draw_axis, floats
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.units import Units
@@ -116,6 +116,8 @@ def _draw_wheels(axes: Axes, model: ContactModel) -> None:
     for k, (start, end) in enumerate(zip(model.positions - half, model.positions + half, strict=True)):
         label = "rim of a wheel" if k == 0 else None
         axes.plot(*zip(start, end, strict=True), color="0.45", linewidth=4, solid_capstyle="butt", label=label)
+    for k in np.flatnonzero(model.heads[:, 1]).tolist():
+        draw_axis(axes, floats(model.positions[k]), floats(model.axes[k]), float(np.hypot(*half[k])))
 
 
 def masses_figure(scene: Scene, study: MassStudy, suffix: str) -> bytes:

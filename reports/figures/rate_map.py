@@ -61,7 +61,7 @@ def draw_scale(figure: Figure | SubFigure, axes: Axes, partition: Partition, lev
     from matplotlib.cm import ScalarMappable
 
     ticks = levels[:: max(1, len(levels) // 8)]
-    colors = ScalarMappable(_norm(levels), COLORS)
+    colors = ScalarMappable(symmetric(levels), COLORS)
     bar = figure.colorbar(colors, ax=axes, shrink=0.85, boundaries=levels, ticks=ticks, format="%.3g")
     unit = partition.scene.units
     bar.set_label(f"upper derivative V* [{unit.length or 'length'}²/{unit.time or 'time'}]")
@@ -78,8 +78,13 @@ def draw_rates(axes: Axes, partition: Partition) -> NDArray[np.float64]:
 
 
 def _levels(partition: Partition) -> NDArray[np.float64]:
-    """Borders of the bands: multiples of one step, zero among them, that cover all values of V*."""
-    rates = np.concatenate([_rates(partition, cell, np.array(cell_corners(cell))) for cell in partition.cells])
+    """Borders of the bands of all cells."""
+    rates = [_rates(partition, cell, np.array(cell_corners(cell))) for cell in partition.cells]
+    return bands_of(np.concatenate(rates))
+
+
+def bands_of(rates: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Borders of bands: multiples of one step, zero among them, that cover all values."""
     step = float(np.abs(rates).max()) / BANDS or 1.0
     lowest, highest = (round(float(end) / step, 6) for end in (rates.min(), rates.max()))
     steps = np.arange(min(math.floor(lowest), 0), max(math.ceil(highest), 0) + 1)
@@ -111,7 +116,7 @@ def _draw_cell(axes: Axes, partition: Partition, cell: Cell, levels: NDArray[np.
     rates = np.clip(_rates(partition, cell, points), levels[0], levels[-1])
     if np.any(rates):
         triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
-        axes.tricontourf(triangulation, rates, levels=levels, cmap=COLORS, norm=_norm(levels), zorder=1)
+        axes.tricontourf(triangulation, rates, levels=levels, cmap=COLORS, norm=symmetric(levels), zorder=1)
     else:
         axes.fill(*corners.T, facecolor=ZERO, edgecolor="none", zorder=1)
     axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1.5, zorder=3)
@@ -123,7 +128,7 @@ def _draw_cell(axes: Axes, partition: Partition, cell: Cell, levels: NDArray[np.
         axes.text(x, y, str(cell.index), ha="center", va="center", color=DARK, bbox=PLATE, zorder=4)
 
 
-def _norm(levels: NDArray[np.float64]) -> Any:
+def symmetric(levels: NDArray[np.float64]) -> Any:
     """Colors symmetric about zero: white is where V* vanishes."""
     from matplotlib.colors import Normalize
 

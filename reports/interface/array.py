@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult
+    from nonsmooth.reports.interface.field_result import FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.map_result import MapResult
     from nonsmooth.reports.interface.mass_result import MassResult
@@ -33,7 +34,7 @@ class Array(MadeArray):
 
     Args:
         wheels: the wheels.
-        mu_roll: friction along the rims.
+        mu_roll: friction along the rims, or along the friction axes of wheels that name one.
         mu_side: friction across them.
         rule: contact rule; see ``nonsmooth rules``.
         at: the point to check.
@@ -207,6 +208,17 @@ class Array(MadeArray):
         from nonsmooth.reports.interface.cells_result import CellsResult
 
         return CellsResult(self.partition)
+
+    def field(self) -> FieldResult:
+        """The field of a rule without cells at a grid of points: streamlines and V*, sampled.
+
+        Raises:
+            TypeError: for a rule with cells.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.interface.field_result import field_of
+
+        return field_of(self._standing)
 
     def compare(self) -> ComparisonResult:
         """The contact rules side by side on the checked square.

@@ -26,7 +26,7 @@ class MadeArray:
 
     Args:
         wheels: the wheels.
-        mu_roll: friction along the rims.
+        mu_roll: friction along the rims, or along the friction axes of wheels that name one.
         mu_side: friction across them.
         rule: contact rule; see ``nonsmooth rules``.
         at: the point to check.
@@ -95,7 +95,7 @@ class MadeArray:
 
     @classmethod
     def from_csv(cls, file: str | Path, **more: Any) -> Self:
-        """Wheels of a CSV table with columns x, y and optionally heading, speed, mu_roll, mu_side."""
+        """Wheels of a CSV table with columns x, y and optionally the other keywords of a :class:`Wheel`."""
         path = Path(file)
         return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 
@@ -103,8 +103,8 @@ class MadeArray:
         """Another array in which some keys are changed.
 
         Args:
-            **changes: name, mu_roll, mu_side, speed_limit, rule, loads, at, radius, lyapunov, length; field, body and
-                units as tables.
+            **changes: name, mu_roll, mu_side, axis, speed_limit, rule, loads, at, radius, lyapunov, length; field, body
+                and units as tables.
 
         Raises:
             SceneError: for whatever cannot be used.

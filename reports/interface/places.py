@@ -12,6 +12,7 @@ _PLACES = {
     "name": (),
     "mu_roll": ("friction",),
     "mu_side": ("friction",),
+    "axis": ("friction",),
     "speed_limit": ("drive",),
     "rule": ("contact",),
     "loads": ("contact",),

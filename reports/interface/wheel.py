@@ -17,9 +17,10 @@ class Wheel:
         position: ``(x, y)`` in the unit of length.
         heading: of the rim: ``"inward"``, ``"outward"``, an angle, or a direction ``(a, b)``; None for its field.
         speed: of the rim (length/second); None for 1, or for the array's field.
-        mu_roll: friction along the rim; None for the array's.
+        mu_roll: friction along the friction axis; None for the array's.
         mu_side: friction across it; None for the array's.
         speed_limit: the largest speed of its drive (length/second); None for the array's.
+        axis: the friction axis, as a heading is written; None for the array's, which is the rim unless it names one.
     """
 
     position: Sequence[Any]
@@ -28,6 +29,7 @@ class Wheel:
     mu_roll: Any = None
     mu_side: Any = None
     speed_limit: Any = None
+    axis: Any = None
 
     def table(self) -> dict[str, Any]:
         """The ``[[wheel]]`` table of a scene file."""

@@ -13,6 +13,7 @@ from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
 from nonsmooth.symbolic.formulas import number_latex
+from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.scene import Wheel
 
 LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)
@@ -32,6 +33,7 @@ def constraints_section(wheels: Iterable[Wheel]) -> Section:
             "Wheel i acts through a roll row and a side row (eq. 2 of the paper, written for a rim along `d_i`):"
         ),
         general,
+        *_askew(wheels),
         paragraph(
             "In the body's own coordinates the arm is `p_i - c` instead of `p_i`: the rows depend on x and y, "
             "never on `theta`."
@@ -39,6 +41,18 @@ def constraints_section(wheels: Iterable[Wheel]) -> Section:
     ]
     blocks += [_constraint(wheel) for wheel in wheels]
     return Section("Constraints", tuple(blocks))
+
+
+def _askew(wheels: Iterable[Wheel]) -> list[Block]:
+    """The rows of wheels whose friction axis is not their rim, where there are any."""
+    if all(wheel.axis is None for wheel in wheels):
+        return []
+    rows = display(
+        r"\Omega_i = \begin{pmatrix} a_i^T & a_i \cdot J p_i & -u_i\, a_i \cdot d_i \\"
+        r" n_i^T & n_i \cdot J p_i & -u_i\, n_i \cdot d_i \end{pmatrix}, \qquad n_i = J a_i",
+        "Omega_i = [[a_i^T, a_i . J p_i, -u_i a_i . d_i], [n_i^T, n_i . J p_i, -u_i n_i . d_i]], n_i = J a_i",
+    )
+    return [paragraph("Where the friction axis `a_i` is not the rim, the rows are those along and across it:"), rows]
 
 
 def held_wheels(result: CellCheck) -> list[Wheel]:
@@ -66,6 +80,11 @@ def contact_states_section(result: CellCheck) -> Section:
         "Both rows of wheel i and the roll row of wheel j have the solution below; for the side row of wheel "
         "j, `n_j` replaces `d_j` and 0 replaces `u_j`."
     )
+    if askew_wheels(result.scene):
+        words = paragraph(
+            "Both rows of wheel i and the roll row of wheel j have the solution below where the friction axis of wheel "
+            "j is its rim; else `a_j` replaces `d_j`, and `u_j a_j . d_j` replaces `u_j`."
+        )
     blocks: tuple[Block, ...] = (_census(result), words, general)
     if rule_of(result.scene).functional is Functional.BOX:
         functional = display(

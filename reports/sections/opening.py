@@ -7,8 +7,10 @@ from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
 from nonsmooth.reports.prose import paragraph, prose, with_formulas
 from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 ANSWERS = "answers"  # the section that shows the array first
 
@@ -26,7 +28,7 @@ def array_section(subject: Subject) -> Section:
     length, speed = (f" [{unit}]" if unit else "" for unit in (scene.units.length, scene.units.speed))
     header: list[Entry] = ["wheel", prose("`p_i`{}", length), prose("`d_i`"), prose("`u_i`{}", speed)]
     header += [prose(f"`{name}`") for name in ("mu_R", "mu_S")]
-    rows = [
+    rows: list[tuple[Entry, ...]] = [
         (
             str(wheel.index),
             point(wheel.position),
@@ -37,13 +39,21 @@ def array_section(subject: Subject) -> Section:
         )
         for wheel in scene.wheels
     ]
+    widths: tuple[float, ...] = (1.7, 4, 5, 2, 1.6, 1.6)
+    askew = bool(askew_wheels(scene))
+    if askew:
+        header.append(prose("`a_i`"))
+        rows = [(*row, point(wheel.unit_grip)) for row, wheel in zip(rows, scene.wheels, strict=True)]
+        widths = (*widths, 5)
     intro = paragraph(
         "{} wheels: position `p_i`, rim direction `d_i`, surface speed `u_i` along the rim, friction "
         "coefficients `mu_R` along and `mu_S` across it.",
         str(len(scene.wheels)),
     )
-    notes = [Paragraph((f"Note: {note}.",)) for note in angle_notes(scene.field)]
-    listing = table(header, rows, (1.7, 4, 5, 2, 1.6, 1.6))
+    axes = "`mu_R` and `mu_S` act along and across the friction axis `a_i`, which is not the rim everywhere."
+    notes = [paragraph(axes)] * askew
+    notes += [Paragraph((f"Note: {note}.",)) for note in angle_notes(scene.field)]
+    listing = table(header, rows, widths)
     drawn = () if ANSWERS in subject.parts else (array_figure(subject),)  # the first section shows it
     return Section("The array", (intro, *notes, *drawn, listing))
 
@@ -95,8 +105,7 @@ def conventions_section(scene: Scene) -> Section:
         prose("R1 is the roll row of wheel 1, S1 its side row."),
     ]
     if rule_of(scene).needs_loads:
-        model = "elastic (identical springs, no tension)" if scene.contact.loads is None else "a table, affine in c"
-        items.append(prose("Normal forces: {}.", model))
+        items.append(prose("Normal forces: {}.", _load_model(scene)))
     if any(scene.check.equilibrium):
         items.append(
             prose(
@@ -105,3 +114,14 @@ def conventions_section(scene: Scene) -> Section:
             )
         )
     return Section("Conventions", (Bullets(tuple(items)),))
+
+
+def _load_model(scene: Scene) -> str:
+    """Which normal forces are taken."""
+    match scene.contact.loads:
+        case None:
+            return "elastic (identical springs, no tension)"
+        case UnknownLoads() as loads:
+            return loads.words
+        case _:
+            return "a table, affine in c"

@@ -36,6 +36,7 @@ class Own(NamedTuple):
     mu_roll: Exact | None = None
     mu_side: Exact | None = None
     speed_limit: Exact | None = None
+    axis: Heading | None = None
 
 
 class Place(NamedTuple):
@@ -65,11 +66,13 @@ class WheelTable(Table):
     mu_roll: OptionalExact = None
     mu_side: OptionalExact = None
     speed_limit: OptionalExact = None
+    axis: HeadingField | None = None
 
     def place(self, numbers: Numbers, key: str) -> Place:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
-        return Place(key, (x, y), Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit))
+        own = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis)
+        return Place(key, (x, y), own)
 
 
 class WheelList(NamedTuple):

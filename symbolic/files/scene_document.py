@@ -3,43 +3,26 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 from pydantic import PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
+from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
     AngleUnit,
-    Exact,
     OptionalExact,
     PairField,
     Table,
-    read_exact,
 )
-from nonsmooth.symbolic.files.velocity_fields import AnyField
+from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
 from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
 
 MAX_NAME = 200  # characters
-
-LoadRows: TypeAlias = tuple[tuple[Exact, Exact, Exact], ...]
-
-
-def read_loads(value: object) -> LoadRows | None:
-    """``elastic`` (None), [[c0, cx, cy], ...] or {table = [...]}.
-
-    Raises:
-        ValueError: for anything else.
-    """
-    if value == "elastic":
-        return None
-    rows = value["table"] if isinstance(value, dict) and set(value) == {"table"} else value
-    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == 3 for row in rows):
-        raise ValueError('required "elastic" or rows [[c0, cx, cy], ...]')
-    return tuple((read_exact(a), read_exact(b), read_exact(c)) for a, b, c in rows)
 
 
 def read_lyapunov(value: object) -> PiecewiseExpression:
@@ -63,7 +46,6 @@ def read_name(value: object) -> str:
 
 
 Name = Annotated[str | None, PlainValidator(read_name)]
-Loads = Annotated[LoadRows | None, PlainValidator(read_loads)]
 RuleName = Annotated[str, PlainValidator(read_rule)]
 
 
@@ -94,10 +76,14 @@ class StatedUnits(Table):
 
 
 class FrictionTable(Table):
-    """``[friction]``: Coulomb coefficients of every wheel that names none."""
+    """``[friction]``: Coulomb coefficients, and the direction of the larger one, of every wheel that names none.
+
+    Without an axis that direction is the rim of each wheel.
+    """
 
     mu_roll: OptionalExact = None
     mu_side: OptionalExact = None
+    axis: HeadingField | None = None
 
 
 class DriveTable(Table):

@@ -20,6 +20,7 @@ from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.body_table import build_body
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
+from nonsmooth.symbolic.files.load_values import build_loads
 from nonsmooth.symbolic.files.scene_document import Document, StatedUnits
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angle_remarks, angles, field_of
@@ -30,7 +31,7 @@ from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, speed_of_field
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import CheckedSquare, Contact, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene import CheckedSquare, Contact, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.support_polygon import default_radius
 
@@ -64,6 +65,10 @@ _BUILTIN = (
     "outward",
     "off-center",
     "differential-drive",
+    "omni-3",
+    "mecanum-4",
+    "roller-bed",
+    "carton-on-6x6",
 )
 _SYSTEMS = (
     "relay-oscillator",
@@ -204,7 +209,7 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
         name=document.name or path.stem,
         field=numbers.field,
         wheels=wheels,
-        contact=_contact(document, numbers, len(wheels)),
+        contact=_contact(document, numbers, wheels),
         check=_check(document, numbers, wheels),
         source=file,
         continuum=_continuum(document, numbers, wheels, body),
@@ -255,22 +260,12 @@ def _remarks(document: Document, layout: Layout) -> Iterator[str]:
     yield from angle_remarks([document, table.cells])
 
 
-def _contact(document: Document, numbers: Numbers, wheels: int) -> Contact:
+def _contact(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
     table = document.contact
     if table.loads is not None and table.table is not None:
         raise SceneError(numbers.file, "contact.table", "either loads or table", StatedFact("both"))
-    rows = table.table if table.loads is None else table.loads
-    if rows is None:
-        return Contact(table.rule)
-    if len(rows) != wheels:
-        expected = f"{wheels} rows [c0, cx, cy], one for each wheel"
-        raise SceneError(numbers.file, "contact.loads", expected, StatedFact(f"{len(rows)}"))
-    key = "contact.loads[{}]"
-    exact = tuple(
-        (numbers(a, key.format(k)), numbers(b, key.format(k)), numbers(c, key.format(k)))
-        for k, (a, b, c) in enumerate(rows, 1)
-    )
-    return Contact(table.rule, LoadTable(exact))
+    stated = table.table if table.loads is None else table.loads
+    return Contact(table.rule, build_loads(stated, numbers, [wheel.position for wheel in wheels]))
 
 
 def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None) -> ContinuousField:

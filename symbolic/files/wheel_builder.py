@@ -10,7 +10,7 @@ from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import INWARD
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.plane import Vector, cross, dot
 from nonsmooth.symbolic.scene import Friction, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
@@ -30,8 +30,8 @@ class WheelBuilder:
         """Wheels numbered from 1.
 
         Raises:
-            SceneError: for fewer than two wheels, two wheels at one place, no heading, bad friction, and a speed above
-                its limit.
+            SceneError: for fewer than two wheels, two wheels at one place, no heading or axis, bad friction, and a
+                speed above its limit.
         """
         wheels: list[Wheel] = []
         taken: dict[Vector, int] = {}
@@ -53,7 +53,8 @@ class WheelBuilder:
             speed = self._field_speed if own.heading is None else self._unit_speed
         friction = self._friction(index, place)
         limit = self._limit(place)
-        wheel = Wheel(index, place.position, self._direction(index, place), speed, friction, limit)
+        direction = self._direction(index, place)
+        wheel = Wheel(index, place.position, direction, speed, friction, limit, self._axis(index, place, direction))
         if limit is not None:
             self._refuse_above(limit, wheel, place)
         return wheel
@@ -90,11 +91,32 @@ class WheelBuilder:
         else:
             key = f"{place.key}.heading"
             direction = heading.psi(self._numbers, key)(place.position)
-        if not direction[0] and not direction[1]:
-            where = f"wheel {index}, position {_text(place.position)}"
-            required = f"a nonzero direction at {where} (or a heading such as [1, 0] of its own)"
-            raise self._error(key, required, StatedFact("(0, 0)"))
+        self._refuse_none(direction, key, index, place, "a heading")
         return direction
+
+    def _axis(self, index: int, place: Place, direction: Vector) -> Vector | None:
+        """The friction axis, on the side of the rim's heading; None where it is the rim."""
+        own, common = place.own.axis, self._document.friction.axis
+        key = "friction.axis" if own is None else f"{place.key}.axis"
+        named = common if own is None else own
+        if named is None:
+            return None
+        axis = named.psi(self._numbers, key)(place.position)
+        self._refuse_none(axis, key, index, place, "an axis")
+        if not cross(axis, direction):
+            return None
+        return (-axis[0], -axis[1]) if dot(axis, direction).sign() < 0 else axis
+
+    def _refuse_none(self, direction: Vector, key: str, index: int, place: Place, what: str) -> None:
+        """Refuse a vector of length zero, as inward is at the origin.
+
+        Raises:
+            SceneError: naming wheel and place.
+        """
+        if not any(direction):
+            where = f"wheel {index}, position {_text(place.position)}"
+            required = f"a nonzero direction at {where} (or {what} such as [1, 0] of its own)"
+            raise self._error(key, required, StatedFact("(0, 0)"))
 
     def _converted(self, speed: Number) -> Number:
         """A speed of the file in lengths per second; large tables hold many, so nothing is done to most."""

@@ -1,4 +1,4 @@
-"""A CSV table of wheels: ``x,y`` and, where wanted, ``heading,speed,mu_roll,mu_side,speed_limit``, in any order.
+"""A CSV table of wheels: ``x,y`` and, where wanted, any of the other names in ``COLUMNS``, in any order.
 
 Cells are separated by commas, semicolons or tabs; lines that begin with ``#`` are comments; other columns are not read,
 and a note says so.  Empty cells name nothing.  Equal cells are read once, and plain decimals never reach the formula
@@ -20,7 +20,8 @@ from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, ang
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
-COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit")
+COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis")
+DIRECTIONS = ("heading", "axis")
 SEPARATORS = (",", ";", "\t")
 LIKENESS = 0.7  # of an unknown column to a missing one, above which it is taken for misspelt (difflib)
 MOST_SHOWN = 4  # columns that a note lists
@@ -99,7 +100,7 @@ class _Cells:
         """A number, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
         if _DECIMAL_COMMA.fullmatch(text):
             raise ValueError("required a decimal point instead of a comma")
-        if column != "heading":
+        if column not in DIRECTIONS:
             return read_exact(text)
         if text.startswith("[") and text.endswith("]"):
             return read_heading([part.strip() for part in text[1:-1].split(",")])

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.hulls import stands
 
@@ -106,8 +108,27 @@ def test_a_table_of_loads_is_taken_as_it_is_and_may_not_be_negative(arrays: Arra
         load_regions(replace(scene, contact=Contact("box", bad)))
 
 
+@pytest.mark.parametrize("seed", [8, 18, 31, 38, 50, 58, 66, 70])
+def test_a_line_of_wheels_that_takes_the_whole_load_is_crossed(arrays: Arrays, seed: int) -> None:
+    """Several wheels change at once there: the body tilts about the line until others touch."""
+    scene, rng = arrays.cocircular(seed), np.random.default_rng(seed)
+    regions = load_regions(scene)
+    assert sum(region.polygon.area for region in regions) == (2 * scene.check.radius) ** 2
+    for region in regions:
+        x, y = arrays.interior_point(region.polygon, rng)
+        check_optimality(scene, region, (Fraction(str(x)), Fraction(str(y))))
+    alone = [one.loaded ^ other.loaded for one in regions for other in regions if one is not other]
+    assert max(map(len, alone)) > 1
+    for corner in {vertex for region in regions for vertex in region.polygon.vertices}:
+        here = load_regions(scene, corner)
+        assert {region.loaded for region in here} == {r.loaded for r in regions if r.polygon.contains(corner)}
+
+
 @pytest.mark.parametrize("seed", [8, 18, 31, 38])
-def test_a_line_of_wheels_that_takes_the_whole_load_is_refused(arrays: Arrays, seed: int) -> None:
-    """The loaded set would change by more than one wheel: said in one line, never a division by zero."""
-    with pytest.raises(LoadError):
-        load_regions(arrays.cocircular(seed))
+def test_loads_beside_such_a_line_are_those_of_floats(arrays: Arrays, seed: int) -> None:
+    scene, rng = arrays.cocircular(seed), np.random.default_rng(seed)
+    for region in load_regions(scene):
+        x, y = (Fraction(str(entry)) for entry in arrays.interior_point(region.polygon, rng))
+        exact = [float(value_at(form, (scene.field(x), scene.field(y)))) for form in region.forces]
+        floats = elastic_loads(contact_model(scene), [float(x), float(y)])[0]
+        np.testing.assert_allclose(floats, exact, atol=1e-9)

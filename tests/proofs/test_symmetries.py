@@ -244,7 +244,7 @@ def test_a_table_of_loads_moves_with_the_array(arrays: Arrays) -> None:
     loaded = replace(scene, contact=replace(scene.contact, loads=LoadTable(rows)))
     moved_table = loaded.recentred().contact.loads
     assert any((x, y))
-    assert moved_table is not None
+    assert isinstance(moved_table, LoadTable)
     point = (scene.field(Fraction(3, 7)), scene.field(-2))
     for (a, b, c), (d, e, f) in zip(rows, moved_table.rows, strict=True):
         assert a + b * point[0] + c * point[1] == d + e * (point[0] - x) + f * (point[1] - y)

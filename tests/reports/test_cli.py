@@ -355,7 +355,6 @@ BAD = {
     "unwritable": (["derive", "four-wheel", "-o", "/proc/r.md"], "/proc/r.md: required a file that can be written"),
     "name too long": (["derive", "four-wheel", "-o", "a" * 300 + ".md"], "required a file that can be written"),
     "null character": (["derive", "four-wheel", "-o", "a\0b.md"], "required a file that can be written"),
-    "no cells": (["partition", "ring-3", "--rule", "ellipse"], "ring-3: contact.rule: required"),
     "tipping": (["check", "four-wheel", "--rule", "box", "--radius", "2"], "four-wheel: "),
     "picture of a huge square": (["partition", "four-wheel", "--radius", "1e300", "-o", "c.svg"], "for a picture"),
 }  # fmt: skip

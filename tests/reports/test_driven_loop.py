@@ -13,10 +13,10 @@ import pytest
 
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.driven_field import Motion
-from nonsmooth.analysis.fields.held_law import follow_held
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.trajectories.held_law import follow_held
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.own_paths import ContradictionError

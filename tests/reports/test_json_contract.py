@@ -24,6 +24,7 @@ CASES = {
     "check eq-3": SYSTEM,
     "check four-wheel eq-3": "nonsmooth-checks/1",
     "partition four-wheel": "nonsmooth-partition/1",
+    "partition four-wheel --rule ellipse": "nonsmooth-field/1",
     "partition four-wheel --compare": "nonsmooth-agreement/1",
     "derive four-wheel --only verdict,cells": "nonsmooth-derivation/1",
     "simulate four-wheel --from 0.2,0.4,0": "nonsmooth-trajectory/1",

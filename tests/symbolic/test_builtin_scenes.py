@@ -11,6 +11,7 @@ import pytest
 
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.symbolic.constraints import Twist, outer, scene_rows, side_row
+from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import Scene
@@ -52,11 +53,19 @@ def test_every_scene_loads(name: str) -> None:
     scene = load_scene(name)
     assert (scene.name, scene.source) == (name, name)
     assert scene.contact.rule == "nearest"
-    assert scene.check.radius in (HALF, HALF / 2)
+    assert scene.check.radius in (HALF, HALF / 2, Fraction(1, 5))
     assert not any(scene.check.equilibrium)
-    special = {"four-wheel-side": {(HALF, 1)}, "differential-drive": {(1, HALF), (Fraction(1, 100), Fraction(1, 1000))}}
+    special = {
+        "four-wheel-side": {(HALF, 1)},
+        "differential-drive": {(1, HALF), (Fraction(1, 100), Fraction(1, 1000))},
+        "omni-3": {(1, 0)},
+        "mecanum-4": {(1, 0)},
+        "roller-bed": {(HALF, Fraction(1, 10))},
+    }
     assert frictions(scene) == special.get(name, {(1, HALF)})
-    assert {wheel.speed for wheel in scene.wheels} == ({1, 2} if name == "differential-drive" else {1})
+    speeds = {"differential-drive": {1, 2}, "mecanum-4": {3, -3}}
+    assert {wheel.speed for wheel in scene.wheels} == speeds.get(name, {1})
+    assert {wheel.axis is None for wheel in scene.wheels} == {name not in ("mecanum-4", "roller-bed")}
 
 
 @pytest.mark.parametrize("name", ["four-wheel", "four-wheel-side"])
@@ -129,6 +138,34 @@ def test_the_differential_drive_is_carried_about_the_middle_of_its_axle() -> Non
     assert all(not row.residual(Twist(zero, zero, -one)) for row in scene_rows(scene))
     first, second = (side_row(wheel).normal for wheel in scene.wheels[:2])
     assert not any(outer(first, second))
+
+
+def test_omniwheels_stand_along_their_ring() -> None:
+    assert turn_of(load_scene("omni-3")) == {(0, 1)}
+
+
+def test_mecanum_wheels_are_driven_by_the_textbook_for_a_turn_of_one_radian_per_second() -> None:
+    """Rollers on the ground along the ring, at 45 degrees to the rims: ``u = v_x -+ v_y -+ (l_x + l_y) omega``."""
+    scene = load_scene("mecanum-4")
+    vx, vy, omega, reach = 0, 0, 1, 2 + 1
+    textbook = [vx - vy - reach * omega, vx + vy - reach * omega, vx - vy + reach * omega, vx + vy + reach * omega]
+    assert [wheel.speed for wheel in scene.wheels] == textbook
+    for wheel in scene.wheels:
+        assert 2 * dot(wheel.unit_grip, wheel.unit_direction) ** 2 == 1  # cos 45 degrees, squared
+        assert cross(wheel.position, wheel.grip)
+
+
+def test_a_carton_of_2_6_by_1_6_pitches_lies_on_4_of_36_wheels() -> None:
+    scene = load_scene("carton-on-6x6")
+    assert len(scene.wheels) == 36
+    assert len(standing(scene).wheels) == 4
+    assert scene.body is not None
+    assert "13/5 x 8/5" in scene.body.words
+
+
+def test_rollers_of_the_bed_are_parallel_and_run_across_their_axes() -> None:
+    for wheel in load_scene("roller-bed").wheels:
+        assert [str(x) for x in (*wheel.grip, *wheel.direction)] == ["0", "1", "1", "0"]
 
 
 def test_origin_of_off_center_lies_inside_one_cell_and_moves() -> None:

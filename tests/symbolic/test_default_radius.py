@@ -141,6 +141,6 @@ def test_a_radius_that_is_named_counts(tmp_path: Path) -> None:
 
 
 def test_the_built_in_arrays_name_theirs_and_plain_systems_keep_one_half() -> None:
-    assert {str(load_scene(name).check.radius) for name in builtin_scenes()} == {"1/2", "1/4"}
+    assert {str(load_scene(name).check.radius) for name in builtin_scenes()} == {"1/2", "1/4", "1/5"}
     assert all("radius" in (SCENES / f"{name}.toml").read_text() for name in builtin_scenes())
     assert {str(load_system(name).check.radius) for name in builtin_systems()} == {"1/2"}

@@ -12,7 +12,8 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'
 TWO = "[[wheel]]\nposition = [1, 0]\n[[wheel]]\nposition = [0, 2]\n"
@@ -158,7 +159,7 @@ def test_spiral_turns_inward_counterclockwise(load: Load, angle: str, cosine: st
     field = f'[field]\nkind = "spiral"\nangle = "{angle}"\n'
     table = f'[contact]\ntable = [["{cosine}", "{sine}", 0], [0, 0, 0]]\n'
     scene = load(FRICTION + TWO + field + table)
-    assert scene.contact.loads is not None
+    assert isinstance(scene.contact.loads, LoadTable)
     c, s, _ = scene.contact.loads.rows[0]
     for wheel in scene.wheels:
         inward = -wheel.position[0], -wheel.position[1]
@@ -277,13 +278,43 @@ def test_a_lyapunov_function_may_switch_and_brings_its_angles(load: Load) -> Non
 def test_load_table(load: Load, keys: str) -> None:
     scene = load(f'{FRICTION}{TWO}[contact]\nrule = "box"\n{keys}\n')
     assert scene.contact.rule == "box"
-    assert scene.contact.loads is not None
+    assert isinstance(scene.contact.loads, LoadTable)
     assert scene.contact.loads.rows == (exact(1, 0, 0), exact(Fraction(1, 2), 0, 2))
 
 
 def test_elastic_loads(load: Load) -> None:
     scene = load(f'{FRICTION}{TWO}[contact]\nrule = "ellipse"\nloads = "elastic"\n')
     assert (scene.contact.rule, scene.contact.loads) == ("ellipse", None)
+
+
+THREE = FRICTION + "".join(f"[[wheel]]\nposition = {place}\nheading = 0\n" for place in ("[0, 0]", "[2, 0]", "[0, 2]"))
+
+
+@pytest.mark.parametrize("loads", ['"any"', '{kind = "any"}'])
+def test_any_load(load: Load, loads: str) -> None:
+    assert load(f"{FRICTION}{TWO}[contact]\nloads = {loads}\n").contact.loads == UnknownLoads()
+
+
+def test_scattered_springs(load: Load) -> None:
+    scene = load(f'{FRICTION}{TWO}[contact]\nloads = {{kind = "elastic", height = 0.1, stiffness = "1/20"}}\n')
+    assert isinstance(scene.contact.loads, UnknownLoads)
+    scatter = scene.contact.loads.scatter
+    assert scatter is not None
+    assert [str(scatter.height), str(scatter.stiffness)] == ["1/10", "1/20"]
+
+
+@pytest.mark.parametrize("keys", ["", ", height = 0", ", height = 0, stiffness = 0.0"])
+def test_springs_without_scatter_are_elastic(load: Load, keys: str) -> None:
+    assert load(f'{FRICTION}{TWO}[contact]\nloads = {{kind = "elastic"{keys}}}\n').contact.loads is None
+
+
+@pytest.mark.parametrize("at", ["", ", at = [0.5, 1]"])
+def test_measured_loads_balance_everywhere(load: Load, at: str) -> None:
+    """Of three wheels loads are known from the pose alone; here one of 40 N is measured as 2/4 of the weight."""
+    scene = load(f'{THREE}[contact]\nrule = "box"\nloads = {{kind = "measured", values = [10, 10, 20]{at}}}\n')
+    assert isinstance(scene.contact.loads, LoadTable)
+    half = Fraction(1, 2)
+    assert scene.contact.loads.rows == (exact(1, -half, -half), exact(0, half, 0), exact(0, 0, half))
 
 
 def test_overrides_replace_the_file(load: Load) -> None:

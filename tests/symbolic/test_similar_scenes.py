@@ -38,7 +38,7 @@ def test_a_load_table_goes_along(arrays: Arrays, change: str) -> None:
     after = scaled(table, FACTOR) if change == "scaled" else moved(table, Fraction(5), Fraction(-3))
     here = (Fraction(1, 7), Fraction(2, 5))
     there = (here[0] * FACTOR, here[1] * FACTOR) if change == "scaled" else (here[0] + 5, here[1] - 3)
-    assert after.contact.loads is not None
+    assert isinstance(after.contact.loads, LoadTable)
     for old, new in zip(rows, after.contact.loads.rows, strict=True):
         assert old[0] + old[1] * here[0] + old[2] * here[1] == new[0] + new[1] * there[0] + new[2] * there[1]
 

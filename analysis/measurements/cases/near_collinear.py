@@ -67,7 +67,7 @@ def _row(parameter: str, rows: tuple[Row, Row, Row]) -> ResultRow:
 def _by_elimination(rows: tuple[Row, Row, Row]) -> tuple[Floats, float]:
     """Twist at 60 digits, and the condition of the rows of unit length."""
     with precision():
-        lengths = [ball(row.wheel.length) for row in rows]
+        lengths = [ball(row.wheel.grip_length) for row in rows]
         matrix = [[ball(a) / length for a in row.normal] for row, length in zip(rows, lengths, strict=True)]
         right = [[ball(row.rhs) / length] for row, length in zip(rows, lengths, strict=True)]
         solved = arb_mat(matrix).solve(arb_mat(right))

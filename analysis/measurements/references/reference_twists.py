@@ -125,7 +125,7 @@ def _weighted_rows(scene: Scene, loads: list[arb]) -> list[Group]:
     """For each loaded wheel the matrix A (2, 3) and the vector b (2, 1) of ``w = A xi - b``."""
     forms = []
     for wheel, carried, rows in zip(scene.wheels, loads, zip(*[iter(scene_rows(scene))] * 2, strict=True), strict=True):
-        load = carried / wheel.length.ball()
+        load = carried / wheel.grip_length.ball()
         weights = [load * mu.ball() for mu in (wheel.friction.roll, wheel.friction.side)]
         if carried > 0:
             matrix = [[w * entry.ball() for entry in row.normal] for w, row in zip(weights, rows, strict=True)]

@@ -7,7 +7,9 @@ friction sets (:mod:`nonsmooth.symbolic.friction_set`; rule ``ellipse``:
 
     sum_i N_i mu_R sgn(u_i) a_i = 0,      a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
 
-because a slip along the rim alone is on the arc of every set: under rule ``roller`` the rollers stand.  Wheels that
+because a slip along the rim alone is on the arc of every set: under rule ``roller`` the rollers stand.  A wheel whose
+friction axis is not its rim slips across the axis too; its force is that of its slip, wherever the set has one such
+force.  Wheels that
 stick at rest (``u_i = 0``) may carry any force in their set.  The least-norm forces that restore balance are tried:
 inside the sets they prove equilibrium, strictly inside (with rows of rank three) they prove that rest is the only
 minimizer in a neighbourhood.
@@ -20,6 +22,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.proofs.clauses.at_point.linearization import Slip, slip_of
 from nonsmooth.symbolic.constraints import (
     Row,
     Triple,
@@ -32,7 +35,7 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
-from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.friction_set import FrictionSet, Piece
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -72,16 +75,21 @@ class RestBalance:
         stuck: forces of the wheels that stick; None where the least-norm forces leave an ellipse.
         rank: rank of the stuck wheels' rows.
         smooth: whether every loaded wheel slips at rest.
+        open: whether the force of a wheel that slips is not determined: one that slips across its friction axis alone,
+            under a set with a straight side.
     """
 
     residual: Triple
     stuck: tuple[StuckForce, ...] | None
     rank: int
     smooth: bool
+    open: bool = False
 
     @property
     def holds(self) -> bool:
         """Whether rest is proved to be a minimizer."""
+        if self.open:
+            return False
         if self.smooth or not self.stuck:
             return not any(self.residual)
         return all(force.is_admissible for force in self.stuck)
@@ -100,10 +108,13 @@ class RestBalance:
 def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     """Balance of forces at rest at the centred scene's equilibrium, which the load region holds."""
     rule = smooth_rule_of(scene)
-    forces = [form[0] for form in region.forces]
-    loaded = [(wheel, force) for wheel, force in zip(scene.wheels, forces, strict=True) if force]
-    residual = total(scene.field.zero, (_pull(wheel, force) for wheel, force in loaded))
-    sticking = [(wheel, force) for wheel, force in loaded if not _slips_smoothly(wheel)]
+    loaded = [(wheel, form) for wheel, form in zip(scene.wheels, region.forces, strict=True) if form[0]]
+    slips = [slip_of(wheel, form, rule.friction_set(wheel.friction), scene.field.zero) for wheel, form in loaded]
+    residual = total(scene.field.zero, (_pull(slip) for slip in slips if _slips_smoothly(slip)))
+    rough = [(wheel, slip) for (wheel, _), slip in zip(loaded, slips, strict=True) if not _slips_smoothly(slip)]
+    if any(slip.squared_size for _, slip in rough):
+        return RestBalance(residual, None, 0, smooth=False, open=True)
+    sticking = [(wheel, slip.force[0]) for wheel, slip in rough]
     columns = [
         (wheel.index, row.kind, scaled(row.unit_normal, force * friction))
         for wheel, force in sticking
@@ -122,20 +133,22 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     return RestBalance(residual, stuck, rank, not sticking)
 
 
-def _slips_smoothly(wheel: Wheel) -> bool:
-    """Whether the wheel's term of D is smooth at rest: it slips along its rim and that costs."""
-    return bool(wheel.scaled_speed) and bool(wheel.friction.roll)
+def _slips_smoothly(slip: Slip) -> bool:
+    """Whether the wheel's term of D has a gradient at rest: it slips, and that costs."""
+    return slip.piece is not Piece.KINK
 
 
 def _sticking_rows(wheel: Wheel, limits: FrictionSet) -> list[tuple[Row, Number]]:
-    """Rows in which a wheel that is not smooth at rest may carry any admissible force, with half-axes."""
-    side = (side_row(wheel), limits.across)
-    return [side] if wheel.scaled_speed else [(roll_row(wheel), limits.along), side]
+    """Rows in which a wheel that sticks at rest may carry any admissible force, with half-axes."""
+    rows = (roll_row(wheel), limits.along), (side_row(wheel), limits.across)
+    return [(row, friction) for row, friction in rows if not row.rhs]
 
 
-def _pull(wheel: Wheel, force: Number) -> Triple:
-    """``N mu_R sgn(u) a``; zero for a wheel at rest."""
-    return scaled(roll_row(wheel).unit_normal, force * wheel.friction.roll * wheel.scaled_speed.sign())
+def _pull(slip: Slip) -> Triple:
+    """The force of a wheel that slips, with its moment: ``N mu_R sgn(u) a`` where its friction axis is its rim."""
+    if not slip.across:
+        return scaled(slip.rows[0], -slip.force[0] * slip.limits.along * slip.along.sign())
+    return scaled(slip.pull, -slip.force[0] / slip.size)
 
 
 def _least_norm(columns: Sequence[Triple], target: Triple) -> tuple[list[Number] | None, int]:

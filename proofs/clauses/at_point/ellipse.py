@@ -184,7 +184,7 @@ def _smooth_point(
             "the motion near the point is not determined to first order"
         )
         return EllipsePoint(scene, region, Situation.OPEN, Twist(zero, zero, rate), balance, None, reason)
-    what = f"the body spins at {rate}" if rate else "rest"
+    what = f"a spin at {rate}" if rate else "rest"
     reason = f"the gradient of D vanishes at {what} and its Hessian is positive definite"
     if kinked:
         reason += "; the loads change their form at the equilibrium, so there is no linearization"

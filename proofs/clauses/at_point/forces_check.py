@@ -16,6 +16,7 @@ from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.symbolic.constraints import Triple, independent, inner, outer, roll_row, scaled, total
+from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross, dot, turned
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -46,9 +47,16 @@ def _wrench(force: Vector, wheel: Wheel) -> Triple:
     return *force, cross(wheel.position, force)
 
 
-def _rim(wheel: Wheel) -> Vector:
+def _axis(wheel: Wheel) -> Vector:
+    """The unit vector of the friction axis."""
     x, y, _ = roll_row(wheel).unit_normal
     return x, y
+
+
+def _surface(wheel: Wheel) -> Vector:
+    """``u d``, the velocity of the rim's surface, of unit rim direction d."""
+    x, y = _axis(wheel) if wheel.axis is None else wheel.unit_direction
+    return wheel.speed * x, wheel.speed * y
 
 
 def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | None:
@@ -57,27 +65,33 @@ def _slips(scene: Scene, region: LoadRegion, omega: Number) -> list[_Slip] | Non
     rule = smooth_rule_of(scene)
     for wheel, load in zip(scene.wheels, region.forces, strict=True):
         limits = rule.friction_set(wheel.friction)
-        roll, side = limits.along, limits.across
-        if not any(load) or not (roll or side):
+        if not any(load) or not (limits.along or limits.across):
             continue
-        d, (x, y) = _rim(wheel), wheel.position
-        slip = (-omega * y - wheel.speed * d[0], omega * x - wheel.speed * d[1])
-        along, across = roll * dot(d, slip), side * cross(d, slip)
-        square = along * along + across * across
-        if not square:
+        slip = _slip(wheel, load, limits, omega)
+        if slip is None:
             return None
-        own = scaled(_wrench(d, wheel), roll), scaled(_wrench(turned(d), wheel), side)
-        passed = (across * across - limits.cut * limits.cut * square).sign() if limits.is_cut else -1
-        if passed == 0 or (passed > 0 and not along):
-            return None
-        if passed > 0:
-            x, y = limits.corner * along.sign(), limits.cut * across.sign()
-            pull = total(scene.field.zero, (scaled(own[0], x), scaled(own[1], y)))
-            found.append(_Slip(load, scene.field.one, pull, *own, bends=False))
-            continue
-        pull = total(scene.field.zero, (scaled(own[0], along), scaled(own[1], across)))
-        found.append(_Slip(load, square.sqrt(), pull, *own))
+        found.append(slip)
     return found
+
+
+def _slip(wheel: Wheel, load: Affine, limits: FrictionSet, omega: Number) -> _Slip | None:
+    """One wheel that slips; None where it sticks, or is between arc and corner."""
+    d, (x, y), (a, b) = _axis(wheel), wheel.position, _surface(wheel)
+    slip = (-omega * y - a, omega * x - b)
+    along, across = limits.along * dot(d, slip), limits.across * cross(d, slip)
+    square = along * along + across * across
+    if not square:
+        return None
+    own = scaled(_wrench(d, wheel), limits.along), scaled(_wrench(turned(d), wheel), limits.across)
+    passed = (across * across - limits.cut * limits.cut * square).sign() if limits.is_cut else -1
+    if passed == 0 or (passed > 0 and not along):
+        return None
+    zero, one = omega.field.zero, omega.field.one
+    if passed > 0:
+        x, y = limits.corner * along.sign(), limits.cut * across.sign()
+        return _Slip(load, one, total(zero, (scaled(own[0], x), scaled(own[1], y))), *own, bends=False)
+    pull = total(zero, (scaled(own[0], along), scaled(own[1], across)))
+    return _Slip(load, square.sqrt(), pull, *own)
 
 
 def is_smooth_minimum(scene: Scene, region: LoadRegion, omega: Number, linear: Linearization | None) -> bool:
@@ -126,18 +140,23 @@ def is_held(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:
     forces: list[Triple] = []
     spanned: list[Triple] = []
     rule = smooth_rule_of(scene)
-    for wheel, (load, *_) in zip(scene.wheels, region.forces, strict=True):
-        limits, d = rule.friction_set(wheel.friction), _rim(wheel)
+    for wheel, form in zip(scene.wheels, region.forces, strict=True):
+        load, limits, d = form[0], rule.friction_set(wheel.friction), _axis(wheel)
         roll, side = limits.along, limits.across
         if wheel.index in stuck:
             own = stuck[wheel.index]
             inside = own.along * own.along + own.across * own.across < 1 and -limits.cut < own.across < limits.cut
-            if not inside or (roll and wheel.scaled_speed):
+            if not inside or (roll and wheel.scaled_speed) or (side and wheel.scaled_side_speed):
                 return False
             along, across = _wrench(d, wheel), _wrench(turned(d), wheel)
             forces += [scaled(along, -load * roll * own.along), scaled(across, -load * side * own.across)]
             free = ((along, load * roll * (not wheel.scaled_speed)), (across, load * side))
             spanned += [direction for direction, reach in free if reach]
+        elif wheel.axis is not None and load:
+            slip = _slip(wheel, form, limits, scene.field.zero)
+            if slip is None:
+                return False
+            forces.append(scaled(slip.pull, -load / slip.size))
         elif wheel.scaled_speed:
             forces.append(scaled(_wrench(d, wheel), load * roll * wheel.scaled_speed.sign()))
     return not any(total(scene.field.zero, forces)) and len(independent(spanned)) == 3
@@ -148,10 +167,10 @@ def carries(scene: Scene, region: LoadRegion, velocity: Vector, omega: Number) -
     loaded: list[Triple] = []
     rule = smooth_rule_of(scene)
     for wheel, (load, *_) in zip(scene.wheels, region.forces, strict=True):
-        limits, d, (x, y) = rule.friction_set(wheel.friction), _rim(wheel), wheel.position
-        here = (velocity[0] - omega * y, velocity[1] + omega * x)
-        rubbing = (limits.along, d, wheel.speed), (limits.across, turned(d), wheel.speed * 0)
-        if any(friction and dot(direction, here) - speed for friction, direction, speed in rubbing):
+        limits, d, (x, y), (a, b) = rule.friction_set(wheel.friction), _axis(wheel), wheel.position, _surface(wheel)
+        slip = (velocity[0] - omega * y - a, velocity[1] + omega * x - b)
+        rubbing = (limits.along, d), (limits.across, turned(d))
+        if any(friction and dot(direction, slip) for friction, direction in rubbing):
             return False
-        loaded += [_wrench(direction, wheel) for friction, direction, _ in rubbing if friction and load]
+        loaded += [_wrench(direction, wheel) for friction, direction in rubbing if friction and load]
     return len(independent(loaded)) == 3

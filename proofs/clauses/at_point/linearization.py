@@ -41,7 +41,7 @@ from nonsmooth.symbolic.friction_set import FrictionSet, Piece
 from nonsmooth.symbolic.number_text import Real
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 
 @dataclass(frozen=True)
@@ -174,9 +174,15 @@ def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip, ...
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
         limits = rule.friction_set(wheel.friction)
         if any(form) and (limits.along or limits.across):
-            a, b = roll_row(wheel).unit_normal, side_row(wheel).unit_normal
-            slips.append(Slip(form, a[2] * omega - wheel.speed, b[2] * omega, (a, b), limits))
+            slips.append(slip_of(wheel, form, limits, omega))
     return tuple(slips)
+
+
+def slip_of(wheel: Wheel, force: Affine, limits: FrictionSet, omega: Number) -> Slip:
+    """The slip of one wheel under the twist ``(0, 0, omega)``."""
+    a, b = roll_row(wheel).unit_normal, side_row(wheel).unit_normal
+    along, across = wheel.slip_speeds
+    return Slip(force, a[2] * omega - along, b[2] * omega - across, (a, b), limits)
 
 
 def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
@@ -187,14 +193,15 @@ def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
 def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
     """Rates omega at which a wheel alone would have its least slip: the spin of arrays whose wheels are all alike.
 
-    ``alpha^2 r a_3 + beta^2 s b_3 = 0`` gives ``omega = alpha^2 a_3 u/(alpha^2 a_3^2 + beta^2 b_3^2)``, on the arc.
+    ``alpha^2 r a_3 + beta^2 s b_3 = 0`` gives ``omega = alpha^2 a_3 u/(alpha^2 a_3^2 + beta^2 b_3^2)``, on the arc;
+    with a friction axis apart from the rim the surface has a speed across it too.
     """
     rates: dict[Number, None] = {}
     for slip in slips_at(scene, region, scene.field.zero):
         (a, b), (roll, side) = slip.rows, slip.squares
         stiffness = roll * a[2] * a[2] + side * b[2] * b[2]
         if stiffness:
-            rates[-roll * a[2] * slip.along / stiffness] = None
+            rates[-(roll * a[2] * slip.along + side * b[2] * slip.across) / stiffness] = None
     return tuple(rates)
 
 

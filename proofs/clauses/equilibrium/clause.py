@@ -9,7 +9,9 @@ from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
+from nonsmooth.proofs.clauses.every_load.facts import load_facts, witness_load
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, Record
 from nonsmooth.proofs.verdicts import Equilibrium, Theorem4
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
     from nonsmooth.proofs.theorem4_result import Theorem4Result
 
-AnyEquilibrium: TypeAlias = EquilibriumResult | EllipseEquilibrium
+AnyEquilibrium: TypeAlias = EquilibriumResult | EllipseEquilibrium | EveryLoadEquilibrium
 
 MOST_LISTED = 6  # equilibria that are named by place
 
@@ -30,16 +32,24 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
 
     def decide(self, work: Workspace) -> AnyEquilibrium:
         """By convex weights of the velocities that meet there, or by the exact minimizer."""
+        if work.leaves_loads_open:
+            return EveryLoadEquilibrium(work.every_load)
         return EllipseEquilibrium(work.point) if work.partition is None else decide_equilibrium(work.partition)
 
     def is_about(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
         """Whether all twists that meet at the point of the array were looked at."""
         scene = check.scene.recentred()
+        if isinstance(result, EveryLoadEquilibrium):
+            return result.point.scene == scene
         if isinstance(result, EllipseEquilibrium):
             regions = load_regions(scene, scene.check.equilibrium)
             return result.point.scene == scene and result.point.region in regions
         zero = scene.field.zero
         return check.partition is not None and result.twists == filippov_twists(check.partition, (zero, zero))
+
+    def recompute(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
+        """What every load of a set does."""
+        return not isinstance(result, EveryLoadEquilibrium) or result.point.recompute()
 
     def settles(self, result: AnyEquilibrium) -> tuple[Theorem4, str] | None:
         """Without an equilibrium nothing is said of its stability."""
@@ -52,6 +62,9 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
     def facts(self, result: AnyEquilibrium, check: Theorem4Result) -> Iterator[Fact]:
         """Where, and the other equilibria of the square."""
         yield Fact("at", Quantity(check.scene.check.equilibrium))
+        yield from load_facts(check.scene)
+        if isinstance(result, EveryLoadEquilibrium):
+            yield witness_load(result.point.witness)
         others = check.other_equilibria
         if others is None:
             yield Fact("others")

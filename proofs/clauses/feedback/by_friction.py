@@ -35,7 +35,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
-from nonsmooth.proofs.clauses.feedback.by_rows import side_friction_rules
+from nonsmooth.proofs.clauses.feedback.by_rows import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
@@ -54,12 +54,14 @@ from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample
@@ -72,6 +74,7 @@ TIES = 16  # candidates that seem to balance exactly, of which a law by directio
 SAME_REACH = 2.0**-20  # relative: reaches as close as this are compared exactly
 FEW_OF = 6  # part of them beyond which the search may end
 TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
+NEEDS_LOADS = "which twists speeds impose depends on the loads, and these are unknown"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 # Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
 # a few hundred.
@@ -173,12 +176,22 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     blocked = side_friction_rules(scene.wheels)
     if blocked is not None:
         return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length)
+    if with_rims_along_axes(scene) is None:
+        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
     return decide_whatever_friction(scene)
 
 
 def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
-    """The same also where Theorem 4 asks nothing of feedback (``mu_S >= mu_R``): twists are imposed there too."""
-    return replace(_decide(in_own_length(scene), scene.check.length), length=scene.check.length)
+    """The same also where Theorem 4 asks nothing of feedback (``mu_S >= mu_R``): twists are imposed there too.
+
+    Wheels on rollers that turn freely are driven like wheels whose rims lie along the axes of the rollers.
+    """
+    if isinstance(scene.contact.loads, UnknownLoads):
+        return DrivenFeedback(Feedback.UNDECIDED, NEEDS_LOADS, length=scene.check.length)
+    plain = with_rims_along_axes(scene)
+    if plain is None:
+        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
+    return replace(_decide(in_own_length(plain), scene.check.length), length=scene.check.length)
 
 
 def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
@@ -224,9 +237,11 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
 def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
     """Whether all that is held is held in a load region of the centred scene, or by its wheels."""
     zero = scene.field.zero
-    regions = load_regions(in_own_length(scene), (zero, zero))
     if feedback.length != scene.check.length:
         return False
+    if isinstance(scene.contact.loads, UnknownLoads):
+        return not feedback.cones and not feedback.candidates
+    regions = load_regions(in_own_length(scene), (zero, zero))
     shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
     imposed = (*shown, *feedback.candidates)
     numbers = {wheel.index for wheel in scene.wheels}

@@ -369,7 +369,10 @@ def rim_signs(feedback: FeedbackResult) -> list[int]:
 
 
 def _unfollowed(partition: Partition) -> str | None:
-    """A cell whose rows are not those of a pair of wheels, because rows without friction are left out; None without."""
+    """Why cells are not followed: rows that are not those of a pair of wheels, or not along a rim; None without."""
+    held = {row.wheel.index: row.wheel for cell in partition.cells for state in cell.states for row in state.rows}
+    if any(wheel.axis is not None for wheel in held.values()):
+        return askew_reason(held.values())
     for cell in partition.cells:
         for state in cell.states:
             if not state.is_of_a_pair:
@@ -378,6 +381,15 @@ def _unfollowed(partition: Partition) -> str | None:
                     "only both rows of one wheel with one row of another are followed"
                 )
     return None
+
+
+def askew_reason(wheels: Iterable[Wheel]) -> str:
+    """Why no law is sought for wheels of which one has a friction axis that is not its rim."""
+    index = next(wheel.index for wheel in wheels if wheel.axis is not None)
+    return (
+        f"the friction axis of wheel {index} is not its rim; laws are sought for such wheels only under rules that "
+        "minimize D, without friction across the axis, and not for a drive at right angles to it"
+    )
 
 
 def _single_input(partition: Partition) -> InputCell | None:

@@ -91,7 +91,7 @@ def _driven(work: Workspace) -> DrivenFeedback:
     from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback, with_samples
 
     found = decide_driven_feedback(work.scene)
-    if found.verdict is Feedback.NOT_APPLICABLE:
+    if found.verdict is Feedback.NOT_APPLICABLE or work.leaves_loads_open:
         return found
     if found.verdict is Feedback.UNDECIDED or not work.prune:
         return with_samples(found, work.scene)

@@ -16,7 +16,7 @@ from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
 from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
 from nonsmooth.symbolic.constraints import Triple, gram, independent, inner, outer, roll_row, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 ImposedTwist: TypeAlias = HeldTwist | BalancedTwist
 
@@ -116,14 +116,23 @@ def gains(twists: Sequence[Triple], kappa: Fraction) -> bool:
     return rows[0][0].sign() > 0 and normal[2].sign() > 0 and inner(normal, rows[2]).sign() > 0
 
 
+def _rolling_speed(wheel: Wheel, twist: Triple) -> float:
+    """The speed at which a wheel does not slip along its friction axis."""
+    row = roll_row(wheel)
+    if wheel.axis is None:
+        return float(inner(row.unit_normal, twist))
+    return float(inner(row.normal, twist) / row.gain)
+
+
 def rim_speeds(scene: Scene, imposed: ImposedTwist) -> tuple[float, ...]:
     """The speeds of all wheels of a centred scene that impose a twist, rounded; both with l for the unit of length.
 
-    Rule ``box``: ``u_i = d_i . v(p_i)``, no rim slips along.  Rules without cells: where a wheel slips across, the
+    Rule ``box``: ``u_i = d_i . v(p_i)``, no rim slips along; with a friction axis ``u_i = a_i . v(p_i)/(a_i . d_i)``.
+    Rules without cells: where a wheel slips across, the
     speed turns its force to ``(rho, tau)``: ``u_i = a_i . xi - (beta/alpha) (b_i . xi) rho/tau``, or where its rollers
     turn the rim does not slip.
     """
-    speeds = {wheel.index: float(inner(roll_row(wheel).unit_normal, imposed.twist)) for wheel in scene.wheels}
+    speeds = {wheel.index: _rolling_speed(wheel, imposed.twist) for wheel in scene.wheels}
     for index, ratio in imposed.slip_ratios.items():
         wheel = scene.wheels[scene.places[index]]
         across = float(inner(side_row(wheel).unit_normal, imposed.twist))

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
+from nonsmooth.proofs.clauses.rotation.every_load import rotation_for_every_load
 from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, bounds_rotation, decide_rotation
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
+from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, Record
@@ -28,6 +30,8 @@ class RotationClause(Clause[RotationResult]):
     def decide(self, work: Workspace) -> RotationResult:
         """By two linear programs on cells; by the spin at the point without."""
         translation = work.earlier["translation"]
+        if isinstance(translation, EveryLoadTranslation):
+            return rotation_for_every_load(translation)
         if work.partition is None or not isinstance(translation, TranslationResult):
             return spin_of(work.point)
         return decide_rotation(work.partition, translation)
@@ -37,6 +41,8 @@ class RotationClause(Clause[RotationResult]):
         translation, partition = check.results["translation"], check.partition
         if isinstance(translation, EllipseTranslation):
             return says_the_spin(result, translation.point)
+        if isinstance(translation, EveryLoadTranslation):
+            return result == rotation_for_every_load(translation)
         if partition is None or not isinstance(translation, TranslationResult):
             return False
         zero, bound = check.scene.field.zero, result.rotation_per_distance

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
+from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit, squared_radius_of_disc
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
@@ -28,11 +29,14 @@ class EllipseTranslation:
         point: the situation at the equilibrium.
         lemma: certificate of ``V* <= 0`` on the whole square, where the array meets its hypotheses.
         sampled: V* at random points of the square, where it is not known exactly.
+        mass: up to which mass a body is attracted under full dynamics; None where the point does not attract, or
+            where that is not decided.
     """
 
     point: EllipsePoint
     lemma: CocircularArray | None
     sampled: SampledDerivative | None
+    mass: MassLimit | None = None
     witness: Witness | None = None
     region_radius: Number | None = None
 
@@ -80,8 +84,15 @@ class EllipseTranslation:
         return f"c' = A c to first order, and the eigenvalues of A have real parts up to {brief_text(abscissa)}"
 
     def check(self) -> bool:
-        """Re-verify the situation and the lemma."""
+        """Re-verify the situation, the lemma and the masses."""
+        if self.mass is not None and not self._is_about_mass(self.mass):
+            return False
         return self.point.check() and (self.lemma is None or self.lemma.check())
+
+    def _is_about_mass(self, mass: MassLimit) -> bool:
+        """Whether the limit verifies, and speaks of this array."""
+        own = mass.linearization == self.point.linearization
+        return own and mass.squared_radius == squared_radius_of_disc(self.point.scene) and mass.check()
 
 
 def decide_translation_at(
@@ -100,4 +111,7 @@ def decide_translation_at(
         from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 
         sampled = sample_smooth_derivative(point.scene, samples)
-    return EllipseTranslation(point, lemma, sampled)
+    linear, mass = point.linearization, None
+    if point.translation is Translation.ASYMPTOTICALLY_STABLE and linear is not None:
+        mass = decide_mass_limit(linear, squared_radius_of_disc(point.scene))
+    return EllipseTranslation(point, lemma, sampled, mass)

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.analysis.cells.fan import is_fan_of
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.every_load.facts import witness_load
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
+from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decide_for_every_load
+from nonsmooth.proofs.clauses.translation.mass_facts import mass_fact
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
     from nonsmooth.proofs.theorem4_result import Theorem4Result
 
-AnyTranslation: TypeAlias = TranslationResult | EllipseTranslation
+AnyTranslation: TypeAlias = TranslationResult | EllipseTranslation | EveryLoadTranslation
 
 SAMPLES = 2_000  # points at which V* is evaluated without cells, where no lemma covers the square
 
@@ -32,6 +35,8 @@ class TranslationClause(Clause[AnyTranslation]):
 
     def decide(self, work: Workspace) -> AnyTranslation:
         """By ``|c|^2``, the fan of cones or a quadratic function on cells; by linearization without."""
+        if work.leaves_loads_open:
+            return decide_for_every_load(work.every_load, work.lemma)
         if work.partition is not None:
             return decide_translation(work.partition, work.lemma)
         if work.lemma is not None and work.prune:
@@ -42,7 +47,7 @@ class TranslationClause(Clause[AnyTranslation]):
     def is_about(self, result: AnyTranslation, check: Theorem4Result) -> bool:
         """Whether V* was looked at on every cell of the array."""
         scene, partition = check.scene.recentred(), check.partition
-        if isinstance(result, EllipseTranslation):
+        if isinstance(result, EllipseTranslation | EveryLoadTranslation):
             return result.point.scene == scene and (result.lemma is None or result.lemma.scene == scene)
         if partition is None or not (partition.tiles if partition.complete else result.lemma is not None):
             return False
@@ -55,6 +60,8 @@ class TranslationClause(Clause[AnyTranslation]):
         """The fan's overshoot and the support polygon, or the situation at the point."""
         if isinstance(result, EllipseTranslation):
             return result.point.recompute()
+        if isinstance(result, EveryLoadTranslation):
+            return result == decide_for_every_load(result.point, result.lemma)
         supported = check.partition is not None and result.support == limiting_support(check.partition)
         return supported and (result.fan is None or result.fan.recompute())
 
@@ -79,7 +86,10 @@ class TranslationClause(Clause[AnyTranslation]):
         region = None if radius is None else {"shape": "disc", "radius": Quantity(radius)}
         yield Fact("region", region, "" if radius is None else "region: disc of radius {}", (radius,), explained=True)
         yield from _support(result)
+        yield mass_fact(result.mass if isinstance(result, EllipseTranslation) else None, check.scene.units)
         yield Fact("witness", witness_record(result.witness, "value"))
+        if isinstance(result, EveryLoadTranslation):
+            yield witness_load(result.load)
 
 
 def _sampled(sampled: SampledDerivative | None) -> Iterator[Fact]:
@@ -111,7 +121,7 @@ def _quadratic(result: AnyTranslation) -> Iterator[Fact]:
 
 def _support(result: AnyTranslation) -> Iterator[Fact]:
     """The support polygon, where the square leaves it."""
-    if isinstance(result, EllipseTranslation) or result.support is None:
+    if not isinstance(result, TranslationResult) or result.support is None:
         yield Fact("support")
         return
     record = {"distance": Quantity(result.support.distance), "note": result.support_note}

@@ -1,0 +1,154 @@
+"""Whether (x, y) decays under every load, where one spin minimizes D smoothly at the point under all of them.
+
+With B, ``pull_i``, ``bend_i`` and ``w_i`` of module ``wheel_pulls``, ``xi_0 = (0, 0, omega)``:
+
+*Forces to the middle*, ``B c = (beta c, 0)`` with ``beta > 0``.  D is convex, so at every centre of mass c, under every
+admissible load and for every minimizer ``xi = (v, omega')`` ::
+
+    D(xi) >= D(xi_0) + (B c) . (xi - xi_0) = D(xi_0) + beta c . v,      D(xi) <= D(xi_0),      so  c . v <= 0.
+
+Equality would make ``xi_0`` a minimizer, but D is smooth there with the slope ``beta c``: so ``c . v < 0`` for c != 0.
+The minimizers depend on (c, N) upper semicontinuously and the loads are a compact set: ``V = |c|^2`` falls at a rate
+that no load undercuts, even one that changes with time.  Near the point ``D(xi_0 + (-t c, 0)) = D(xi_0) - t beta |c|^2
++ t^2/2 c . H_vv c + O(t^3 |c|^3)`` bounds D(xi) from above; with ``t = beta/L``, ``L = max_i bend_i |w_i|_v^2`` above
+H_vv under every load, ``c . v <= -beta/(2 L) |c|^2`` to first order: the distance decays at least at that rate.
+
+*Any other B*, about rest.  ``c' = A(N) c`` to first order, ``A = -W^T H^-1 B`` with W the first two axes.  Where H is
+positive definite, with ``m = B_x x B_y`` (compound matrices) ::
+
+    det A det H   = e_z . H m                                             linear in N
+    -tr A det H   = sum_{i<j} N_i N_j bend_i bend_j (q_x q . B_x + q_y q . B_y),   q = w_i x w_j     quadratic in N
+
+Both positive under every load of the set: A is Hurwitz for all of them, so the point attracts under every load that is
+a continuous function of the pose (near the point it is nearly that of the point).  One load with ``det A < 0`` or
+``tr A > 0`` throws the body out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
+from nonsmooth.proofs.clauses.every_load.simplices import is_positive_on_hull
+from nonsmooth.proofs.clauses.every_load.wheel_pulls import Slope, WheelPull
+from nonsmooth.symbolic.constraints import Triple, inner, outer, scaled, total
+from nonsmooth.symbolic.numbers.number import Number
+
+MOST_CORNERS = 100  # of the set of loads: the form is evaluated at all pairs
+SHARES = (1, 2, 4, 8)  # parts of a corner in a load beside it under which every wheel carries
+
+
+@dataclass(frozen=True)
+class Decay:
+    """The linearization about rest as a function of the loads.
+
+    Attributes:
+        pulls: every wheel about rest.
+        slope: B.
+        loads: the set of loads.
+    """
+
+    pulls: tuple[WheelPull, ...]
+    slope: Slope
+    loads: LoadSet
+
+    def hessian(self, loads: Loads) -> tuple[Triple, Triple, Triple]:
+        """``H(N)``."""
+        zero = self.pulls[0].bend.field.zero
+        weights = [n * wheel.bend for n, wheel in zip(loads, self.pulls, strict=True)]
+        rows = [
+            total(zero, (scaled(wheel.w, n * wheel.w[r]) for n, wheel in zip(weights, self.pulls, strict=True) if n))
+            for r in range(3)
+        ]
+        return rows[0], rows[1], rows[2]
+
+    def is_definite(self, loads: Loads) -> bool:
+        """Whether ``H(N)`` is positive definite."""
+        a, b, c = self.hessian(loads)
+        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, outer(b, c)).sign() > 0
+
+    @cached_property
+    def soft_load(self) -> Loads | None:
+        """A load under which H is singular; None where it is positive definite under every load of the set.
+
+        H is linear in the loads: it is definite on a hull where it is at the corners, and where it is under the least
+        loads of all wheels.
+        """
+        bound = self.loads.bound
+        corners = bound.corners
+        if corners is None:
+            return None if self.is_definite(bound.least) else bound.middle
+        return next((corner for corner in corners if not self.is_definite(corner)), None)
+
+    @cached_property
+    def determinant_prices(self) -> list[Number]:
+        """``e_z . H m`` per load."""
+        normal = outer(*self.slope)
+        return [wheel.bend * wheel.w[2] * inner(wheel.w, normal) for wheel in self.pulls]
+
+    @cached_property
+    def trace_terms(self) -> list[list[Number]]:
+        """The symmetric matrix of the quadratic ``-tr A det H`` in the loads."""
+        zero = self.pulls[0].bend.field.zero
+        matrix = [[zero] * len(self.pulls) for _ in self.pulls]
+        for i, j in combinations(range(len(self.pulls)), 2):
+            first, second = self.pulls[i], self.pulls[j]
+            q = outer(first.w, second.w)
+            spread = q[0] * inner(q, self.slope[0]) + q[1] * inner(q, self.slope[1])
+            matrix[i][j] = matrix[j][i] = first.bend * second.bend * spread / 2
+        return matrix
+
+    def is_hurwitz_for_all(self) -> bool:
+        """Whether A is Hurwitz under every load of the set; False also where that is not shown."""
+        prices = self.determinant_prices
+        if self.soft_load is not None or priced(prices, self.loads.bound.lowest(prices)).sign() <= 0:
+            return False
+        return is_positive_on_set(self.trace_terms, self.loads.bound)
+
+    def throws_out(self, loads: Loads) -> bool:
+        """Whether A has an eigenvalue with a positive real part under one load."""
+        if not self.is_definite(loads):
+            return False
+        return priced(self.determinant_prices, loads).sign() < 0 or _form(self.trace_terms, loads, loads).sign() < 0
+
+    def throwing_load(self) -> Loads | None:
+        """A load that throws the body out and under which every wheel carries; None where none is found."""
+        return next((load for load in self._suspects() if self.throws_out(load)), None)
+
+    def _suspects(self) -> Iterator[Loads]:
+        """The middle of the set, and loads between it and the corners, the least determinant first."""
+        reached = self.loads.reached
+        middle = reached.middle
+        yield middle
+        for corner in (reached.lowest(self.determinant_prices), *(reached.corners or ())[:MOST_CORNERS]):
+            for share in SHARES:
+                yield tuple((share * a + b) / (share + 1) for a, b in zip(corner, middle, strict=True))
+
+
+def is_positive_on_set(matrix: Sequence[Sequence[Number]], loads: LoadPolytope) -> bool:
+    """Whether a quadratic form is shown to be positive at every load of a set."""
+    match loads:
+        case AdmissibleLoads():
+            if len(loads.vertices) > MOST_CORNERS:
+                return False
+            gram = [[_form(matrix, v, w) for w in loads.vertices] for v in loads.vertices]
+            return is_positive_on_hull(gram)
+        case SpringLoads():
+            # N = centre + sum of s_k g_k, |s_k| <= 1, term by term
+            reach = loads.centre[0].field.zero
+            for k, g in enumerate(loads.generators):
+                reach += 2 * abs(_form(matrix, loads.centre, g))
+                reach += sum((abs(_form(matrix, g, other)) for other in loads.generators[k + 1 :]), reach * 0) * 2
+                reach += abs(_form(matrix, g, g))
+            return (_form(matrix, loads.centre, loads.centre) - reach).sign() > 0
+        case _:
+            return False
+
+
+def _form(matrix: Sequence[Sequence[Number]], v: Loads, w: Loads) -> Number:
+    """``v . M w``."""
+    zero = v[0].field.zero
+    return sum((a * priced(row, w) for a, row in zip(v, matrix, strict=True) if a), zero)

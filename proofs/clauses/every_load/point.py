@@ -1,0 +1,238 @@
+"""The motion at the checked point under every load of a set, for the rules that minimize D.
+
+Loads enter D linearly, so "a twist minimizes D" is a convex condition on them: it holds for all of them iff it holds
+at the corners of their set, and where a function of the wheels alone implies it (module ``wheel_pulls``), no corner is
+needed.  Where it fails, one load of the set is the witness: under it the exact decision for known loads finds that the
+point is no equilibrium.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+from nonsmooth.analysis.cells.load_sets import Loads, LoadSet, load_set
+from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
+from nonsmooth.proofs.clauses.at_point.balance import rest_balance
+from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point
+from nonsmooth.proofs.clauses.at_point.forces_check import carries, is_held
+from nonsmooth.proofs.clauses.at_point.linearization import spin_candidates
+from nonsmooth.proofs.clauses.cocircular import cocircular_array
+from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes, is_driven_away, moving_loads
+from nonsmooth.proofs.clauses.every_load.wheel_pulls import (
+    Slope,
+    common_slope,
+    has_slope,
+    under_load,
+    wheel_pulls,
+)
+from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.symbolic.constraints import Twist, scene_rows
+from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Scene
+
+MOST_SHOWN = 8  # wheels whose loads are all written into a sentence
+FEW_SHOWN = 3  # of more wheels
+
+
+class EveryLoad(StrEnum):
+    """What the body does at the point, whatever the load."""
+
+    CARRIED = "carried by all wheels without slip"
+    SMOOTH = "smooth minimizer"
+    HELD = "held: no other motion near the point"
+    TIED = "a minimizer, under some loads not the only one"
+    MOVED = "driven away under some load"
+    OPEN = "not decided"
+
+
+@dataclass(frozen=True)
+class EveryLoadPoint:
+    """The situation at the point with its evidence.
+
+    Attributes:
+        scene: the array, centred.
+        loads: the set of loads.
+        situation: see :class:`EveryLoad`.
+        twist: a minimizer of D under every load, where one is known.
+        slope: B, where ``pull_i = B p_i`` (smooth minimizers).
+        witness: a load under which the point is no equilibrium.
+        reason: one sentence for people.
+    """
+
+    scene: Scene
+    loads: LoadSet
+    situation: EveryLoad
+    twist: Twist | None
+    slope: Slope | None
+    witness: Loads | None
+    reason: str
+
+    @property
+    def equilibrium(self) -> Equilibrium:
+        """Whether the translation part of the motion vanishes at the point under every load."""
+        if self.situation is EveryLoad.OPEN:
+            return Equilibrium.UNDECIDED
+        if self.situation is EveryLoad.MOVED or self.twist is None or any(self.twist.velocity):
+            return Equilibrium.FAILS
+        return Equilibrium.HOLDS
+
+    def check(self) -> bool:
+        """Verify the witness by the decision for known loads, the slopes wheel by wheel, rest corner by corner."""
+        match self.situation:
+            case EveryLoad.OPEN:
+                return self.twist is None and self.witness is None
+            case EveryLoad.MOVED:
+                return self.witness is not None and is_admissible(self.scene, self.witness) and self._moves()
+            case EveryLoad.CARRIED:
+                region = under_load(self.scene, self.loads.reached.middle)
+                return self.twist is not None and carries(self.scene, region, self.twist.velocity, self.twist.omega)
+            case EveryLoad.SMOOTH:
+                pulls = None if self.twist is None else wheel_pulls(self.scene, self.twist.omega)
+                return pulls is not None and self.slope is not None and has_slope(pulls, self.slope)
+            case _:
+                return self.twist is not None
+
+    def _moves(self) -> bool:
+        return self.witness is not None and _is_refuted(self.scene, self.witness)
+
+    def recompute(self) -> bool:
+        """Whether deciding again gives the same."""
+        return self == every_load_point(self.scene)
+
+
+def is_admissible(scene: Scene, loads: Loads) -> bool:
+    """``N >= 0, sum N_i = 1, sum N_i p_i = 0``."""
+    zero = scene.field.zero
+    pairs = list(zip(loads, (wheel.position for wheel in scene.wheels), strict=True))
+    moments = (sum((n * p[axis] for n, p in pairs), zero) for axis in (0, 1))
+    return all(n >= 0 for n in loads) and sum(loads, zero) == 1 and not any(moments)
+
+
+def every_load_point(scene: Scene) -> EveryLoadPoint:
+    """Decide the situation at the point of a centred scene whose loads are unknown.
+
+    Raises:
+        LoadError: where the loads do not exist, or are too many.
+    """
+    loads = load_set(scene)
+    if isinstance(rule_of(scene), CellRule):
+        return _box_point(scene, loads)
+    return _smooth_point(scene, loads)
+
+
+def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
+    zero = scene.field.zero
+    region = under_load(scene, loads.reached.middle)
+    carried = common_twist(scene, region)
+    if carried is not None and _grips_everywhere(scene):
+        reason = f"the twist ({', '.join(map(brief_text, carried))}) satisfies every row of every wheel"
+        return EveryLoadPoint(scene, loads, EveryLoad.CARRIED, carried, None, None, reason)
+    if _is_held(scene, loads):
+        reason = "under every load the sticking wheels balance the others strictly inside their friction limits"
+        return EveryLoadPoint(scene, loads, EveryLoad.HELD, Twist(zero, zero, zero), None, None, reason)
+    rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
+    for rate in rates:
+        pulls = wheel_pulls(scene, rate)
+        slope = None if pulls is None else common_slope(pulls)
+        if slope is not None:
+            return EveryLoadPoint(
+                scene, loads, EveryLoad.SMOOTH, Twist(zero, zero, rate), slope, None, _balance_text(rate)
+            )
+    for load in _suspects(scene, loads, rates):
+        if _is_refuted(scene, load):
+            return _moved(scene, loads, load)
+    reason = "forces do not balance alike under every load, but no load is found under which the body leaves the point"
+    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, None, None, None, reason)
+
+
+def _balance_text(rate: Number) -> str:
+    what = f"the spin {brief_text(rate)}" if rate else "rest"
+    return f"at {what} the friction of every wheel is linear in its place, so that it balances under every load"
+
+
+def _moved(scene: Scene, loads: LoadSet, load: Loads) -> EveryLoadPoint:
+    reason = f"under the load {load_text(load)} the body is driven away from the point"
+    return EveryLoadPoint(scene, loads, EveryLoad.MOVED, None, None, load, reason)
+
+
+def load_text(loads: Loads) -> str:
+    """The shares of the weight, rounded: of all wheels, of many those that carry most."""
+    if len(loads) > MOST_SHOWN:
+        heaviest = sorted(range(len(loads)), key=lambda k: -float(loads[k]))[:FEW_SHOWN]
+        named = ", ".join(f"{float(loads[k]):.4g} on wheel {k + 1}" for k in heaviest)
+        return f"({named}, the rest on others)"
+    return f"({', '.join(f'{float(load):.4g}' for load in loads)})"
+
+
+def _grips_everywhere(scene: Scene) -> bool:
+    """Whether all that can carry fix the motion: all wheels resist along and across, and none is right under c*."""
+    rule = smooth_rule_of(scene)
+    sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
+    return all(limits.along and limits.across for limits in sets) and all(any(w.position) for w in scene.wheels)
+
+
+def _is_held(scene: Scene, loads: LoadSet) -> bool:
+    """Whether sticking wheels hold the body at every corner of the set; strictly inside is a convex condition too."""
+    if all(wheel.scaled_speed and wheel.friction.roll for wheel in scene.wheels) or loads.bound.corners is None:
+        return False
+    regions = (under_load(scene, corner) for corner in loads.bound.corners)
+    return all(is_held(scene, region, rest_balance(scene, region)) for region in regions)
+
+
+def _suspects(scene: Scene, loads: LoadSet, rates: list[Number]) -> Iterator[Loads]:
+    """Loads under which a spin at one of the rates is far from balance; every wheel carries under them."""
+    reached = loads.reached
+    yield reached.middle
+    for rate in rates:
+        pulls = wheel_pulls(scene, rate)
+        for axis in (0, 1, 2) if pulls is not None else ():
+            prices = [wheel.pull[axis] for wheel in pulls or ()]
+            for side in (1, -1):
+                yield mixed(reached.lowest([price * side for price in prices]), reached.middle)
+
+
+def mixed(first: Loads, second: Loads) -> Loads:
+    """The mean of two loads."""
+    return tuple((a + b) / 2 for a, b in zip(first, second, strict=True))
+
+
+def _is_refuted(scene: Scene, load: Loads) -> bool:
+    """Whether the point is no equilibrium under one load, decided as for loads that are known."""
+    if isinstance(rule_of(scene), CellRule):
+        return is_driven_away(scene, load)
+    return ellipse_point(scene, (under_load(scene, load),)).equilibrium is Equilibrium.FAILS
+
+
+def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
+    """Slopes of D at a motion about the point are linear in the loads: exact linear programs over their set.
+
+    Where a slope vanishes under some load, other motions minimize D there too, and beside the point all velocities may
+    point to one side; the lemma on inward rims, c . v <= 0, excludes that.
+    """
+    zero = scene.field.zero
+    for rate in _box_rates(scene):
+        slopes = build_slopes(scene, rate)
+        least = -1 if slopes is None else slopes.least_sign(loads.bound)
+        if least > 0 or (least == 0 and cocircular_array(scene) is not None):
+            situation = EveryLoad.HELD if least > 0 else EveryLoad.TIED
+            what = f"the spin {brief_text(rate)}" if rate else "rest"
+            how = "D rises in every direction" if least > 0 else "D falls in no direction"
+            reason = f"at {what} {how}, under every load"
+            return EveryLoadPoint(scene, loads, situation, Twist(zero, zero, rate), None, None, reason)
+    for load in moving_loads(scene, loads):
+        if _is_refuted(scene, load):
+            return _moved(scene, loads, load)
+    reason = "rest is not shown to be the motion under every load, nor is a load found that drives the body away"
+    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, None, None, None, reason)
+
+
+def _box_rates(scene: Scene) -> list[Number]:
+    """Rest, and the spins at which a wheel rolls without slip."""
+    rates = {scene.field.zero: None}
+    for row in scene_rows(scene):
+        if row.normal[2]:
+            rates[row.rhs / row.normal[2]] = None
+    return list(rates)

@@ -1,0 +1,69 @@
+"""What commands say of scenes whose loads are unknown: verdicts, or one line that names the key."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+
+TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
+
+
+@pytest.fixture(params=['"any"', '{kind = "elastic", height = 0.1}'])
+def loads(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+def scene(tmp_path: Path, rule: str, loads: str) -> str:
+    path = tmp_path / "ring.toml"
+    path.write_text(TEXT.format(rule, loads), encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "box"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        "simulate {} --from 0.1,0,0",
+        "simulate {} --from 0.1,0,0 --method dynamics",
+        "derive {} -o {}.html",
+        "precision {}",
+        "stress {}",
+        "check {} --certificate {}.json",
+    ],
+)
+def test_what_needs_one_load_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], loads: str, rule: str, command: str
+) -> None:
+    file = scene(tmp_path, rule, loads)
+    assert run(app, command.replace("{}", file).split()) == 2
+    said = capsys.readouterr()
+    (line,) = said.err.splitlines()
+    assert "known" in line
+    assert "loads" in line
+    assert not said.out
+    assert [path.name for path in tmp_path.iterdir()] == ["ring.toml"]
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "box", "roller", "nearest"])
+def test_json_says_which_loads_are_meant(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], loads: str, rule: str
+) -> None:
+    assert run(app, ["check", scene(tmp_path, rule, loads), "--json", "--require", "position"]) in {0, 1}
+    record = json.loads(capsys.readouterr().out)
+    assert record["equilibrium"]["loads"].startswith("any" if "any" in loads else "elastic")
+    assert record["equilibrium"]["verdict"] == "holds"
+
+
+def test_json_holds_the_load_that_refutes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "grid.toml"
+    text = TEXT.replace("[ring]\ncount = 5", "[grid]\nrows = 3\ncolumns = 4").format("ellipse", '"any"')
+    path.write_text(text, encoding="utf-8")
+    assert run(app, ["check", str(path), "--json"]) == 1
+    load = json.loads(capsys.readouterr().out)["equilibrium"]["load"]
+    assert len(load) == 12
+    assert sum(load) == pytest.approx(1)
