@@ -155,6 +155,28 @@ def places_of(positions: Sequence[Vector], centre: Vector) -> list[BallVector]:
 
 
 @dataclass(frozen=True)
+class Cluster:
+    """A heading with wheels under the edge, or several that the balls do not tell apart.
+
+    Attributes:
+        theta: encloses them, in radians from the checked heading.
+        edges: wheels with their sides.
+    """
+
+    theta: arb
+    edges: tuple[EdgeHeading, ...]
+
+    @property
+    def wheels(self) -> tuple[int, ...]:
+        """Places of the wheels in the list of wheels, ascending."""
+        return tuple(sorted({edge.wheel for edge in self.edges}))
+
+    def merged(self, theta: arb, edges: Sequence[EdgeHeading]) -> Cluster:
+        """With what overlaps it."""
+        return Cluster(self.theta.union(theta), (*self.edges, *edges))
+
+
+@dataclass(frozen=True)
 class Gap:
     """An open interval of headings without a wheel under the edge.
 
@@ -169,23 +191,25 @@ class Gap:
     ends: tuple[tuple[int, ...], tuple[int, ...]]
 
 
-def gaps(found: Sequence[EdgeHeading]) -> list[Gap]:
-    """The intervals between headings that follow each other around; one full turn where there are none.
-
-    Headings whose balls overlap count as one: what lies between them, if anything, is in no gap.
-    """
+def clusters(found: Sequence[EdgeHeading]) -> list[Cluster]:
+    """Headings in ascending order, within one turn; those whose balls overlap count as one."""
+    ordered: list[Cluster] = []
+    for edge in sorted(found, key=lambda one: float(one.theta.mid())):
+        if ordered and ordered[-1].theta.overlaps(edge.theta):
+            ordered[-1] = ordered[-1].merged(edge.theta, [edge])
+        else:
+            ordered.append(Cluster(edge.theta, (edge,)))
     turn = 2 * arb.pi()
+    if len(ordered) > 1 and ordered[-1].theta.overlaps(ordered[0].theta + turn):
+        first = ordered.pop(0)
+        ordered[-1] = ordered[-1].merged(first.theta + turn, first.edges)
+    return ordered
+
+
+def gaps(found: Sequence[Cluster]) -> list[Gap]:
+    """From every cluster to the next, around; one full turn where there are none."""
     if not found:
         return [Gap(-arb.pi(), arb.pi(), ((), ()))]
-    ordered = sorted(found, key=lambda edge: float(edge.theta.mid()))
-    clusters: list[tuple[arb, list[int]]] = []
-    for edge in ordered:
-        if clusters and clusters[-1][0].overlaps(edge.theta):
-            ball, wheels = clusters[-1]
-            clusters[-1] = ball.union(edge.theta), [*wheels, edge.wheel]
-        else:
-            clusters.append((edge.theta, [edge.wheel]))
-    first, wheels = clusters[0]
-    pairs = zip(clusters, [*clusters[1:], (first + turn, wheels)], strict=True)
-    between = [Gap(low, high, (tuple(sorted(set(a))), tuple(sorted(set(b))))) for (low, a), (high, b) in pairs]
-    return [gap for gap in between if gap.low < gap.high]
+    first = Cluster(found[0].theta + 2 * arb.pi(), found[0].edges)
+    pairs = zip(found, [*found[1:], first], strict=True)
+    return [Gap(low.theta, high.theta, (low.wheels, high.wheels)) for low, high in pairs]

@@ -17,6 +17,7 @@ from flint import arb
 from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers
 from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.set_guesses import nearly_stuck, spatial
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.symbolic.edge_headings import BallOutline
@@ -32,7 +33,6 @@ DIFFERENCE = 1e-4  # of the body's size: for slopes
 LONGEST = 0.3  # step, of the half-width of the square
 SETTLED = 1e-6  # residual, of the fastest wheel's speed
 AT_REST = 1e-3  # speed on both sets, of the fastest wheel's, below which the body rests on either
-STICKS, STICKS_BESIDE_ROLLERS = 1e-4, 1e-2  # slip, of the fastest wheel's speed, below which a wheel may stick
 ALIKE = 1e-5  # of the body's size: places closer together are one
 BALANCED = 1e-9  # force and moment of a body at rest, of all friction
 LOADED_SETS = 10  # that are tried for one contact set
@@ -60,6 +60,11 @@ class EdgeRest:
     ratio: float
     loaded: tuple[tuple[bool, ...], tuple[bool, ...]]
     stuck: tuple[tuple[bool, ...], tuple[bool, ...]]
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """``(x, y)``."""
+        return self.pose[:2]
 
 
 @dataclass(frozen=True)
@@ -107,6 +112,7 @@ class RestSearch:
         self._point = np.array([float(entry) for entry in scene.check.equilibrium])
         self._fastest = float(np.abs(self.model.speeds).max()) or 1.0
         self._motions = MotionsOnSets(self.model, self._outline.size)
+        self._pulls = self._forces_at_rest()
         self.reach = self._spacing()
 
     @property
@@ -165,13 +171,13 @@ class RestSearch:
         for k in np.flatnonzero(settled & fast & inside & near & first.known & second.known):
             kept = [int(j) for j in np.flatnonzero(without[k])]
             wheel, place = int(wheels[k]), unknowns[k, :2]
-            twists = [self._spatial(found.rates[k], place) for found in (first, second)]
+            twists = [spatial(found.rates[k], place, self.size) for found in (first, second)]
             groups = (kept, [*kept, wheel])
             loaded = [
                 tuple(bool(found.loads[k, j] > 0) for j in group)
                 for found, group in zip((first, second), groups, strict=True)
             ]
-            stuck = [self._stuck(twist, group) for twist, group in zip(twists, groups, strict=True)]
+            stuck = [nearly_stuck(self.model, twist, group) for twist, group in zip(twists, groups, strict=True)]
             share, (x, y) = unknowns[k, 2], (float(value) for value in place)
             vx, vy, omega = (float(value) for value in twists[0])
             for theta in self._headings(without[k], wheel, (x, y)):
@@ -184,17 +190,6 @@ class RestSearch:
                     (loaded[0], loaded[1]),
                     (stuck[0], stuck[1]),
                 )
-
-    def _spatial(self, rate: Floats, place: Floats) -> Floats:
-        """``(v, omega)`` of a rate ``(c', size theta')``."""
-        omega = rate[2] / self._outline.size
-        return np.array([rate[0] + omega * place[1], rate[1] - omega * place[0], omega])
-
-    def _stuck(self, twist: Floats, wheels: list[int]) -> tuple[bool, ...]:
-        """Which wheels hardly slip."""
-        slips = np.abs(self.model.slips(twist)).max(axis=-1)[wheels]
-        limit = STICKS_BESIDE_ROLLERS if (self.model.cuts < 1).any() else STICKS
-        return tuple(bool(slip <= limit * self._fastest) for slip in slips)
 
     def on_one_set(self, met: MetSets) -> Iterator[SetRest]:
         """Rest on one set of wheels, where all of them slip: forces and moment balance."""
@@ -284,13 +279,11 @@ class RestSearch:
         return found
 
     def _balanced(self, carrying: Mask) -> Floats | None:
-        """``c`` with ``sum N_i(c) mu_R sgn(u_i) (d_i, d_i . J p_i) = 0``; None where there is none, or wheels stick."""
+        """``c`` with ``sum N_i(c) f_i (1, p_i) = 0``, f_i at rest; None where there is none, or wheels stick."""
         wheels = np.flatnonzero(carrying)
-        if len(wheels) < 3:
+        if len(wheels) < 3 or not self._pulls[wheels].any(axis=1).all():
             return None
-        pulls = (self.model.mu_roll * np.sign(self.model.speeds))[wheels, None] * self.model.rows[::2][wheels]
-        if not pulls.any(axis=1).all():
-            return None
+        pulls = self._pulls[wheels]
         moments = np.column_stack([np.ones(len(wheels)), self.model.positions[wheels]])
         loaded, scale = np.ones(len(wheels), bool), np.abs(pulls).max()
         for _ in range(LOADED_SETS):
@@ -306,6 +299,17 @@ class RestSearch:
                 return np.asarray(place) if residual <= BALANCED * scale else None
             loaded = pressed
         return None
+
+    def _forces_at_rest(self) -> Floats:
+        """Force and moment of every wheel under a body at rest, for each unit of load, (n, 3)."""
+        limits, speeds = self.model.friction.reshape(-1, 2), self.model.targets.reshape(-1, 2)
+        sizes = np.linalg.norm(limits * speeds, axis=1)
+        shares = limits * speeds / np.where(sizes > 0, sizes, 1.0)[:, None]
+        cuts = self.model.cuts
+        turn = np.abs(shares[:, 1]) > cuts
+        corners = np.sign(shares) * np.column_stack([np.sqrt(1 - cuts**2), cuts])
+        forces = limits * np.where(turn[:, None], corners, shares)
+        return (forces[:, :, None] * self.model.rows.reshape(-1, 2, 3)).sum(axis=1)
 
     def _spacing(self) -> float:
         """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""

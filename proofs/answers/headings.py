@@ -16,13 +16,16 @@ from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_TRANSLATION
 from nonsmooth.proofs.headings.search import EquilibriumHeadings, SampledRest, equilibrium_headings
+from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.headings.at_point import OpenHeadings
     from nonsmooth.proofs.headings.intervals import RestInterval
     from nonsmooth.proofs.headings.isolated import EdgePose
+    from nonsmooth.proofs.headings.turned_back import TurnedBack
 
 Real: TypeAlias = Number | arb | float
 
@@ -82,11 +85,13 @@ class HeadingsOfRest:
 
     Attributes:
         found: the entries.
+        undecided: headings at the checked point of which nothing is proved; at all others the body does not rest there.
         reach: half-width of the square of places about the checked point that was searched; None: that point alone.
         left_out: points of rest that were seen and not decided, for there were too many.
     """
 
     found: tuple[HeadingOfRest, ...]
+    undecided: tuple[OpenHeadings, ...]
     reach: float | None
     left_out: int
 
@@ -96,16 +101,22 @@ class HeadingsOfRest:
         return tuple(entry for entry in self.found if entry.verdict is Heading.RETURNS)
 
 
-def headings_of_rest(scene: Scene) -> HeadingsOfRest | None:
-    """The headings at which the body of a scene rests, verified; None where the heading does not matter."""
-    found = equilibrium_headings(scene)
+def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | None:
+    """The headings at which the body of a scene rests, verified; None where the heading does not matter.
+
+    Args:
+        scene: with the body at the checked pose.
+        around: search around the checked point too.
+    """
+    found = equilibrium_headings(scene, around=around)
     if found is None:
         return None
     entries = sorted(_entries(verified(found)), key=_rank)
-    return HeadingsOfRest(tuple(entries), found.reach, found.left_out)
+    return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out)
 
 
 def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
+    yield from (_of_turned_back(pose) for pose in found.turned_back)
     yield from (_of_pose(pose) for pose in found.isolated)
     yield from (_of_interval(interval) for interval in found.intervals)
     yield from (_of_sample(sample) for sample in found.sampled)
@@ -118,10 +129,19 @@ def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, float]:
 
 def _of_interval(interval: RestInterval) -> HeadingOfRest:
     edge = tuple(sorted({wheel for end in interval.ends for wheel in end}))
-    kind = Kind.INTERVAL if interval.rests else Kind.TURNING
-    position, verdict = OF_TRANSLATION[interval.translation], OF_ROTATION[interval.rotation]
-    at, gap = interval.scene.check.equilibrium, interval.gap
-    return HeadingOfRest(kind, gap.low, gap.high, None, at, interval.wheels, edge, position, verdict, proved=True)
+    stay, gap = interval.stay, interval.gap
+    kind = Kind.INTERVAL if stay.kind is Stays.RESTS else Kind.TURNING
+    position, verdict = OF_TRANSLATION[stay.translation], OF_ROTATION[stay.rotation]
+    at, wheels = interval.scene.check.equilibrium, interval.wheels or ()
+    return HeadingOfRest(kind, gap.low, gap.high, None, at, wheels, edge, position, verdict, proved=True)
+
+
+def _of_turned_back(pose: TurnedBack) -> HeadingOfRest:
+    position, verdict = _OF_FATE[pose.position][0], _OF_FATE[pose.heading][1]
+    at, theta = pose.scene.check.equilibrium, pose.cluster.theta
+    return HeadingOfRest(
+        Kind.ISOLATED, None, None, theta, at, pose.inside, pose.edge, position, verdict, proved=True, reason=pose.reason
+    )
 
 
 _OF_FATE = {

@@ -1,11 +1,12 @@
 """The motion on one set of wheels in balls, under a rule without cells: forces, their slopes, and loads.
 
 The spatial twist ``xi = (v, omega)`` minimizes ``D = sum_i N_i(c) f_i(r_i, s_i)`` with the slips
-``r_i = a_i . xi - u_i`` and ``s_i = b_i . xi`` and the support functions f_i of the friction sets
-(:mod:`nonsmooth.symbolic.friction_set`), so the centre of mass enters through the loads alone.  Where every loaded
-wheel slips, ``G(xi, c) = sum_i N_i(c) (f_i,r a_i + f_i,s b_i) = 0`` determines it.  A wheel that sticks adds two
-equations, no slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces
-inside the friction sets and a regular Jacobian is the only minimizer, and smooth in c.
+``(r_i, s_i) = (a_i . xi, b_i . xi) - w_i`` along and across the friction axis (``w_i = (u_i, 0)`` where that is the
+rim) and the support functions f_i of the friction sets (:mod:`nonsmooth.symbolic.friction_set`), so the centre of mass
+enters through the loads alone.  Where every loaded wheel slips,
+``G(xi, c) = sum_i N_i(c) (f_i,r a_i + f_i,s b_i) = 0`` determines it.  A wheel that sticks adds two equations, no
+slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces inside the
+friction sets and a regular Jacobian is the only minimizer, and smooth in c.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ class BallWheel:
 
     Attributes:
         row: a and b as columns, shape (3, 2): unit rows on the spatial twist.
-        speed: u.
+        speed: w as a column, (2, 1): of the surface along the friction axis and across it.
         moment: ``(1, p)`` as a column.
         axes: squares of the half-axes of the friction set.
         half_axes: of the friction set.
@@ -43,7 +44,7 @@ class BallWheel:
     """
 
     row: arb_mat
-    speed: arb
+    speed: arb_mat
     moment: arb_mat
     axes: Pair
     half_axes: Pair
@@ -60,7 +61,8 @@ class BallWheel:
         axes = (along * along, across * across)
         rows = arb_mat([[p, q] for p, q in zip(a, b, strict=True)])
         moment = arb_mat([[arb(1)], [x], [y]])
-        return cls(rows, ball_of(wheel.speed), moment, axes, (along, across), cut if limits.is_cut else None, corner)
+        speed = arb_mat([[ball_of(entry)] for entry in wheel.slip_speeds])
+        return cls(rows, speed, moment, axes, (along, across), cut if limits.is_cut else None, corner)
 
     def force(self, twist: arb_mat) -> tuple[arb_mat, arb_mat]:
         """Gradient (2, 1) and Hessian (2, 2) of f at the slips of a twist (3, 1).
@@ -68,8 +70,8 @@ class BallWheel:
         Raises:
             UnprovedError: where they may not exist.
         """
-        slips = self.row.transpose() * twist
-        r, s = slips[0, 0] - self.speed, slips[1, 0]
+        slips = self.row.transpose() * twist - self.speed
+        r, s = slips.entries()
         roll, side = self.axes
         square = roll * r * r + side * s * s
         if self.cut is not None:
@@ -186,8 +188,7 @@ class BallMotion:
             if stuck:
                 force = arb_mat([[forces[row - 3, 0]], [forces[row - 2, 0]]])
                 way, rows = wheel.grip * force, wheel.row.transpose()
-                slips = rows * twist
-                add(values, row, 0, arb_mat([[slips[0, 0] - wheel.speed], [slips[1, 0]]]))
+                add(values, row, 0, rows * twist - wheel.speed)
                 add(state, row, 0, rows)
                 add(state, 0, row, wheel.grip * load)
                 row += 2

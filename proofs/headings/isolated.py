@@ -26,7 +26,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 from flint import arb, arb_mat, ctx
 
@@ -34,18 +33,11 @@ from nonsmooth.analysis.bodies.edge_rests import EdgeRest
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UnprovedError, add
 from nonsmooth.proofs.headings.krawczyk import contracted, zero_near
+from nonsmooth.proofs.headings.slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
 from nonsmooth.symbolic.edge_headings import BallOutline, BallVector, ball_of, halved, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
-
-
-class Fate(StrEnum):
-    """What becomes of a body that starts near a pose of rest."""
-
-    RETURNS = "returns"
-    LEAVES = "leaves"
-    UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -176,7 +168,7 @@ def _decided(equations: EdgeEquations, box: arb_mat) -> EdgePose:
     return _with(found, fates, "" if Fate.UNDECIDED not in fates else "no eigenvalue decides")
 
 
-def _with(pose: EdgePose, fates: tuple[Fate, Fate], reason: str) -> EdgePose:
+def _with(pose: EdgePose, fates: Fates, reason: str) -> EdgePose:
     return EdgePose(pose.scene, pose.candidate, pose.box, pose.theta, *fates, reason)
 
 
@@ -206,7 +198,7 @@ def _heading(equations: EdgeEquations, centre: arb_mat) -> tuple[arb, int | None
     return edge.theta, edge.side
 
 
-def _fates(equations: EdgeEquations, image: arb_mat, theta: arb, side: int | None) -> tuple[Fate, Fate]:
+def _fates(equations: EdgeEquations, image: arb_mat, theta: arb, side: int | None) -> Fates:
     """What becomes of place and heading.
 
     Raises:
@@ -218,31 +210,17 @@ def _fates(equations: EdgeEquations, image: arb_mat, theta: arb, side: int | Non
     if scene.body is None:
         raise ValueError("required a scene with a body")
     normal = BallOutline(scene.body).outward(side, place, theta)
-    at = tuple(ball_of(entry) for entry in scene.wheels[wheel].position)
-    rate = arb_mat([[normal[0], normal[1], dot(normal, (-at[1], at[0]))]])
+    x, y = scene.wheels[wheel].position
+    rate = edge_rate(normal, (ball_of(x), ball_of(y)))
     coming = (rate * twist)[0, 0]
     if coming < 0:
-        return _driven_off(centre, twist)
+        (vx, vy, omega), (p, q) = twist.entries(), centre.entries()
+        return driven_off((vx - omega * q, vy + omega * p), omega)
     if not coming > 0:
         raise UnprovedError("motions that may run along the edge")
     if not abs(dot(normal, (-place[1], place[0]))) > 0:
         raise UnprovedError("a wheel that a turn does not take across the edge")
-    matrix = _slide(equations, image, rate)
-    trace, determinant = matrix[0, 0] + matrix[1, 1], matrix.det()
-    if trace < 0 and determinant > 0:
-        return Fate.RETURNS, Fate.RETURNS
-    if trace > 0 or determinant < 0:
-        return Fate.LEAVES, Fate.UNDECIDED
-    raise UnprovedError("eigenvalues on the imaginary axis, or nearly so")
-
-
-def _driven_off(centre: arb_mat, twist: arb_mat) -> tuple[Fate, Fate]:
-    """Both motions lead away: what they move leaves."""
-    x, y = centre.entries()
-    vx, vy, omega = twist.entries()
-    moves = not (vx - omega * y).contains(0) or not (vy + omega * x).contains(0)
-    turns = not omega.contains(0)
-    return (Fate.LEAVES if moves else Fate.UNDECIDED), (Fate.LEAVES if turns else Fate.UNDECIDED)
+    return fates_of_slide(_slide(equations, image, rate), normal)
 
 
 def _slide(equations: EdgeEquations, image: arb_mat, rate: arb_mat) -> arb_mat:
@@ -251,10 +229,7 @@ def _slide(equations: EdgeEquations, image: arb_mat, rate: arb_mat) -> arb_mat:
     first, second = equations.pulls(image)
     weight = 1 / ratio
     mixed = (first.twist_slope() + second.twist_slope() * weight) * (1 / (1 + weight))
-    along = twist * (rate * mixed) * (1 / (rate * twist)[0, 0])
-    x, y = centre.entries()
-    moved = arb_mat([[arb(1), arb(0), -y], [arb(0), arb(1), x]])
-    return moved * (mixed - along)
+    return slide(centre, twist, mixed, rate)
 
 
 def _parts(unknowns: arb_mat) -> tuple[arb_mat, arb_mat, arb]:

@@ -1,8 +1,9 @@
 """Equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one.
 
-At the checked point every heading is decided, under every contact rule.  Under a rule without cells rest is also
-looked for around that point, in floats, and what is found is decided: exactly on one set of wheels, in ball arithmetic
-with one wheel under the edge.  That search may miss poses; what it finds and cannot prove is called sampled.
+At the checked point every heading is decided or named as undecided, under every contact rule.  Under a rule without
+cells rest is also looked for around that point, in floats, and what is found is decided: exactly on one set of wheels,
+in ball arithmetic with one wheel under the edge.  That search may miss poses, among them all off the point with several
+wheels under the edge; what it finds and cannot prove is called sampled.
 """
 
 from __future__ import annotations
@@ -17,14 +18,18 @@ import numpy as np
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval
+from nonsmooth.proofs.headings.at_point import OpenHeadings, point_headings
+from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval, Wheels
 from nonsmooth.proofs.headings.isolated import EdgePose, decide_edge_pose
+from nonsmooth.proofs.headings.stay import Stay
+from nonsmooth.proofs.headings.turned_back import TurnedBack
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import Vector, around, cross
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.edge_rests import RestSearch, SetRest
@@ -55,6 +60,8 @@ class EquilibriumHeadings:
 
     Attributes:
         intervals: ranges of headings on one set of wheels, proved.
+        turned_back: single headings at the checked point, between turns that lead to them or away.
+        undecided: headings at the checked point of which nothing is proved.
         isolated: poses with one wheel under the edge; ``is_proved`` says which are.
         sampled: points on one set of wheels that are not proved.
         reach: half-width of the square of places that was searched; None where it was the checked point alone.
@@ -62,6 +69,8 @@ class EquilibriumHeadings:
     """
 
     intervals: tuple[RestInterval, ...]
+    turned_back: tuple[TurnedBack, ...] = ()
+    undecided: tuple[OpenHeadings, ...] = ()
     isolated: tuple[EdgePose, ...] = ()
     sampled: tuple[SampledRest, ...] = ()
     reach: float | None = None
@@ -69,12 +78,9 @@ class EquilibriumHeadings:
 
     def check(self) -> bool:
         """Verify every claim again; what a set of wheels does at a point is decided again once."""
-        firsts: dict[tuple[Vector, tuple[int, ...]], RestInterval] = {}
-        for found in self.intervals:
-            first = firsts.setdefault((found.scene.check.equilibrium, found.wheels), found)
-            if not (found.check() if first is found else found.repeats(first)):
-                return False
-        return all(pose.check() for pose in self.isolated)
+        known: dict[tuple[Vector, Wheels], Stay] = {}
+        intervals = all(interval.check(known) for interval in self.intervals)
+        return intervals and all(pose.check() for pose in (*self.turned_back, *self.isolated))
 
 
 def heading_matters(scene: Scene) -> bool:
@@ -97,27 +103,35 @@ def heading_matters(scene: Scene) -> bool:
     return bool(((distances > inner - close) & (distances < outer + close)).any())
 
 
-def equilibrium_headings(scene: Scene) -> EquilibriumHeadings | None:
-    """Headings at which the body of a scene rests; None where the heading does not matter.
+def equilibrium_headings(scene: Scene, *, around: bool = False) -> EquilibriumHeadings | None:
+    """Headings at which the body of a scene rests; None where the heading does not matter, and for unknown loads.
 
     Args:
-        scene: with the body at the checked pose; a table of loads, known for one set of wheels only, is not searched.
+        scene: with the body at the checked pose.
+        around: search around the checked point too, under a rule without cells and with elastic loads.
     """
-    if not heading_matters(scene):
-        return None
-    at_point = HeadingsAt(scene, scene.check.equilibrium)
-    intervals = list(at_point.intervals())
     rule = rule_of(scene)
-    if not isinstance(rule, SmoothRule) or scene.contact.loads is not None:
-        return EquilibriumHeadings(tuple(intervals))
+    if not heading_matters(scene) or (rule.needs_loads and isinstance(scene.contact.loads, UnknownLoads)):
+        return None
+    found = point_headings(HeadingsAt(scene, scene.check.equilibrium))
+    at_point = EquilibriumHeadings(found.intervals, found.turned_back, found.undecided)
+    if not around or not isinstance(rule, SmoothRule) or scene.contact.loads is not None:
+        return at_point
+    return _with_surroundings(at_point, whole(scene), rule)
+
+
+def _with_surroundings(at_point: EquilibriumHeadings, every: Scene, rule: SmoothRule) -> EquilibriumHeadings:
+    """What is found around the point beside what is known at it."""
     from nonsmooth.analysis.bodies.edge_rests import RestSearch, distinct  # SciPy: only a search loads it
 
-    every = whole(scene)
     search = RestSearch(every, rule)
     met = search.meet()
-    isolated = [decide_edge_pose(every, found) for found in distinct(search.under_the_edge(met), search.size)]
+    poses = [
+        rest for rest in distinct(search.under_the_edge(met), search.size) if not search.is_at_the_point(rest.place)
+    ]
+    isolated = tuple(decide_edge_pose(every, rest) for rest in poses)
     elsewhere = _elsewhere(search, list(search.on_one_set(met)))
-    sampled: list[SampledRest] = []
+    intervals, sampled = list(at_point.intervals), []
     for found in elsewhere[:MOST_POINTS]:
         proved = _intervals_of(every, found)
         intervals += proved
@@ -125,7 +139,14 @@ def equilibrium_headings(scene: Scene) -> EquilibriumHeadings | None:
             wheels = tuple(every.wheels[k].index for k in found.wheels)
             sampled.append(SampledRest(wheels, found.place, found.theta))
     left_out = max(len(elsewhere) - MOST_POINTS, 0)
-    return EquilibriumHeadings(tuple(intervals), tuple(isolated), tuple(sampled), search.reach, left_out)
+    return replace(
+        at_point,
+        intervals=tuple(intervals),
+        isolated=isolated,
+        sampled=tuple(sampled),
+        reach=search.reach,
+        left_out=left_out,
+    )
 
 
 def _elsewhere(search: RestSearch, found: list[SetRest]) -> list[SetRest]:
@@ -143,11 +164,14 @@ def _intervals_of(scene: Scene, found: SetRest) -> list[RestInterval]:
     except (RefusalError, SceneError, WorkLimitError):
         return []
     wheels = tuple(scene.wheels[k].index for k in found.wheels)
-    return [interval for point in points[:1] for interval in HeadingsAt(scene, point).intervals(wheels)]
+    sectors = [sector for point in points[:1] for sector in HeadingsAt(scene, point).sectors(wheels)]
+    return [sector for sector in sectors if sector.stay.is_equilibrium]
 
 
 def _exact_points(scene: Scene, found: SetRest) -> Iterator[Vector]:
     """Where forces balance on these wheels, for each form that the loads have near the sampled point."""
+    if any(scene.wheels[k].axis is not None for k in found.wheels):
+        return  # forces along friction axes are no numbers of the scene
     near = tuple(scene.field(Fraction(value).limit_denominator(NEAR)) for value in found.place)
     wheels = tuple(replace(scene.wheels[k], index=number) for number, k in enumerate(found.wheels, 1))
     there = replace(scene, wheels=wheels, body=None, check=replace(scene.check, equilibrium=(near[0], near[1])))
