@@ -26,12 +26,15 @@ from nonsmooth.symbolic.scene import Scene
 PLACES = 11  # along each side of the square of places
 HEADINGS = 360  # over a full turn
 GENERIC = 0.0137, 0.0071  # shift of the places, in steps: symmetric arrays bring no two wheels to the edge at once
-MOST_PAIRS = 400  # pairs of contact sets that are followed, those whose motions nearly cancel where they are met
-STEPS = 12  # of Newton's method
-SLOWED = 0.05  # residual, of the fastest wheel's speed, above which half of the steps led nowhere
+CENTRES = 8  # places at which one pair of contact sets is looked at
+STARTS = 3  # of them from which it is followed, those where its motions nearly cancel
+MOST_STARTS = 1200  # of all pairs
+STEPS = 30  # of Newton's method
+SHORTENED = 0.4  # share of a step that is tried after one that raised the residual
 DIFFERENCE = 1e-4  # of the body's size: for slopes
 LONGEST = 0.3  # step, of the half-width of the square
 SETTLED = 1e-6  # residual, of the fastest wheel's speed
+SHORTEST = 1e-9  # step, of the body's size
 AT_REST = 1e-3  # speed on both sets, of the fastest wheel's, below which the body rests on either
 ALIKE = 1e-5  # of the body's size: places closer together are one
 BALANCED = 1e-9  # force and moment of a body at rest, of all friction
@@ -82,9 +85,9 @@ class MetSets:
 
     Attributes:
         sets: contact sets (k, n).
-        pairs: contact sets without a wheel (m, n), of pairs that differ by it.
+        pairs: contact sets without a wheel (m, n), of pairs that differ by it; one row for each place.
         wheels: the wheels by which they differ (m,).
-        centres: a place at which each pair was met (m, 2).
+        centres: places at which the pairs were met (m, 2).
         reach: half-width of the square of places.
     """
 
@@ -134,7 +137,7 @@ class RestSearch:
         width = steps[1] - steps[0]
         headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
         sets: dict[bytes, Mask] = {}
-        pairs: dict[tuple[bytes, int], tuple[Mask, Floats]] = {}
+        pairs: dict[tuple[bytes, int], list[tuple[Mask, Floats]]] = {}
         places = [self._point + np.add((x, y), np.multiply(GENERIC, width)) for x in steps for y in steps]
         for place in sorted(places, key=lambda at: float(np.hypot(*(at - self._point)))):
             poses = np.column_stack([np.tile(place, (HEADINGS, 1)), headings])
@@ -147,8 +150,10 @@ class RestSearch:
                 wheel = int(changed[k].argmax())
                 without = under[k].copy()
                 without[wheel] = False
-                pairs.setdefault((without.tobytes(), wheel), (without, place))
-        chosen = list(pairs.items())
+                met = pairs.setdefault((without.tobytes(), wheel), [])
+                if not met or met[-1][1] is not place:
+                    met.append((without, place))
+        chosen = [(key, one) for key, places in pairs.items() for one in _spread(places)]
         count = self.model.wheels
         return MetSets(
             np.array(list(sets.values())).reshape(-1, count),
@@ -219,32 +224,39 @@ class RestSearch:
         sizes = np.maximum(*(np.linalg.norm(found.rates, axis=1) for found in (first, second)))
         left = np.linalg.norm(first.rates + share[:, None] * along, axis=1) / np.maximum(sizes, np.finfo(float).tiny)
         left[~(first.known & second.known)] = np.inf
-        chosen = np.argsort(left, kind="stable")[:MOST_PAIRS]
-        chosen = chosen[np.isfinite(left[chosen])]
+        chosen = _least(left, met)
         starts = np.column_stack([met.centres[chosen], share[chosen]])
         return met.pairs[chosen], met.wheels[chosen], including[chosen], starts
 
     def _newton(self, without: Mask, including: Mask, starts: Floats) -> tuple[Floats, Mask]:
-        """``(x, y, w)`` of every pair, (m, 3), and whether the residual vanishes."""
-        unknowns = starts.copy()
-        going, settled = np.ones(len(starts), bool), np.zeros(len(starts), bool)
-        longest = LONGEST * self.reach
+        """``(x, y, w)`` of every pair, (m, 3), and whether the residual vanishes; steps that raise it are shortened."""
+        unknowns, steps = starts.copy(), np.zeros((len(starts), 3))
+        least = np.full(len(starts), np.inf)
+        going = np.ones(len(starts), bool)
         rates = np.zeros((2, len(starts), 3))
-        for step in range(STEPS):
+        for _ in range(STEPS):
             at = np.flatnonzero(going)
             if not len(at):
                 break
-            sets = without[at], including[at]
-            values, slopes, known, rates[:, at] = self._residuals(sets, unknowns[at], rates[:, at])
-            steps = np.stack([np.linalg.lstsq(a, -b, rcond=None)[0] for a, b in zip(slopes, values, strict=True)])
-            size = np.maximum(np.hypot(*steps[:, :2].T) / longest, 1.0)
-            unknowns[at] += steps / size[:, None]
-            left = np.abs(values).max(axis=1) / self._fastest
-            settled[at] = (left <= SETTLED) & known
+            trial = unknowns[at] + steps[at]
+            values, slopes, known, rates[:, at] = self._residuals((without[at], including[at]), trial, rates[:, at])
+            left = np.where(known, np.abs(values).max(axis=1) / self._fastest, np.inf)
+            better = left < least[at]
+            steps[at[~better]] *= SHORTENED
+            gained = at[better]
+            unknowns[gained], least[gained] = trial[better], left[better]
+            steps[gained] = self._newton_steps(values[better], slopes[better])
             lost = np.abs(unknowns[at, :2] - self._point).max(axis=1) > 2 * self.reach
-            lost |= (left > SLOWED) & (step >= STEPS // 2)
-            going[at] = known & ~lost & (np.abs(steps).max(axis=1) > SETTLED * self._outline.size)
-        return unknowns, settled
+            short = np.abs(steps[at]).max(axis=1) <= SHORTEST * self._outline.size
+            going[at] = np.isfinite(least[at]) & (least[at] > SETTLED) & ~lost & ~short
+        return unknowns, least <= SETTLED
+
+    def _newton_steps(self, values: Floats, slopes: Floats) -> Floats:
+        """Solutions of the linearized equations (m, 3), none longer than a share of the square."""
+        steps = np.array([np.linalg.lstsq(a, -b, rcond=None)[0] for a, b in zip(slopes, values, strict=True)])
+        steps = steps.reshape(-1, 3)
+        size = np.maximum(np.hypot(*steps[:, :2].T) / (LONGEST * self.reach), 1.0)
+        return np.asarray(steps / size[:, None])
 
     def _residuals(
         self, sets: tuple[Mask, Mask], unknowns: Floats, near: Floats
@@ -319,6 +331,24 @@ class RestSearch:
         distances = np.linalg.norm(places[:, None] - places, axis=2)
         np.fill_diagonal(distances, np.inf)
         return min(float(np.median(distances.min(axis=1))), self.size)
+
+
+def _spread(places: list[tuple[Mask, Floats]]) -> list[tuple[Mask, Floats]]:
+    """A few of many, evenly."""
+    step = max(1, -(-len(places) // CENTRES))
+    return places[::step]
+
+
+def _least(left: Floats, met: MetSets) -> Numbers:
+    """The rows from which pairs are followed, those with the least residual first."""
+    taken: dict[tuple[bytes, int], int] = {}
+    chosen = []
+    for k in np.argsort(left, kind="stable"):
+        key = met.pairs[k].tobytes(), int(met.wheels[k])
+        taken[key] = taken.get(key, 0) + 1
+        if taken[key] <= STARTS and np.isfinite(left[k]):
+            chosen.append(k)
+    return np.array(chosen[:MOST_STARTS], int)
 
 
 def distinct(rests: Iterator[EdgeRest], size: float) -> list[EdgeRest]:
