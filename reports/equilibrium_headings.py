@@ -16,9 +16,12 @@ from nonsmooth.symbolic.number_text import float_text, lower_text, place_text, u
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flint import arb
 
     from nonsmooth.proofs.answers.headings import HeadingOfRest, HeadingsOfRest
+    from nonsmooth.proofs.headings.at_point import OpenHeadings
 
 DIGITS = 4
 ROUNDED = 1e-12  # coordinates below are zero but for rounding
@@ -27,32 +30,55 @@ HEADER = ("theta", "at", "wheels", "near there", "heading", "status")
 
 
 def headings_view(headings: HeadingsOfRest) -> RenderableType:
-    """A table of the entries that attract first."""
+    """A table of the entries that attract first, and what is not known."""
+    said = [Text(note) for note in notes(headings)]
     if not headings.found:
-        return Text(title(headings))
+        return Group(Text(title(headings)), *said)
     table = header_table(*HEADER, widest="wheels")
     for entry in headings.found[:MOST_SHOWN]:
         table.add_row(*row(entry))
-    rest = more(headings)
-    return Group(Text(title(headings)), table, *([Text(rest)] if rest else []))
+    return Group(Text(title(headings)), table, *said)
 
 
 def title(headings: HeadingsOfRest) -> str:
     """What was looked for, where."""
     where = "at the checked point"
     if headings.reach is not None:
-        where = f"within {float_text(headings.reach, DIGITS)} of the checked point along x and y"
-    found = "" if headings.found else " none found"
-    return f"equilibrium headings {where} (theta in rad from the checked heading; a search may miss some):{found}"
+        where += f" and, as a search found, within {float_text(headings.reach, DIGITS)} of it along x and y"
+    found = "" if headings.found else " none"
+    return f"equilibrium headings {where} (theta in rad from the checked heading):{found}"
 
 
-def more(headings: HeadingsOfRest) -> str:
-    """How many entries are not shown, and how many points were not decided."""
+def notes(headings: HeadingsOfRest) -> list[str]:
+    """How many entries are not shown, what is proved of all other headings, and what is not decided or not found."""
     hidden = len(headings.found) - MOST_SHOWN
-    parts = [f"{hidden} more (--json lists them)"] if hidden > 0 else []
+    said = [f"{hidden} more (--json lists them)"] if hidden > 0 else []
+    every = any(entry.is_every_heading for entry in headings.found)
+    if headings.undecided:
+        said.append(f"not decided at the checked point: theta = {_open_text(headings.undecided)}")
+    if not every:
+        listed = ["those listed, with the ends of ranges"] if any(entry.rests for entry in headings.found) else []
+        besides = [*listed, *(["those not decided"] if headings.undecided else [])]
+        but = f" but {' and '.join(besides)}" if besides else ""
+        said.append(f"at the checked point the body is proved to rest at no heading{but}")
     if headings.left_out:
-        parts.append(f"{headings.left_out} more points of rest on one set of wheels were seen and not decided")
-    return "; ".join(parts)
+        said.append(f"{headings.left_out} more points of rest on one set of wheels were seen and not decided")
+    if headings.reach is not None:
+        said.append("off the checked point the search may have missed some, and it looks for none with several wheels")
+        said[-1] += " under the edge"
+    elif headings.can_search:
+        said.append("off the checked point they are not looked for (--headings does)")
+    return said
+
+
+def _open_text(undecided: Sequence[OpenHeadings]) -> str:
+    """The first of them."""
+    texts = [
+        float_text(_plain(float(one.low)), DIGITS) if one.edge else f"{_below(one.low)} to {_above(one.high)}"
+        for one in undecided[:MOST_SHOWN]
+    ]
+    more = len(undecided) - MOST_SHOWN
+    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
 
 
 def row(entry: HeadingOfRest) -> tuple[str, str, str, str, str, str]:
@@ -101,7 +127,18 @@ def headings_record(headings: HeadingsOfRest) -> Record:
         )
         for entry in headings.found
     ]
-    return {"searched_within": headings.reach, "left_out": headings.left_out, "found": entries}
+    undecided = [
+        as_record(
+            {"from": Quantity(one.low), "to": Quantity(one.high), "edge": list(one.edge), "reason": one.reason or None}
+        )
+        for one in headings.undecided
+    ]
+    return {
+        "searched_within": headings.reach,
+        "left_out": headings.left_out,
+        "undecided": undecided,
+        "found": entries,
+    }
 
 
 def _above(ball: arb) -> str:

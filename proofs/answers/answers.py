@@ -44,22 +44,28 @@ def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
     return tuple(question(check.scene, check.results) for question in QUESTIONS.values())
 
 
-def full_answers(check: Theorem4Result, *, ask_others: bool = True) -> Answers:
-    """The answers with what they leave open: where bodies go otherwise, and what the other rules say."""
+def full_answers(check: Theorem4Result, *, ask_others: bool = True, around: bool = False) -> Answers:
+    """The answers with what they leave open: where bodies go otherwise, and what the other rules say.
+
+    Args:
+        check: the verdicts.
+        ask_others: say what the other rules say.
+        around: look for headings of rest around the checked point too.
+    """
     answers = answers_of(check)
     position = answers[0].verdict
     goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
     destinations = _destinations_of(check) if goes_elsewhere else None
     others = other_rules(check.scene) if ask_others else ()
-    return Answers(answers, destinations, others, _headings_of(check))
+    return Answers(answers, destinations, others, _headings_of(check, around=around))
 
 
-def _headings_of(check: Theorem4Result) -> HeadingsOfRest | None:
+def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:
     if check.scene.body is None:
         return None
     from nonsmooth.proofs.answers.headings import headings_of_rest  # a search: only a body with an outline needs it
 
-    return headings_of_rest(check.scene)
+    return headings_of_rest(check.scene, around=around)
 
 
 def _destinations_of(check: Theorem4Result) -> Destinations | None:

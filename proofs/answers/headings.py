@@ -15,7 +15,7 @@ from flint import arb
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_TRANSLATION
-from nonsmooth.proofs.headings.search import EquilibriumHeadings, SampledRest, equilibrium_headings
+from nonsmooth.proofs.headings.search import EquilibriumHeadings, SampledRest, can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.numbers.number import Number
@@ -74,6 +74,11 @@ class HeadingOfRest:
         return self.low is not None and not self.edge
 
     @property
+    def rests(self) -> bool:
+        """Whether the body may stand still there; otherwise it turns on the spot."""
+        return self.kind is not Kind.TURNING
+
+    @property
     def attracts(self) -> bool:
         """Whether bodies nearby come to rest there."""
         return self.position is Position.COMES_HOME and self.verdict is not Heading.DRIFTS
@@ -88,12 +93,14 @@ class HeadingsOfRest:
         undecided: headings at the checked point of which nothing is proved; at all others the body does not rest there.
         reach: half-width of the square of places about the checked point that was searched; None: that point alone.
         left_out: points of rest that were seen and not decided, for there were too many.
+        can_search: whether the surroundings of the point could be searched.
     """
 
     found: tuple[HeadingOfRest, ...]
     undecided: tuple[OpenHeadings, ...]
     reach: float | None
     left_out: int
+    can_search: bool = False
 
     @property
     def returning(self) -> tuple[HeadingOfRest, ...]:
@@ -112,7 +119,7 @@ def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | 
     if found is None:
         return None
     entries = sorted(_entries(verified(found)), key=_rank)
-    return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out)
+    return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out, can_search(scene))
 
 
 def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
@@ -122,9 +129,11 @@ def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
     yield from (_of_sample(sample) for sample in found.sampled)
 
 
-def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, float]:
+def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, bool, float]:
     start = entry.heading if entry.low is None else entry.low
-    return not entry.attracts, not entry.proved, entry.kind is not Kind.ISOLATED, 0.0 if start is None else float(start)
+    where = 0.0 if start is None else float(start)
+    turns, single = entry.kind is Kind.TURNING, entry.kind is Kind.ISOLATED
+    return not entry.attracts, turns, not entry.proved, not single, where
 
 
 def _of_interval(interval: RestInterval) -> HeadingOfRest:

@@ -115,9 +115,14 @@ def equilibrium_headings(scene: Scene, *, around: bool = False) -> EquilibriumHe
         return None
     found = point_headings(HeadingsAt(scene, scene.check.equilibrium))
     at_point = EquilibriumHeadings(found.intervals, found.turned_back, found.undecided)
-    if not around or not isinstance(rule, SmoothRule) or scene.contact.loads is not None:
+    if not around or not isinstance(rule, SmoothRule) or not can_search(scene):
         return at_point
     return _with_surroundings(at_point, whole(scene), rule)
+
+
+def can_search(scene: Scene) -> bool:
+    """Whether the surroundings of the checked point can be searched: under a rule without cells, on elastic loads."""
+    return isinstance(rule_of(scene), SmoothRule) and scene.contact.loads is None
 
 
 def _with_surroundings(at_point: EquilibriumHeadings, every: Scene, rule: SmoothRule) -> EquilibriumHeadings:

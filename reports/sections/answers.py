@@ -11,7 +11,7 @@ from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.reports.answers import THEOREM, goal_text, share_text
 from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
-from nonsmooth.reports.equilibrium_headings import HEADER, more, row, title
+from nonsmooth.reports.equilibrium_headings import HEADER, notes, row, title
 from nonsmooth.reports.equilibrium_headings import MOST_SHOWN as SHOWN
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.opening import array_figure
@@ -83,8 +83,8 @@ def _headings(headings: HeadingsOfRest | None) -> list[Block]:
     """At which headings a body with an outline rests."""
     if headings is None:
         return []
-    said = ". ".join(filter(None, [title(headings).removesuffix(":"), more(headings)]))
-    blocks: list[Block] = [paragraph(f"{said[0].upper()}{said[1:]}.")]
+    said = [title(headings).removesuffix(":"), *notes(headings)]
+    blocks: list[Block] = [paragraph(" ".join(f"{one[0].upper()}{one[1:]}." for one in said))]
     if headings.found:
         blocks.append(table(HEADER, [row(entry) for entry in headings.found[:SHOWN]], (3, 3, 4, 2, 2, 2)))
     return blocks
