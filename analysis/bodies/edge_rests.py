@@ -1,9 +1,9 @@
 """Poses at which a body may rest with one wheel under its edge, and points at which it may rest on one set of wheels.
 
 Floats that propose, under a rule without cells.  Contact sets, and pairs of them that differ by one wheel, are met on
-a grid of places about a point, each at a fine set of headings.  On a pair with the motions F_1 (without the wheel) and
-F_2 (with it) a body rests under the edge iff ``(1 - w) F_1(c) + w F_2(c) = 0`` with ``0 < w < 1``: three equations
-for ``(x, y, w)``, which know nothing of the heading; that is one at which the wheel lies under the edge.
+a grid of places about a point, at every heading with a wheel under the edge.  On a pair with the motions F_1 (without
+the wheel) and F_2 (with it) a body rests under the edge iff ``(1 - w) F_1(c) + w F_2(c) = 0`` with ``0 < w < 1``: three
+equations for ``(x, y, w)``, which know nothing of the heading; that is one at which the wheel lies under the edge.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.symbolic.edge_headings import BallOutline
 from nonsmooth.symbolic.scene import Scene
 
-PLACES = 11  # along each side of the square of places
-HEADINGS = 360  # over a full turn
+PLACES = 25  # along each side of the square of places
+HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
 GENERIC = 0.0137, 0.0071  # shift of the places, in steps: symmetric arrays bring no two wheels to the edge at once
-CENTRES = 8  # places at which one pair of contact sets is looked at
-STARTS = 3  # of them from which it is followed, those where its motions nearly cancel
+STARTS = 2  # of them from which it is followed, those where its motions nearly cancel
 MOST_STARTS = 1200  # of all pairs
 STEPS = 30  # of Newton's method
+SLOWED, PATIENCE = 0.05, 8  # residual, of the fastest wheel's speed, above which so many steps led nowhere
+SHORT, STALLED = 1e-4, 1e-3  # steps, of the body's size, at which such a residual is that of a kink
 SHORTENED = 0.4  # share of a step that is tried after one that raised the residual
 DIFFERENCE = 1e-4  # of the body's size: for slopes
 LONGEST = 0.3  # step, of the half-width of the square
@@ -135,31 +136,26 @@ class RestSearch:
         """The contact sets about the point."""
         steps = np.linspace(-self.reach, self.reach, PLACES)
         width = steps[1] - steps[0]
-        headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
         sets: dict[bytes, Mask] = {}
-        pairs: dict[tuple[bytes, int], list[tuple[Mask, Floats]]] = {}
+        pairs: dict[tuple[bytes, int, int], tuple[Mask, Floats]] = {}
         places = [self._point + np.add((x, y), np.multiply(GENERIC, width)) for x in steps for y in steps]
-        for place in sorted(places, key=lambda at: float(np.hypot(*(at - self._point)))):
-            poses = np.column_stack([np.tile(place, (HEADINGS, 1)), headings])
+        for number, place in enumerate(sorted(places, key=lambda at: float(np.hypot(*(at - self._point))))):
+            wheels, headings = self._outline.headings_under_edge(self.model.positions - place)
+            poses = np.column_stack([np.tile(place, (len(headings), 1)), headings])
             under = self._outline.depths(poses) > 0
-            changed = under != np.roll(under, -1, axis=0)
-            for k in np.flatnonzero(changed.any(axis=1)):
-                sets.setdefault(under[k].tobytes(), under[k])
-            sets.setdefault(under[0].tobytes(), under[0])
-            for k in np.flatnonzero(changed.sum(axis=1) == 1):
-                wheel = int(changed[k].argmax())
-                without = under[k].copy()
+            for wheel, without in zip(wheels, under, strict=True):
                 without[wheel] = False
-                met = pairs.setdefault((without.tobytes(), wheel), [])
-                if not met or met[-1][1] is not place:
-                    met.append((without, place))
-        chosen = [(key, one) for key, places in pairs.items() for one in _spread(places)]
+                including = without.copy()
+                including[wheel] = True
+                pairs.setdefault((without.tobytes(), int(wheel), number), (without, place))
+                for carrying in (without, including):
+                    sets.setdefault(carrying.tobytes(), carrying)
         count = self.model.wheels
         return MetSets(
             np.array(list(sets.values())).reshape(-1, count),
-            np.array([without for _, (without, _) in chosen]).reshape(-1, count),
-            np.array([wheel for (_, wheel), _ in chosen], int),
-            np.array([place for _, (_, place) in chosen]).reshape(-1, 2),
+            np.array([without for without, _ in pairs.values()]).reshape(-1, count),
+            np.array([wheel for _, wheel, _ in pairs], int),
+            np.array([place for _, place in pairs.values()]).reshape(-1, 2),
             self.reach,
         )
 
@@ -234,7 +230,7 @@ class RestSearch:
         least = np.full(len(starts), np.inf)
         going = np.ones(len(starts), bool)
         rates = np.zeros((2, len(starts), 3))
-        for _ in range(STEPS):
+        for count in range(STEPS):
             at = np.flatnonzero(going)
             if not len(at):
                 break
@@ -247,7 +243,9 @@ class RestSearch:
             unknowns[gained], least[gained] = trial[better], left[better]
             steps[gained] = self._newton_steps(values[better], slopes[better])
             lost = np.abs(unknowns[at, :2] - self._point).max(axis=1) > 2 * self.reach
-            short = np.abs(steps[at]).max(axis=1) <= SHORTEST * self._outline.size
+            lengths = np.abs(steps[at]).max(axis=1) / self._outline.size
+            short = (lengths <= SHORTEST) | ((lengths <= SHORT) & (least[at] > STALLED))
+            lost |= (least[at] > SLOWED) & (count >= PATIENCE)
             going[at] = np.isfinite(least[at]) & (least[at] > SETTLED) & ~lost & ~short
         return unknowns, least <= SETTLED
 
@@ -331,12 +329,6 @@ class RestSearch:
         distances = np.linalg.norm(places[:, None] - places, axis=2)
         np.fill_diagonal(distances, np.inf)
         return min(float(np.median(distances.min(axis=1))), self.size)
-
-
-def _spread(places: list[tuple[Mask, Floats]]) -> list[tuple[Mask, Floats]]:
-    """A few of many, evenly."""
-    step = max(1, -(-len(places) // CENTRES))
-    return places[::step]
 
 
 def _least(left: Floats, met: MetSets) -> Numbers:
