@@ -271,7 +271,7 @@ class RestSearch:
         there = self._motions.at(np.tile(both, (2, 1)), centres, np.tile(here.rates, (2, 1)))
         rates = here.rates.reshape(2, -1, 3)
         moved = (there.rates.reshape(2, 2, -1, 3) - rates) / h
-        known = here.known.reshape(2, -1).all(axis=0) & there.known.reshape(4, -1).all(axis=0)
+        known = np.asarray(here.known.reshape(2, -1).all(axis=0) & there.known.reshape(4, -1).all(axis=0))
         columns = [(1 - share) * first + share * second for first, second in moved]
         slopes = np.stack([*columns, rates[1] - rates[0]], axis=2)
         return (1 - share) * rates[0] + share * rates[1], slopes, known, rates

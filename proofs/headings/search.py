@@ -8,6 +8,7 @@ wheels under the edge; what it finds and cannot prove is called sampled.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -80,7 +81,8 @@ class EquilibriumHeadings:
         """Verify every claim again; what a set of wheels does at a point is decided again once."""
         known: dict[tuple[Vector, Wheels], Stay] = {}
         intervals = all(interval.check(known) for interval in self.intervals)
-        return intervals and all(pose.check() for pose in (*self.turned_back, *self.isolated))
+        singles = all(pose.check() for pose in self.turned_back) and all(pose.check() for pose in self.isolated)
+        return intervals and singles
 
 
 def heading_matters(scene: Scene) -> bool:
@@ -89,7 +91,7 @@ def heading_matters(scene: Scene) -> bool:
     if body is None or body.is_round:
         return False
     if isinstance(body.outline, Disc):
-        offset = float(np.hypot(*(float(entry) for entry in body.centroid)))
+        offset = math.hypot(*(float(entry) for entry in body.centroid))
         radius = float(body.outline.radius)
         inner, outer = radius - offset, radius + offset
     else:

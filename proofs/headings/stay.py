@@ -29,6 +29,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import TipsError, on_wheels, whole
 from nonsmooth.symbolic.edge_headings import ball_of
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import Vector, cross
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -182,11 +183,13 @@ class StaysAt:
 
 def _stay_of(work: Workspace) -> Stay:
     equilibrium, rotation = work.earlier["equilibrium"], cast("RotationResult", work.earlier["rotation"])
+    twists: tuple[Twist, ...] = ()
+    rates: tuple[Number, Number] | None = None
     if isinstance(equilibrium, EllipseEquilibrium):
         twist = equilibrium.point.twist
         twists = () if twist is None else (twist,)
         rates = None if twist is None else (twist.omega, twist.omega)
-    else:
+    elif work.partition is not None:
         zero = work.partition.scene.field.zero
         twists = filippov_twists(work.partition, (zero, zero))
         rates = None if rotation.drift is None else rotation.drift.interval
