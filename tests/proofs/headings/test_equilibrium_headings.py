@@ -1,9 +1,10 @@
-"""Headings of rest against an oracle with a geometry, loads and a minimizer of its own: motions and chattering paths."""
+"""Headings of rest against an oracle with its own geometry, loads and minimizer: motions and chattering paths."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
 
@@ -96,7 +97,7 @@ class Oracle:
         pressed = np.flatnonzero(under)
         while len(pressed) >= 3:
             moments = np.vstack([np.ones(len(pressed)), self.places[pressed].T])
-            loads, residual, rank, _ = np.linalg.lstsq(moments, np.array([1.0, *centre]), rcond=None)
+            loads, _, rank, _ = np.linalg.lstsq(moments, np.array([1.0, *centre]), rcond=None)
             if rank < 3:
                 return None
             if loads.min() >= 0:
@@ -165,7 +166,7 @@ def test_a_grid_of_headings_finds_what_is_listed_and_no_more(
             turning.append((float(theta), float(rate[2])))
     crossings = [
         (low, high)
-        for (low, before), (high, after) in zip(turning, turning[1:], strict=False)
+        for (low, before), (high, after) in pairwise(turning)
         if before * after < -(STAYS**2) and high - low < 0.1
     ]
     opened = [float(one.low) for one in found.undecided]
@@ -188,7 +189,7 @@ def test_a_heading_returns_where_paths_come_back(tmp_path: Path) -> None:
     assert all(entry.position is Position.COMES_HOME and entry.proved for entry in back)
     theta = float(back[1].heading or 0.0)
     oracle = Oracle(scene, (1.5, 1.0))
-    last = oracle.chatter(np.array([0.012, 0.006, theta - 0.02]), 0.6)
+    last = oracle.chatter(np.array([0.012, 0.006, theta - 0.02]), 0.3)
     assert np.abs(last - [0, 0, theta]).max() < ARRIVED
 
 
@@ -234,8 +235,8 @@ def test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it(
     scene = whole(fast(tmp_path))
     pose = (0.0759428, -0.111969, 2.1382672)
     oracle = Oracle(scene, (1.5, 1.0))
-    depth = oracle.under(np.array(pose) + [0, 0, 1e-4]) ^ oracle.under(np.array(pose) - [0, 0, 1e-4])
-    (wheel,) = np.flatnonzero(depth)
+    turned = np.array([0, 0, 1e-4])
+    (wheel,) = np.flatnonzero(oracle.under(pose + turned) ^ oracle.under(pose - turned))
     without = oracle.under(np.array(pose))
     without[wheel] = False
     wheels = [int(k) for k in np.flatnonzero(without)]
@@ -253,7 +254,7 @@ def test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it(
     assert not replace(found, heading=Fate.LEAVES).check()
     assert found.theta is not None
     assert float(found.theta) == pytest.approx(pose[2], abs=1e-6)
-    last = oracle.chatter(np.array(pose) + [0.02, -0.01, 0.02], 0.6)
+    last = oracle.chatter(pose + np.array([0.02, -0.01, 0.02]), 0.4)
     assert np.abs(last - pose).max() < ARRIVED
 
 
