@@ -76,10 +76,12 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
     destinations = None if answered is None else answered.destinations
     others = () if answered is None else answered.others
     headings = None if answered is None else answered.headings
+    has_outline = answered is not None and answered.has_outline
+    outlined: Record = {"equilibrium_headings": headings and headings_record(headings)} if has_outline else {}
     return {
         **record,
         "destinations": None if destinations is None else _destinations_record(destinations),
-        "equilibrium_headings": None if headings is None else headings_record(headings),
+        **outlined,
         "other_rules": {other.name: _other_record(other) for other in others} or None,
     }
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import cast
 
-from flint import arb
-
 from nonsmooth.proofs.answers.answer import Answer, Heading, Results
 from nonsmooth.proofs.answers.bounds import DIGITS, at_most
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation
-from nonsmooth.symbolic.number_text import float_text, lower_text, upper_text
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
 # On one set of wheels no open loop brings the heading back; with wheels under an edge some do (``proofs/headings/``).
@@ -45,25 +42,8 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
         yield Fact("turn_per_distance", Quantity(turn), words)
     else:
         yield Fact("turn_per_distance", Quantity(turn))
-    yield _interval(scene, found)
     if found.verdict is Rotation.UNDECIDED:
         yield said(_why_undecided(results))
-
-
-def _interval(scene: Scene, found: RotationResult) -> Fact:
-    """The headings around the checked one at which the body rests at this point, for it rests on the same wheels."""
-    if scene.body is None or scene.body.is_round or found.verdict is not Rotation.NEUTRAL:
-        return Fact("interval", Quantity(None))
-    from nonsmooth.proofs.headings.intervals import HeadingsAt  # only a body with an outline needs it
-
-    gap = HeadingsAt(scene, scene.check.equilibrium).at(arb(0))
-    if gap is None:
-        return Fact("interval", Quantity(None))
-    words = "at this point the body rests at every heading"
-    if any(gap.ends):
-        low, high = -rational_below(-gap.low), rational_below(gap.high)
-        words += f" between theta = {upper_text(low, DIGITS)} and {lower_text(high, DIGITS)}"
-    return Fact("interval", Quantity((gap.low, gap.high)), words)
 
 
 def _drift(found: RotationResult) -> Iterator[Fact]:

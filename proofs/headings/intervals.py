@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from nonsmooth.proofs.headings.stay import Stay, Stays, StaysAt
 from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.edge_headings import BallOutline, Cluster, Gap, clusters, gaps, halved, places_of, seen
+from nonsmooth.symbolic.edge_headings import BallOutline, Cluster, Gap, clusters, gaps, places_of, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
@@ -94,15 +94,6 @@ class HeadingsAt:
                 wheels = self.carrying((gap.low + gap.high) / 2) if gap.low < gap.high else None
                 if only in (None, wheels):
                     yield RestInterval(self.scene, gap, wheels, self._stay(wheels))
-
-    def at(self, theta: arb) -> Gap | None:
-        """The gap that certainly holds a heading."""
-        with ctx.workprec(PRECISION):
-            for gap in gaps(self.clusters()):
-                offset = halved(theta - (gap.low + gap.high) / 2)
-                if abs(offset) < (gap.high - gap.low) / 2:
-                    return gap
-        return None
 
     def carrying(self, theta: arb) -> Wheels | None:
         """Numbers of the wheels under the body at a heading; None where that is not certain."""
