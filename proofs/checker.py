@@ -1084,11 +1084,10 @@ class Checker:
         """
         if self.said["feedback"] == UNDECIDED:
             return UNDECIDED
-        askew = [free for name, free in self.array.askew.items() if name in self._acting_wheels()]
         gaps = (self.array.friction["S" + n] - self.array.friction["R" + n] for n in self._acting_wheels())
         if max(signs(gaps)) >= 0:
             return NOT_APPLICABLE
-        if askew and (self.rule == "nearest" or not all(askew)):
+        if not self._axes_are_followed():
             return UNDECIDED
         if self.evidence is None:
             return UNDECIDED if self.rule == "box" else NO_CERTIFICATE
@@ -1097,6 +1096,11 @@ class Checker:
             return NO_CERTIFICATE
         serves = self._three_twists_serve() if self.rule == "box" else self._signs_serve()
         return STABILIZABLE if serves else UNDECIDED
+
+    def _axes_are_followed(self) -> bool:
+        """Whether speeds along the rims are speeds along the friction axes, as far as they count."""
+        askew = [free for name, free in self.array.askew.items() if name in self._acting_wheels()]
+        return not askew or (self.rule == "box" and all(askew))
 
     def _acting_wheels(self) -> set[str]:
         if self.rule == "box":

@@ -9,16 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.set_motion import SetMotion
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.dynamics.drag import needs_drag
-from nonsmooth.analysis.dynamics.ellipse_path import Minimize, path_minimizer
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.proved import resists_every_motion
-from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
-from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene import Scene
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
@@ -32,44 +27,27 @@ class ContactSets:
     """Pose rates ``(c', theta')`` by set of carrying wheels."""
 
     def __init__(self, scene: Scene, rule: SmoothRule) -> None:
-        self.scene, self._rule = scene, rule
-        self._models: dict[Wheels, ContactModel] = {}
-        self._loads: dict[Wheels, MovingLoads] = {}
-        self._minimizers: dict[Wheels, Minimize] = {}
-        self._quick: dict[Wheels, SmoothNewton] = {}
+        self._model = rule.contacts(scene)
+        self._motions: dict[Wheels, SetMotion] = {}
+        self._last = np.zeros(3)  # twist of any set: where Newton's method begins on a new one
 
     @property
     def is_stiff(self) -> bool:
         """Whether a little drag stands in for jumps of the twist, which makes the field very stiff."""
-        return needs_drag(self._rule.contacts(self.scene))
+        return needs_drag(self._model)
 
     def rate(self, wheels: Wheels, pose: Floats) -> Floats:
-        """``(c', theta')`` with exact kinematics; a little beyond the support polygon it is continued.
-
-        Integrators try poses there; that the body tips is for :meth:`margin` to say.
+        """:meth:`nonsmooth.analysis.bodies.set_motion.SetMotion.rate` of a set.
 
         Raises:
             TippedError: for wheels that carried the body nowhere yet, and do not here.
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
-        loads = self._loads_on(wheels, pose).at(pose[:2])[0]
-        twist = self._twist(wheels, loads, pose)
-        return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
-
-    def _twist(self, wheels: Wheels, loads: Floats, pose: Floats) -> Floats:
-        """The minimizer of D: by Newton steps from the last one where contacts slip, else by interior points."""
-        quick = self._quick.get(wheels)
-        found = None if quick is None else quick.minimize(loads)
-        if found is not None:
-            return found
-        minima = self._minimizers[wheels](loads)
-        if not (minima.check() & resists_every_motion(self._models[wheels], loads[None]))[0]:
-            place = place_text((float(pose[0]), float(pose[1])))
-            raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
-        (twist,) = minima.twists
-        if quick is not None:
-            quick.start_from(twist)
-        return np.asarray(twist)
+        motion = self.motion(wheels, pose)
+        motion.guess(self._last)
+        rate = motion.rate(pose)
+        self._last = rate - rate[2] * np.array([-pose[1], pose[0], 0.0])
+        return rate
 
     def carries(self, wheels: Wheels, pose: Floats) -> bool:
         """Whether the body stands on the wheels there."""
@@ -84,19 +62,36 @@ class ContactSets:
         Raises:
             TippedError: for wheels that carried the body nowhere yet, and do not here.
         """
-        return self._loads_on(wheels, pose).margin(pose[:2])
+        return float(self.motion(wheels, pose).margins(pose[None])[0])
 
-    def _loads_on(self, wheels: Wheels, pose: Floats) -> MovingLoads:
-        """What gives the loads of a set, built where the body first stands on it."""
-        if wheels not in self._loads:
+    def motion(self, wheels: Wheels, pose: Floats) -> SetMotion:
+        """The motion on a set, built where the body first stands on it.
+
+        Raises:
+            TippedError: for wheels that carried the body nowhere yet, and do not here.
+        """
+        if wheels not in self._motions:
             if len(wheels) < 3:
                 raise TippedError
-            model = self._rule.contacts(replace(self.scene, wheels=tuple(self.scene.wheels[k] for k in sorted(wheels))))
             try:
-                self._loads[wheels] = MovingLoads(model, pose[:2])
+                self._motions[wheels] = SetMotion(_only(self._model, sorted(wheels)), pose)
             except LoadError:
                 raise TippedError from None
-            self._models[wheels], self._minimizers[wheels] = model, path_minimizer(model)
-            if not needs_drag(model):
-                self._quick[wheels] = SmoothNewton(model)
-        return self._loads[wheels]
+        return self._motions[wheels]
+
+
+def _only(model: ContactModel, wheels: list[int]) -> ContactModel:
+    """The contacts of some wheels."""
+    rows = np.array([[2 * k, 2 * k + 1] for k in wheels]).ravel()
+    table = model.load_table
+    return replace(
+        model,
+        rows=model.rows[rows],
+        targets=model.targets[rows],
+        friction=model.friction[rows],
+        cuts=model.cuts[wheels],
+        positions=model.positions[wheels],
+        rims=model.rims[wheels],
+        heads=model.heads[wheels],
+        load_table=table if table is None or len(table) != model.wheels else table[wheels],
+    )

@@ -18,9 +18,9 @@ from nonsmooth.analysis.bodies.many_contacts import (
     nearest_wheels,
     widest_gaps,
 )
-from nonsmooth.analysis.bodies.many_twists import ManyTwists, turning_rollers, with_rollers
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.many_twists import ManyTwists, turning_rollers, with_rollers
 
 AROUND = 0.25  # of the body's size: how far it moves before the wheels near it are looked up again
 

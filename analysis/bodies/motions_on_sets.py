@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers, RowsOfWheels, elastic_loads_of, widest_gaps
-from nonsmooth.analysis.bodies.many_twists import ManyTwists, turning_rollers, with_rollers
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.many_twists import ManyTwists, turning_rollers, with_rollers
 
 
 @dataclass(frozen=True)

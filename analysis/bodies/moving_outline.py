@@ -39,6 +39,11 @@ class MovingOutline:
         self.corners = corners
         self.size = float(np.hypot(*corners.T).max())
 
+    @property
+    def count(self) -> int:
+        """Number n of wheels."""
+        return len(self.places)
+
     def depths(self, pose: Floats) -> Floats:
         """``g_i`` at one pose (3,), shape (n,); at poses (m, 3), shape (m, n)."""
         return self._below(_seen(self.places, pose))

@@ -17,6 +17,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.stretch import Part, Parts
 from nonsmooth.analysis.bodies.switching import Mode, Switching
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import Floats
@@ -29,17 +30,15 @@ from nonsmooth.analysis.trajectories.result import (
     Piece,
     State,
     Trajectory,
-    TrajectoryError,
     samples,
 )
 from nonsmooth.symbolic.plane import Vector, around
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 
-RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-12, 1e-14  # per step, with which events are right to 1e-10
-STIFF_TOLERANCES = 1e-10, 1e-12  # of the same where drag makes the field stiff and forces carry its rounding
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 LOOKS = 8  # places within a step where depths are looked at
+RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 
@@ -78,7 +77,8 @@ class BodyPath:
         self._outline = MovingOutline(scene.body, places)
         self._sets = ContactSets(scene, rule)
         self._switching = Switching(self._sets, self._outline)
-        self._slow = RESTS * max(abs(float(wheel.speed)) for wheel in scene.wheels)
+        fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
+        self._slow, self._scale = RESTS * fastest, self._outline.size / (fastest or 1.0)
         self._edge_depth = ON_EDGE * self._outline.size
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
@@ -132,83 +132,73 @@ class BodyPath:
 
     def _stretch(self, mode: Mode, pose: Floats, start: float, until: float) -> _Stretch:
         """Integrate one mode until a wheel comes to the edge, a slide ends, the body tips or rests, or time is over."""
-        from scipy.integrate import BDF, LSODA
-
         weights = np.full(len(mode.sliding), 0.5)
         rate, weights = self._switching.rate(mode, pose, weights)
         if np.hypot(*rate[:2]) + abs(rate[2]) * self._outline.size <= self._slow:
             return _Stretch((start, start), lambda t: pose, EndReason.REST)
-        kept = weights
-
-        def right(t: float, at: Floats) -> Floats:
-            nonlocal kept
-            found, kept = self._switching.rate(mode, at, kept)
-            return found
-
-        stiff = self._sets.is_stiff
-        relative, absolute = STIFF_TOLERANCES if stiff else (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)
-        solver = (BDF if stiff else LSODA)(right, start, pose, until, rtol=relative, atol=absolute)
         times: list[float] = [start]
         dense: list[Any] = []
-        while solver.status == "running":
-            message = solver.step()
-            if solver.status == "failed":
-                raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
-            piece, low = solver.dense_output(), times[-1]
-            dense.append(piece)
-            found = self._first_change(mode, piece, low, solver.t, first=low == start)
-            times.append(solver.t if found is None else found[0])
+        parts = Parts(self._switching, mode, pose, self._scale, self._outline.size, drags=self._sets.is_stiff)
+        for part in parts.from_pose(pose, start, until):
+            dense.append(part.state)
+            found = self._first_change(mode, part, first=part.start == start)
+            times.append(part.end if found is None else found[0])
             if found is not None:
                 return _joined(times, dense, pose, found[1])
-            if self._rests(piece(low), solver.y, solver.t - low):
+            if self._rests(part):
                 return _joined(times, dense, pose, EndReason.REST)
         return _joined(times, dense, pose, EndReason.TIME)
 
-    def _rests(self, before: Floats, after: Floats, time: float) -> bool:
-        """Whether the body hardly moved in a step."""
-        moved = np.abs(after - before) * [1.0, 1.0, self._outline.size]
-        return bool(moved.max() <= self._slow * time)
+    def _rests(self, part: Part) -> bool:
+        """Whether the body hardly moves in a step."""
+        moved = np.abs(part.state(part.end) - part.state(part.start)) * [1.0, 1.0, self._outline.size]
+        return bool(moved.max() <= self._slow * (part.end - part.start))
 
-    def _first_change(
-        self, mode: Mode, piece: Any, low: float, high: float, *, first: bool
-    ) -> tuple[float, EndReason | None] | None:
+    def _first_change(self, mode: Mode, part: Part, *, first: bool) -> tuple[float, EndReason | None] | None:
         """The first time in a step at which the mode ends, and why."""
-        marks = np.linspace(low, high, LOOKS + 1)
-        values = [self._signals(mode, piece(mark)) for mark in marks]
-        for k in range(LOOKS):
-            before, after = values[k], values[k + 1]
-            crossed = np.flatnonzero((after < 0) & ((before > 0) | (k > 0) | (not first)))
-            if not len(crossed):
-                continue
-            times = [self._root(mode, piece, marks[k], marks[k + 1], int(signal)) for signal in crossed]
+        marks = np.linspace(part.start, part.end, LOOKS + 1)
+        values = self._signals(mode, part.state(marks).T)
+        negative = values < 0
+        negative[1:] &= (values[:-1] > 0) | (np.arange(LOOKS)[:, None] > 0) | (not first)
+        for k in np.flatnonzero(negative[1:].any(axis=1)):
+            crossed = np.flatnonzero(negative[k + 1])
+            times = [self._root(mode, part.state, marks[k], marks[k + 1], int(signal)) for signal in crossed]
             earliest = int(np.argmin(times))
-            tips = crossed[earliest] == len(before) - 1
+            tips = crossed[earliest] == values.shape[1] - 1
             return times[earliest], EndReason.TIPS if tips else None
         return None
 
-    def _signals(self, mode: Mode, pose: Floats) -> Floats:
-        """What is positive as long as the mode goes on: signed depths, weights of a slide, and the support's margin."""
-        depths = self._outline.depths(pose)
-        signs = np.where([k in mode.carrying for k in range(len(depths))], 1.0, -1.0)
-        signed = signs * depths
-        extra = []
-        if mode.sliding:
-            signed[list(mode.sliding)] = 1.0
-            _, weights = self._switching.rate(mode, pose, np.full(len(mode.sliding), 0.5))
-            extra = [*weights, *(1 - weights)]
-        margin = self._sets.margin(mode.carrying, pose)  # a slide is over where the body could not leave its wheels
-        return np.array([*signed, *extra, margin])
+    def _signals(self, mode: Mode, poses: Floats) -> Floats:
+        """What is positive as long as the mode goes on, at poses (m, 3).
 
-    def _root(self, mode: Mode, piece: Any, low: float, high: float, signal: int) -> float:
-        """When a signal changes its sign, by bisection down to rounding: the later side, where it has changed."""
-        while True:
-            middle = (low + high) / 2
-            if not low < middle < high:
-                return high
-            if self._signals(mode, piece(middle))[signal] < 0:
-                high = middle
-            else:
-                low = middle
+        Signed depths, weights of a slide, and the support's margin, which ends a slide too: there the body could not
+        leave the wheels that slide.
+        """
+        signs = np.full(self._outline.count, -1.0)
+        signs[list(mode.carrying)] = 1.0
+        signed = signs * self._outline.depths(poses)
+        columns = [signed]
+        if mode.sliding:
+            signed[:, list(mode.sliding)] = 1.0
+            middle = np.full(len(mode.sliding), 0.5)
+            weights = np.array([self._switching.rate(mode, pose, middle)[1] for pose in poses])
+            columns += [weights, 1 - weights]
+        margins = self._sets.motion(mode.carrying, poses[0]).margins(poses)
+        return np.concatenate([*columns, margins[:, None]], axis=1)
+
+    def _root(self, mode: Mode, state: Any, low: float, high: float, signal: int) -> float:
+        """When a signal changes its sign, down to rounding: the later side, where it has changed."""
+        from scipy.optimize import brentq
+
+        def value(time: float) -> float:
+            return float(self._signals(mode, state(time)[None])[0, signal])
+
+        ulp = float(np.spacing(high))
+        near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS)) if value(low) > 0 else low
+        step = ulp
+        while near < high and value(near) >= 0:
+            near, step = min(near + step, high), 2 * step
+        return near
 
     # ---- what is kept ----------------------------------------------------------------------------
 

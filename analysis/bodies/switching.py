@@ -18,6 +18,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.set_motion import SetMotion
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
@@ -75,13 +76,23 @@ class Switching:
         """The pose rate of a mode, and the weights of its sliding wheels; the given ones are where Newton starts."""
         if not mode.sliding:
             return self._sets.rate(mode.carrying, pose), weights
+        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in _subsets(mode.sliding)]
+        return self.mixed(mode, pose, corners, weights)
+
+    def mixed(self, mode: Mode, pose: Floats, corners: list[Floats], weights: Floats) -> tuple[Floats, Floats]:
+        """:meth:`rate` from the rates of :meth:`motions`."""
+        if not mode.sliding:
+            return corners[0], weights
         wheels = list(mode.sliding)
-        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in _subsets(wheels)]
         depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
         found = _weights(np.array(depths), len(wheels), weights)
         if found is None:
             raise TrajectoryError("required weights that keep the wheels under the edge, received none")
         return _mixed(np.array(corners), found), found
+
+    def motions(self, mode: Mode, pose: Floats) -> list[SetMotion]:
+        """The motions that :meth:`rate` mixes."""
+        return [self._sets.motion(mode.carrying | subset, pose) for subset in _subsets(mode.sliding)]
 
     def _motions(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> dict[Wheels, Floats]:
         """The rates of the depths of the edge's wheels, by the subset that carries; without those that tip."""

@@ -64,9 +64,27 @@ class MovingLoads:
         carried = piece.loaded & (loads > 0)
         return np.where(carried, loads, 0.0), np.where(carried[:, None], piece.springs[:, 1:], 0.0)
 
+    def continued(self, centre: Floats) -> tuple[Floats, Floats]:
+        """Loads (n,) and slopes (n, 2) with the table of the last point, wherever it leads."""
+        piece = self._pieces[-1]
+        loads = piece.springs[:, 0] + piece.springs[:, 1:] @ centre
+        return np.where(piece.loaded, loads, 0.0), np.where(piece.loaded[:, None], piece.springs[:, 1:], 0.0)
+
+    def validities(self, centres: Floats) -> Floats:
+        """Negative where that table no longer holds, at centres (m, 2)."""
+        if self.model.load_table is not None:
+            return np.full(len(centres), np.inf)
+        piece = self._pieces[-1]
+        pressed = piece.springs[:, :1] + piece.springs[:, 1:] @ centres.T
+        return np.asarray(np.where(piece.loaded[:, None], pressed, -pressed).min(axis=0)) + LIFTED
+
     def margin(self, centre: Floats) -> float:
         """How far the loads exist around a point: distance to the support's border, or the table's smallest load."""
         return float((self._sides @ np.array([1.0, *centre])).min())
+
+    def margins(self, centres: Floats) -> Floats:
+        """:meth:`margin` at centres (m, 2)."""
+        return np.asarray((self._sides[:, :1] + self._sides[:, 1:] @ centres.T).min(axis=0))
 
     def _borders(self) -> Floats:
         """Affine forms (k, 3) of (1, c), all of them >= 0 where loads exist."""

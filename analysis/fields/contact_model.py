@@ -186,8 +186,11 @@ class ContactModel(ShortRepr, ContactRows):
         return np.asarray((self.targets.reshape(-1, 2) * self.heads).sum(axis=1))
 
     def targets_of(self, speeds: ArrayLike) -> Floats:
-        """Right sides ``b_k`` for other speeds along the rims: (..., n) to (..., 2n)."""
-        targets = np.asarray(speeds, float)[..., None] * self.heads
+        """Right sides ``b_k`` for other speeds along the rims: (..., n) to (..., 2n).
+
+        A speed that no law states (nan) leaves the rows across the rim at zero.
+        """
+        targets = np.where(self.heads == 0, 0.0, np.asarray(speeds, float)[..., None] * self.heads)
         return targets.reshape(*targets.shape[:-2], -1)
 
     @property

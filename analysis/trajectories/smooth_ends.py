@@ -2,6 +2,9 @@
 
 The field ``c' = v(c) + omega(c) J c`` is continuous, so all paths are integrated together (Bogacki and Shampine's pair
 of orders 2 and 3) until each has left the square or stands still; Newton's method then finds where the field vanishes.
+Where twists jump, as under rule ``roller``, paths along the jumps need very short steps, and may stay unknown.
+Along the paths D is slightly smoothed, and each minimizer begins at the last one of its path; at the starts and where
+the bodies stand it is the rule's own, with its proof.
 """
 
 from __future__ import annotations
@@ -14,10 +17,13 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.symbolic.scene import Scene
 
-MOST_MINIMA = 25_000  # minimizations in all: a few seconds; what still moves then stays unknown
+MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
+SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
+MOST_WORK = 600_000_000  # smoothed minimizations times multiplications of a step: a few seconds too
 MOST_FACES = 1_000  # points at which several motions tie, as they may by symmetry; more, and nothing is determined
 CROSSINGS = 8.0  # of the square at the largest speed of the starts: how long the first stretch of time is
 STRETCHES = 5  # of time, each twice as long as the one before
@@ -56,26 +62,57 @@ class _EnoughError(RuntimeError):
 class _Field:
     """``c' = v + omega J c`` by the minimizers of a rule, counted."""
 
-    def __init__(self, scene: Scene, rule: SmoothRule) -> None:
+    def __init__(self, scene: Scene, rule: SmoothRule, paths: int) -> None:
         self._scene, self._rule = scene, rule
-        self._left, self._faces = MOST_MINIMA, MOST_FACES
+        self._left, self._faces, self._work = MOST_MINIMA, MOST_FACES, MOST_WORK
+        self._model = rule.contacts(scene)
+        self._moving = MovingTwists(self._model, paths)
 
     def __call__(self, points: Floats) -> Floats:
-        """Velocities at points (m, 2), shape (m, 2).
+        """Velocities at points (m, 2), shape (m, 2), by proved minimizers.
 
         Raises:
             UndeterminedError: where minimizers are not unique at too many points.
             _EnoughError: once no more minimizations are allowed.
         """
-        self._left -= len(points)
+        return _velocities(self._proved(points), points)
+
+    def begin(self, points: Floats) -> Floats:
+        """The same at the starts of all paths."""
+        twists = self._proved(points)
+        self._moving.remember(twists, np.arange(len(points)))
+        return _velocities(twists, points)
+
+    def _proved(self, points: Floats) -> Floats:
+        self._left -= max(len(points), SMALLEST)
         if self._left < 0:
             raise _EnoughError
         found = self._rule.minima(self._scene, points)
         self._faces -= len(found.faces)
         if self._faces < 0:
             raise UndeterminedError(f"required minimizers that are unique at all but {MOST_FACES} points")
-        vx, vy, omega = found.twists.T
-        return np.stack([vx - omega * points[:, 1], vy + omega * points[:, 0]], axis=1)
+        return found.twists
+
+    def along(self, points: Floats, paths: NDArray[np.int_]) -> Floats:
+        """Velocities at points (m, 2) of the paths of these numbers (m,), by smoothed minimizers where these settle.
+
+        Raises:
+            UndeterminedError, _EnoughError: see :meth:`__call__`.
+        """
+        self._work -= len(points) * self._moving.work
+        if self._work < 0:
+            raise _EnoughError
+        twists, settled = self._moving.at(points, paths)
+        if not settled.all():
+            twists[~settled] = self._proved(points[~settled])
+            self._moving.remember(twists[~settled], paths[~settled])
+        return _velocities(twists, points)
+
+
+def _velocities(twists: Floats, points: Floats) -> Floats:
+    """``c' = v + omega J c``."""
+    vx, vy, omega = twists.T
+    return np.stack([vx - omega * points[:, 1], vy + omega * points[:, 0]], axis=1)
 
 
 def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0, 0.0)) -> SmoothEnds:
@@ -95,7 +132,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
         raise TypeError(f"required a rule without cells, received {rule.name}")
     if free_motions(scene):
         raise UndeterminedError("required friction against every motion, received a free one")
-    radius, field = float(scene.check.radius), _Field(scene, rule)
+    radius, field = float(scene.check.radius), _Field(scene, rule, len(starts))
     points, reached = np.array(starts, dtype=float), np.full(len(starts), MOVING)
     still = np.zeros(len(points), bool)
     try:
@@ -114,7 +151,7 @@ def _follow_all(
     field: _Field, points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float
 ) -> None:
     """Move the points along until they have left or stand still; all three arrays are changed in place."""
-    fastest = float(np.hypot(*field(points).T).max())
+    fastest = float(np.hypot(*field.begin(points).T).max())
     if not fastest:  # all stand where they start
         still[:] = True
         return
@@ -123,15 +160,15 @@ def _follow_all(
         moving = (reached == MOVING) & ~still
         if not moving.any():
             return
-        points[moving] = _followed(field, points[moving], until, radius)
+        points[moving] = _followed(field, points[moving], np.flatnonzero(moving), until, radius)
         reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
         inside = moving & (reached == MOVING)
         if inside.any():
-            still[inside] = np.hypot(*field(points[inside]).T) <= STILL * fastest
+            still[inside] = np.hypot(*field.along(points[inside], np.flatnonzero(inside)).T) <= STILL * fastest
         until *= 2
 
 
-def _followed(field: _Field, starts: Floats, until: float, radius: float) -> Floats:
+def _followed(field: _Field, starts: Floats, paths: NDArray[np.int_], until: float, radius: float) -> Floats:
     """Where the bodies are after a time; one that leaves the square stops a little outside."""
     from scipy.integrate import solve_ivp
 
@@ -140,7 +177,7 @@ def _followed(field: _Field, starts: Floats, until: float, radius: float) -> Flo
         inside = np.abs(points).max(axis=1) <= radius
         found = np.zeros_like(points)
         if inside.any():
-            found[inside] = field(points[inside])
+            found[inside] = field.along(points[inside], paths[inside])
         return found.ravel()
 
     step = TOLERANCE * radius

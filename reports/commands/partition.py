@@ -33,7 +33,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     ] = False,
     json: Json = False,
 ) -> int:
-    """List or draw the cells of the plane, each with its contact state and twist; or a field without cells, sampled.
+    """List or draw the cells of the plane, each with its contact state and twist, or a sampled field.
 
     Exit status: 0 done, 2 bad input.
     """

@@ -32,7 +32,7 @@ COMMANDS = {  # in the order of the help
         "check four-wheel --radius 1/4 --json",
     ),
     "partition": Entry(
-        "List or draw the cells of the plane, each with its contact state and twist.",
+        "List or draw the cells of the plane, each with its contact state and twist, or a sampled field.",
         "partition four-wheel -o cells.svg",
     ),
     "derive": Entry(

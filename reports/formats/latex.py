@@ -52,6 +52,7 @@ _ESCAPES = {
     "ä": r"\"a",
     '"': "''",  # the straight quotation mark is not in the default font encoding
 }
+_LINE, _GAP, _LETTER = 455.0, 12.0, 6.6  # points: a line of 160 mm, twice \\tabcolsep, a letter in bold
 _WESTERN = frozenset("ÀÁÂÃÄÅÆÇÈÉÊËÌÍÎÏÑÒÓÔÕÖØÙÚÛÜÝßàáâãäåæçèéêëìíîïñòóôõöøùúûüýÿ")
 
 
@@ -108,7 +109,7 @@ def _figure(block: Figure, file: str) -> str:
 
 
 def _table(block: Table) -> str:
-    shares = [width / sum(block.widths) for width in block.widths]
+    shares = _shares(block)
     columns = "".join(
         rf">{{\raggedright\arraybackslash}}p{{\dimexpr {share:.4f}\linewidth-2\tabcolsep\relax}}" for share in shares
     )
@@ -116,6 +117,23 @@ def _table(block: Table) -> str:
     lines = [rf"\begin{{longtable}}{{{columns}}}", r"\hline", rf"{head} \\", r"\hline", r"\endhead"]
     lines += [" & ".join(_text(entry) for entry in row) + r" \\" for row in block.rows]
     return "\n".join([*lines, r"\hline", r"\end{longtable}"])
+
+
+def _shares(block: Table) -> list[float]:
+    """The columns' shares of the line: as the table says, but none narrower than the longest word of its head."""
+    words = [max((len(word) for word in _plain(entry).split()), default=0) for entry in block.header]
+    least = [(_LETTER * letters + _GAP) / _LINE for letters in words]
+    shares = [width / sum(block.widths) for width in block.widths]
+    narrow = [share < floor for share, floor in zip(shares, least, strict=True)]
+    given = sum(floor for floor, held in zip(least, narrow, strict=True) if held)
+    free = sum(share for share, held in zip(shares, narrow, strict=True) if not held)
+    scale = (1 - given) / free if free and given < 1 else 1.0
+    return [floor if held else share * scale for share, floor, held in zip(shares, least, narrow, strict=True)]
+
+
+def _plain(text: Text) -> str:
+    """The words of a text; a formula counts for none, it is short in a head."""
+    return "".join(part if isinstance(part, str) else " " for part in text)
 
 
 def _text(text: Text) -> str:

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from nonsmooth.analysis.trajectories.result import EndReason
-from tests.body_engine import pose_beside_engine, predicted_changes, random_grid, run_beside_engine, with_random_body
+from tests.body_engine import (
+    lifted_loads,
+    pose_beside_engine,
+    predicted_changes,
+    random_grid,
+    run_beside_engine,
+    with_random_body,
+)
 
 TWISTS = 1e-3, 1e-2  # median and largest; over many poses 1e-4 is the median, and one of ten above 6e-4
 LOADS = 2e-4  # of the weight
@@ -33,3 +41,12 @@ def test_wheels_enter_and_leave_as_in_the_engine() -> None:
     assert run.changes_alike(LATE)
     assert run.tips_alike
     assert run.error < FAR
+
+
+@pytest.mark.parametrize(("seed", "speed", "time_constant"), [(1, 3e-3, 0.02), (1, 3e-3, 0.04), (3, 3e-3, 0.02)])
+def test_slip_lifts_the_springs_of_the_engine(seed: int, speed: float, time_constant: float) -> None:
+    """Why poses of engine and product part: by loads, which agree as wheels run more slowly."""
+    engine, springs, lifted = lifted_loads(seed, speed, time_constant)
+    apart = np.abs(engine - springs).max()
+    assert apart > 5e-3
+    assert np.abs(engine - lifted).max() < 0.01 * apart

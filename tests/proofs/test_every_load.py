@@ -98,6 +98,38 @@ def admissible_at(scene: Scene, points: Floats, rng: np.random.Generator) -> Flo
     return np.array(found)
 
 
+# ---- rollers that turn freely ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
+def test_omniwheels_carry_the_body_about_the_point_under_every_load(rule: str) -> None:
+    """No row with friction slips at the spin: near the point no other motion is as good, under any admissible load."""
+    scene = with_loads(load_scene("omni-3"), rule)
+    found = checked(scene)
+    assert (found.equilibrium.verdict, found.translation.verdict) == (Equilibrium.HOLDS, Translation.STABLE)
+    assert found.rotation.verdict is Rotation.UNSTABLE
+    rng, model = np.random.default_rng(8), contact_model(scene)
+    points = rng.uniform(-0.1, 0.1, (30, 2)) * float(scene.check.radius)
+    loads = admissible_at(scene, points, rng)
+    minima = (BoxHighs() if rule == "box" else EllipseInterior()).minimize(model, loads)
+    assert np.allclose(minima.twists, [0, 0, -1], atol=STILL)
+    assert np.allclose(dissipation(Functional.BOX, model, loads, np.array([0, 0, -1.0])), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
+def test_mecanum_wheels_on_a_diagonal_leave_the_motion_open(rule: str) -> None:
+    """The spin always is a minimizer; where two opposite wheels carry alone, so are motions along their rollers."""
+    found = checked(with_loads(load_scene("mecanum-4"), rule))
+    assert (found.equilibrium.verdict, found.translation.verdict) == (Equilibrium.HOLDS, Translation.UNDECIDED)
+    model = contact_model(load_scene("mecanum-4", rule=rule))
+    diagonal = np.array([0.5, 0.0, 0.5, 0.0])
+    for along in (0.0, 0.3):  # wheels 1 and 3 grip along (1, -1): a shift along (1, 1) slips nowhere
+        twist = np.array([along, along, 1.0])
+        assert np.allclose(dissipation(Functional.BOX, model, diagonal, twist), 0, atol=1e-12)
+    springs = checked(scattered(load_scene("mecanum-4"), rule))
+    assert springs.translation.verdict is Translation.STABLE
+
+
 # ---- what is said of built-in scenes ---------------------------------------------------------
 
 

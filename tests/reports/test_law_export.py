@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 POSES = 60
 ROUNDING = 1e-12  # relative: a handful of operations each
 BOX_ERROR = 1e-7  # relative, of a minimizer by linear programs
-NO_LAW = ("four-wheel-side", "off-center", "differential-drive")
+NO_LAW = ("four-wheel-side", "off-center", "differential-drive", "omni-3", "mecanum-4", "roller-bed")
 HAVE_ONE = [name for name in builtin_scenes() if name not in NO_LAW]
 
 

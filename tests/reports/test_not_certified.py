@@ -57,7 +57,7 @@ def test_the_missing_motion_is_named(invoke: Invoke, tmp_path: Path) -> None:
     table = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune").out
     printed = " ".join(re.sub("[│╭╮╰╯├┤─┼]", " ", table).split())
     assert "largest V*/|c| over the square not certified: " in printed
-    assert printed.count("no row with friction resists") == 3
+    assert printed.count("certified: no row with friction resists") == 3
     record = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune", "--json").record
     assert record["translation"]["not_certified"] == sentence
     assert record["translation"]["worst_rate"] is None

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
-from nonsmooth.analysis.cells.load_sets import Loads, LoadSet, load_set
+from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, load_set
 from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point
@@ -28,7 +28,7 @@ from nonsmooth.proofs.clauses.every_load.wheel_pulls import (
     wheel_pulls,
 )
 from nonsmooth.proofs.verdicts import Equilibrium
-from nonsmooth.symbolic.constraints import Twist, scene_rows
+from nonsmooth.symbolic.constraints import Triple, Twist, independent, rows_with_friction, scene_rows, wheel_rows
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
@@ -92,6 +92,8 @@ class EveryLoadPoint:
             case EveryLoad.SMOOTH:
                 pulls = None if self.twist is None else wheel_pulls(self.scene, self.twist.omega)
                 return pulls is not None and self.slope is not None and has_slope(pulls, self.slope)
+            case EveryLoad.TIED:
+                return self.twist is not None and (_rolls(self.scene, self.twist) or bool(cocircular_array(self.scene)))
             case _:
                 return self.twist is not None
 
@@ -127,9 +129,10 @@ def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
     zero = scene.field.zero
     region = under_load(scene, loads.reached.middle)
     carried = common_twist(scene, region)
-    if carried is not None and _grips_everywhere(scene):
-        reason = f"the twist ({', '.join(map(brief_text, carried))}) satisfies every row of every wheel"
-        return EveryLoadPoint(scene, loads, EveryLoad.CARRIED, carried, None, None, reason)
+    if carried is not None:
+        reason = f"the twist ({', '.join(map(brief_text, carried))}) satisfies every row with friction of every wheel"
+        situation = EveryLoad.CARRIED if _fix_the_motion(scene, loads.bound) else EveryLoad.TIED
+        return EveryLoadPoint(scene, loads, situation, carried, None, None, reason)
     if _is_held(scene, loads):
         reason = "under every load the sticking wheels balance the others strictly inside their friction limits"
         return EveryLoadPoint(scene, loads, EveryLoad.HELD, Twist(zero, zero, zero), None, None, reason)
@@ -167,11 +170,28 @@ def load_text(loads: Loads) -> str:
     return f"({', '.join(f'{float(load):.4g}' for load in loads)})"
 
 
-def _grips_everywhere(scene: Scene) -> bool:
-    """Whether all that can carry fix the motion: all wheels resist along and across, and none is right under c*."""
+def _fix_the_motion(scene: Scene, loads: LoadPolytope) -> bool:
+    """Whether the wheels that carry fix the motion under every load: their rows with friction have rank three.
+
+    ``sum_i N_i (sum of a_k a_k^T of wheel i)`` is linear in the loads and positive definite iff that rank is three; so
+    it is under all loads where it is at the corners, and where it is under the least loads of all wheels.
+    """
     rule = smooth_rule_of(scene)
-    sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
-    return all(limits.along and limits.across for limits in sets) and all(any(w.position) for w in scene.wheels)
+    rows: list[list[Triple]] = []
+    for wheel in scene.wheels:
+        limits = rule.friction_set(wheel.friction)
+        along, across = (row.normal for row in wheel_rows(wheel))
+        rows.append([normal for normal, friction in ((along, limits.along), (across, limits.across)) if friction])
+    for corner in loads.corners or (loads.least,):
+        carrying = [normal for load, normals in zip(corner, rows, strict=True) if load > 0 for normal in normals]
+        if len(independent(carrying)) < 3:
+            return False
+    return True
+
+
+def _rolls(scene: Scene, twist: Twist) -> bool:
+    """Whether every row with friction holds: D = 0, whatever the load and wherever the body is."""
+    return not any(row.residual(twist) for row in rows_with_friction(scene))
 
 
 def _is_held(scene: Scene, loads: LoadSet) -> bool:
@@ -210,13 +230,15 @@ def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
     """Slopes of D at a motion about the point are linear in the loads: exact linear programs over their set.
 
     Where a slope vanishes under some load, other motions minimize D there too, and beside the point all velocities may
-    point to one side; the lemma on inward rims, c . v <= 0, excludes that.
+    point to one side; the lemma on inward rims, c . v <= 0, excludes that, and so does a motion with D = 0, which is
+    least beside the point too.
     """
     zero = scene.field.zero
     for rate in _box_rates(scene):
         slopes = build_slopes(scene, rate)
         least = -1 if slopes is None else slopes.least_sign(loads.bound)
-        if least > 0 or (least == 0 and cocircular_array(scene) is not None):
+        rolls = _rolls(scene, Twist(zero, zero, rate))
+        if least > 0 or (least == 0 and (rolls or cocircular_array(scene) is not None)):
             situation = EveryLoad.HELD if least > 0 else EveryLoad.TIED
             what = f"the spin {brief_text(rate)}" if rate else "rest"
             how = "D rises in every direction" if least > 0 else "D falls in no direction"

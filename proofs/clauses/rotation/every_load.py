@@ -10,6 +10,7 @@ from nonsmooth.symbolic.number_text import brief_text
 
 NO_REST = "no equilibrium is proved under every load, so nothing rests there"
 AT_REST = "near the point the body does not move at all, whatever the load"
+MAY_TURN = "at the point the body may turn at the rate {} for ever, whatever the load; under some loads it need not"
 LITTLE = "the twist is of the order of the distance under every load, and the distance decays exponentially"
 TIED = "the drift is {0} at rest, but under some loads other motions minimize D as well"
 
@@ -20,6 +21,9 @@ def rotation_for_every_load(translation: EveryLoadTranslation) -> RotationResult
     if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
         return RotationResult(Rotation.UNDECIDED, None, None, NO_REST)
     drift = drift_at_rest((point.twist,))
+    if point.twist.omega and point.situation is EveryLoad.TIED:
+        rate = brief_text(point.twist.omega)
+        return RotationResult(Rotation.UNSTABLE, drift, None, MAY_TURN.format(rate))
     if point.twist.omega:
         reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever, whatever the load"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)

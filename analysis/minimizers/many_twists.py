@@ -3,7 +3,7 @@
 ``w_i = W_i x - t_i`` is the slip of contact i, weighted by its friction, and ``x = (c', size theta')``.  The norms are
 smoothed to ``rho_i = sqrt(|w_i|^2 + g^2)``, so that contacts may stick: the twist moves by the order of g.  Newton's
 method on ``rho_i z_i = w_i`` with the forces ``z_i`` as unknowns of their own (Chan, Golub and Mulet 1999) settles in a
-few steps from the twist of the step before.
+few steps from the twist of the step before; a step that D grows along is halved.
 """
 
 from __future__ import annotations
@@ -11,15 +11,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.float_loads import loads_at
 
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next
+HALVINGS = 8  # of a step that D grows along
+ROUNDING = 1e-14  # of D
 LOST = 1e3  # a step that is so many times as fast leads nowhere
 SMOOTHING = 1e-6  # g, of the fastest wheel's speed times friction
 SMOOTHING_OF_ROLLERS = 1e-4  # the same where D is linear in pieces, and its least value lies in corners
 COARSE = 1e-2  # g up to which a twist that settled counts, where it does not with less
 SETTLED = 1e-7  # step after which it ends, in the same unit
+SMALLEST = 2_000  # multiplications that take as long as what every problem costs, however few contacts it has
 REGULAR = 1e-13  # multiple of the identity beside a Hessian, of its trace
 
 
@@ -41,11 +45,16 @@ class ManyTwists:
             start: (m, d).
         """
         flat = rows.reshape(len(rows), -1, rows.shape[-1])
-        found, settled = self._settle(flat, targets, loads, start, self._smoothing)
+        found, settled = self.track(rows, targets, loads, start)
         again = np.flatnonzero(~settled)
         if len(again):
             found[again], settled[again] = self._from_smooth(flat[again], targets[again], loads[again])
         return found, settled
+
+    def track(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """The same by Newton's method from near starts alone, without another try where it does not settle."""
+        flat = rows.reshape(len(rows), -1, rows.shape[-1])
+        return self._settle(flat, targets, loads, start, self._smoothing)
 
     def _from_smooth(self, flat: Floats, targets: Floats, loads: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """From rest, with g large at first: there Newton's method settles from afar."""
@@ -71,7 +80,7 @@ class ManyTwists:
         for _ in range(STEPS):
             x = found[at]
             step, forces = self._step(flat, aims, weights, x, forces, smoothing)
-            found[at] = x + step
+            found[at] = x + self._downhill(flat, aims, weights, x, step, smoothing)
             sizes = np.abs(step).max(axis=1)
             settled[at[sizes <= SETTLED * self._unit]] = True
             going = (sizes > SETTLED * self._unit) & (sizes < LOST * self._unit)
@@ -79,6 +88,25 @@ class ManyTwists:
                 break
             at, flat, aims, weights, forces = at[going], flat[going], aims[going], weights[going], forces[going]
         return found, settled & np.isfinite(found).all(axis=1)
+
+    def _downhill(
+        self, flat: Floats, targets: Floats, loads: Floats, x: Floats, step: Floats, smoothing: float
+    ) -> Floats:
+        """The steps (m, d), halved until the smoothed D does not grow."""
+        before = self._value(flat, targets, loads, x, smoothing) * (1 + ROUNDING)
+        steps, trying = step.copy(), np.arange(len(x))
+        for _ in range(HALVINGS):
+            there = self._value(flat[trying], targets[trying], loads[trying], x[trying] + steps[trying], smoothing)
+            trying = trying[~(there <= before[trying])]
+            if not len(trying):
+                break
+            steps[trying] /= 2
+        return steps
+
+    def _value(self, flat: Floats, targets: Floats, loads: Floats, x: Floats, smoothing: float) -> Floats:
+        """``sum_i N_i rho_i``, shape (m,)."""
+        slips = (flat @ x[..., None]).reshape(targets.shape) - targets
+        return np.asarray((loads * np.sqrt(_inner(slips, slips) + (smoothing * self._unit) ** 2)).sum(axis=1))
 
     def _step(
         self, flat: Floats, targets: Floats, loads: Floats, x: Floats, forces: Floats | None, smoothing: float
@@ -92,10 +120,11 @@ class ManyTwists:
         gradient = (flat.transpose(0, 2, 1) @ (loads[..., None] * units).reshape(len(x), -1, 1))[..., 0]
         # sum of N/rho W^T (1 - sym(z w^T)/rho) W
         whole = flat.reshape(*targets.shape, -1)
-        along_w = _inner(units[..., None], whole, axis=2)
-        along_z = _inner(z[..., None], whole, axis=2)
+        first, second = whole[:, :, 0], whole[:, :, 1]
+        along_w = units[..., :1] * first + units[..., 1:] * second
+        along_z = (pull * z[..., 0])[..., None] * first + (pull * z[..., 1])[..., None] * second
         weighted = np.repeat(pull, 2, axis=1)[..., None] * flat
-        mixed = (pull[..., None] * along_z).transpose(0, 2, 1) @ along_w
+        mixed = along_z.transpose(0, 2, 1) @ along_w
         hessian = flat.transpose(0, 2, 1) @ weighted - (mixed + mixed.transpose(0, 2, 1)) / 2
         trace = np.trace(hessian, axis1=1, axis2=2)
         hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(x.shape[1])
@@ -106,10 +135,9 @@ class ManyTwists:
         return np.asarray(step, float), z
 
 
-def _inner(first: Floats, second: Floats, axis: int = -1) -> Floats:
-    """Inner products over an axis of length two: several times as fast as a sum over so short an axis."""
-    a, b = (np.moveaxis(array, axis, 0) for array in (first, second))
-    return np.asarray(a[0] * b[0] + a[1] * b[1])
+def _inner(first: Floats, second: Floats) -> Floats:
+    """Inner products over the last axis, of length two: several times as fast as a sum over so short an axis."""
+    return np.asarray(first[..., 0] * second[..., 0] + first[..., 1] * second[..., 1])
 
 
 def with_rollers(rows: Floats, targets: Floats, loads: Floats, cuts: Floats) -> tuple[Floats, Floats, Floats]:
@@ -140,3 +168,45 @@ def turning_rollers(rows: Floats, targets: Floats, cuts: Floats, x: Floats) -> F
     along, across = np.moveaxis((rows @ x[:, None, :, None])[..., 0] - targets, -1, 0)
     kept = np.abs(along) * cuts / np.sqrt(np.maximum(1 - cuts**2, 1e-12))
     return np.asarray(np.sign(across) * np.maximum(np.abs(across) - kept, 0.0))
+
+
+class MovingTwists:
+    """Twists ``(v, omega)`` of bodies that move over all wheels of an array, each from the last one of its path."""
+
+    def __init__(self, model: ContactModel, paths: int) -> None:
+        """For the contacts of an array whose loads are known."""
+        self._model, self._size = model, float(np.hypot(*model.positions.T).max()) or 1.0
+        self._unit = np.array([1.0, 1.0, self._size])
+        weights = model.friction.reshape(-1, 2)
+        self._rows = weights[..., None] * model.rows.reshape(-1, 2, 3) / self._unit
+        self._targets = weights * model.targets.reshape(-1, 2)
+        self._turns = bool((model.cuts < 1).any())
+        self._twists = ManyTwists(float(np.abs(self._targets).max()), rollers=self._turns)
+        self._last = np.zeros((paths, 3))
+
+    @property
+    def work(self) -> int:
+        """What a problem costs, in multiplications of a Newton step; the speeds of rollers are unknowns too."""
+        wheels = self._model.wheels
+        return SMALLEST + (4 * wheels * (3 + wheels) ** 2 if self._turns else 18 * wheels)
+
+    def remember(self, twists: Floats, paths: NDArray[np.int_]) -> None:
+        """Begin at twists (m, 3) on the paths of these numbers (m,)."""
+        self._last[paths] = twists * self._unit
+
+    def at(self, centres: Floats, paths: NDArray[np.int_]) -> tuple[Floats, NDArray[np.bool_]]:
+        """Twists at centres of mass (m, 2) of the paths of these numbers (m,): shape (m, 3), and whether they settled.
+
+        Raises:
+            nonsmooth.analysis.cells.loads.LoadError: where a load of a table is negative.
+        """
+        count, start, loads = len(centres), self._last[paths], loads_at(self._model, centres)
+        rows = np.broadcast_to(self._rows, (count, *self._rows.shape))
+        targets = np.broadcast_to(self._targets, (count, *self._targets.shape))
+        if self._turns:
+            cuts = np.broadcast_to(self._model.cuts, loads.shape)
+            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
+            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
+        found, settled = self._twists.track(rows, targets, loads, start)
+        self._last[paths[settled]] = found[settled, :3]
+        return found[:, :3] / self._unit, settled

@@ -1,0 +1,114 @@
+"""The motion of a body on one set of wheels, and the regime in which it is smooth.
+
+Between changes of the contact set the motion still has kinks: where a spring comes free or a contact begins or ends to
+stick.  Beside them it is analytic, and each of its pieces goes on analytically beyond the kink.  So a regime (which
+wheels are loaded, which contacts stick) can be held while an integrator makes its step: its unknowns, the twist and
+forces, follow their derivatives (:meth:`SetMotion.slope`) beside the pose, and :meth:`SetMotion.validities` says
+afterwards where the regime ended.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nonsmooth.analysis.dynamics.drag import needs_drag
+from nonsmooth.analysis.dynamics.ellipse_path import path_minimizer
+from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.proved import resists_every_motion
+from nonsmooth.analysis.minimizers.regime import NOBODY
+from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.symbolic.number_text import place_text
+
+
+class SetMotion:
+    """Pose rates ``(c', theta')`` on one set of wheels.
+
+    Attributes:
+        model: the contacts of these wheels.
+    """
+
+    def __init__(self, model: ContactModel, pose: Floats) -> None:
+        """For the contacts of the set, and a pose at which they carry the body.
+
+        Raises:
+            nonsmooth.analysis.cells.loads.LoadError: where they do not.
+        """
+        self.model, self._loads = model, MovingLoads(model, pose[:2])
+        self._minimize = path_minimizer(model)
+        self._quick = None if needs_drag(model) else SmoothNewton(model)
+        self._regime = NOBODY
+
+    def margins(self, poses: Floats) -> Floats:
+        """Distance of the centre of mass from the border of the support polygon, negative outside; poses (m, 3)."""
+        return self._loads.margins(poses[:, :2])
+
+    def guess(self, twist: Floats) -> None:
+        """Begin Newton's method at a twist, the first time."""
+        if self._quick is not None and self._quick.last is None:
+            self._quick.start_from(twist)
+
+    def rate(self, pose: Floats) -> Floats:
+        """``(c', theta')`` with exact kinematics; a little beyond the support polygon it is continued.
+
+        Raises:
+            TrajectoryError: where the minimizer is not proved to be the motion.
+        """
+        return with_kinematics(self._twist(self._loads.at(pose[:2])[0], pose), pose)
+
+    def _twist(self, loads: Floats, pose: Floats) -> Floats:
+        """The minimizer of D: by Newton steps from the last one, else by interior points."""
+        quick = self._quick
+        found = None if quick is None else quick.minimize(loads)
+        if found is not None:
+            return found
+        minima = self._minimize(loads)
+        if not (minima.check() & resists_every_motion(self.model, loads[None]))[0]:
+            place = place_text((float(pose[0]), float(pose[1])))
+            raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
+        (twist,) = minima.twists
+        if quick is not None:
+            quick.start_from(twist)
+            quick.minimize(loads)  # finds the regime, if it can
+        return np.asarray(twist)
+
+    @property
+    def _newton(self) -> SmoothNewton:
+        """What holds regimes."""
+        if self._quick is None:
+            raise ValueError("required whole friction ellipses, received some that are cut")
+        return self._quick
+
+    # ---- regimes ---------------------------------------------------------------------------------
+
+    def hold(self, ahead: Floats, pose: Floats) -> Floats | None:
+        """Hold the regime of a pose a little ahead; its unknowns at the pose itself, None where it has none."""
+        self.rate(ahead)
+        if self._quick is None or self._quick.last is None or self.margins(ahead[None])[0] <= 0:
+            return None
+        self._regime, unknowns = self._quick.last
+        return self.settled(pose, unknowns)
+
+    def settled(self, pose: Floats, unknowns: Floats) -> Floats | None:
+        """The unknowns at a pose, proved to be those of the only minimizer while the regime holds; None without."""
+        return self._newton.settled(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+
+    def slope(self, pose: Floats, rate: Floats, unknowns: Floats) -> Floats:
+        """How fast the unknowns change while the pose does; not a number where they cannot be continued."""
+        loads, slopes = self._loads.continued(pose[:2])
+        return self._newton.slope(self._regime, unknowns, loads, slopes @ rate[:2])
+
+    def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
+        """Whether a contact nearly sticks by now that the regime does not know."""
+        return self._newton.is_near_rest(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+
+    def validities(self, poses: Floats, unknowns: Floats) -> Floats:
+        """Negative where the regime held has ended, at poses (m, 3) with unknowns (m, k); shape (m,)."""
+        lacks = self._regime.lacks(unknowns).min(axis=1, initial=np.inf)
+        return np.minimum(lacks, self._loads.validities(poses[:, :2]))
+
+
+def with_kinematics(twist: Floats, pose: Floats) -> Floats:
+    """``(c', theta')`` of a spatial twist."""
+    return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])

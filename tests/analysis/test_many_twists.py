@@ -1,0 +1,44 @@
+"""Smoothed twists of many bodies at once against proved minimizers, one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.minimizers.many_twists import MovingTwists
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+POINTS = 40
+ERRORS = {"ellipse": 1e-5, "roller": 2e-3}  # of the fastest wheel's speed: by how much they are smoothed
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("name", ["omni-3", "mecanum-4", "spiral-30", "grid-4x4", "conveyor-3"])
+def test_twists_are_the_minimizers(name: str, rule: str) -> None:
+    """From the proved ones of points beside them: all settle, and lie where D is least."""
+    scene = load_scene(name, rule=rule).recentred()
+    smooth = smooth_rule_of(scene)
+    model, radius = smooth.contacts(scene), float(scene.check.radius)
+    points = np.random.default_rng(3).uniform(-0.9, 0.9, (POINTS, 2)) * radius
+    paths = np.arange(POINTS)
+    moving = MovingTwists(model, POINTS)
+    moving.remember(smooth.minima(scene, 0.95 * points).twists, paths)
+    found, settled = moving.at(points, paths)
+    proved = smooth.minima(scene, points).twists
+    assert settled.all()
+    assert np.abs(found - proved).max() <= ERRORS[rule] * np.abs(model.speeds).max()
+
+
+def test_paths_keep_their_own_twists() -> None:
+    """A few paths of many: the others begin where they were."""
+    scene = load_scene("conveyor-3", rule="ellipse").recentred()
+    smooth = smooth_rule_of(scene)
+    points = np.random.default_rng(4).uniform(-0.4, 0.4, (POINTS, 2)) * float(scene.check.radius)
+    moving = MovingTwists(smooth.contacts(scene), POINTS)
+    proved = smooth.minima(scene, points).twists
+    moving.remember(proved, np.arange(POINTS))
+    odd = np.arange(1, POINTS, 2)
+    found, settled = moving.at(points[odd], odd)
+    assert settled.all()
+    assert np.abs(found - proved[odd]).max() <= ERRORS["ellipse"]
