@@ -149,6 +149,8 @@ def alone(scene: Scene) -> Scene:
 def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
     """The array of some wheels alone, numbered as in the scene, with a body that stands on them at the checked point.
 
+    The square is at most a part of their support polygon.
+
     Raises:
         TipsError: where fewer than three wheels carry, or the centre of mass is not strictly inside their hull.
         SceneError: for a table of loads of wheels that do not all carry.
@@ -158,8 +160,9 @@ def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
     _require_standing(scene, carrying, point)
     if len(carrying) < len(wheels):
         _require_no_table(scene)
-    if check.has_default_radius:
-        check = replace(check, radius=default_radius([wheel.position for wheel in carrying], point))
+    inner = default_radius([wheel.position for wheel in carrying], point)
+    if inner < check.radius:
+        check = replace(check, radius=inner)
     return replace(scene, wheels=carrying, idle=(), body=None, check=check)
 
 
