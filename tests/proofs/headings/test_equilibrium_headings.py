@@ -145,7 +145,11 @@ def test_a_grid_of_headings_finds_what_is_listed_and_no_more(
 ) -> None:
     scene = scene_of(tmp_path, field, size, columns, side, at)
     found = found_at_point(scene)
-    ranges = [(entry, float(entry.low), float(entry.high)) for entry in found.found if entry.low is not None]
+    ranges = [
+        (entry, float(entry.low), float(entry.high))
+        for entry in found.found
+        if entry.low is not None and entry.high is not None
+    ]
     singles = [entry for entry in found.found if entry.kind is Kind.ISOLATED]
     assert all(one.edge for one in found.undecided)  # no range of headings is left open here
     oracle = Oracle(scene, (float(eval_fraction(size[0])) / 2, float(eval_fraction(size[1])) / 2))
