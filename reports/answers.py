@@ -76,8 +76,7 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
     destinations = None if answered is None else answered.destinations
     others = () if answered is None else answered.others
     headings = None if answered is None else answered.headings
-    has_outline = answered is not None and answered.has_outline
-    outlined: Record = {"equilibrium_headings": headings and headings_record(headings)} if has_outline else {}
+    outlined: Record = {} if headings is None else {"equilibrium_headings": headings_record(headings)}
     return {
         **record,
         "destinations": None if destinations is None else _destinations_record(destinations),

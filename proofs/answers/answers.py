@@ -31,14 +31,12 @@ class Answers:
         destinations: where bodies from all over the square end, where they do not all come home.
         others: what the other contact rules say.
         headings: at which headings a body with an outline rests; None where its heading does not matter.
-        has_outline: whether the body has one.
     """
 
     answers: tuple[Answer, ...]
     destinations: Destinations | None
     others: tuple[OtherRule, ...]
     headings: HeadingsOfRest | None = None
-    has_outline: bool = False
 
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
@@ -59,8 +57,7 @@ def full_answers(check: Theorem4Result, *, ask_others: bool = True, around: bool
     goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
     destinations = _destinations_of(check) if goes_elsewhere else None
     others = other_rules(check.scene) if ask_others else ()
-    has_outline = check.scene.body is not None
-    return Answers(answers, destinations, others, _headings_of(check, around=around), has_outline)
+    return Answers(answers, destinations, others, _headings_of(check, around=around))
 
 
 def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:
