@@ -17,6 +17,7 @@ from nonsmooth.proofs.answers.contact import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.equilibrium_headings import headings_record, headings_view
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record, fact_record
 from nonsmooth.reports.terminal import header_table, verdict_text
@@ -39,6 +40,8 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     parts: list[RenderableType] = [Text(contact), table]
     if answers.destinations is not None:
         parts.append(_destinations_table(answers.destinations))
+    if answers.headings is not None:
+        parts.append(headings_view(answers.headings))
     rule = rule_of(result.scene)
     parts.append(Text(f"rule {rule.name}: {rule.summary}"))
     if remark := rule.remark(result.scene):
@@ -72,9 +75,12 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
     record = {answer.name: _answer_record(answer) for answer in answers}
     destinations = None if answered is None else answered.destinations
     others = () if answered is None else answered.others
+    headings = None if answered is None else answered.headings
+    outlined: Record = {} if headings is None else {"equilibrium_headings": headings_record(headings)}
     return {
         **record,
         "destinations": None if destinations is None else _destinations_record(destinations),
+        **outlined,
         "other_rules": {other.name: _other_record(other) for other in others} or None,
     }
 

@@ -121,6 +121,10 @@ LawFile = Annotated[
     ),
 ]
 Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
+Headings = Annotated[
+    bool,
+    typer.Option("--headings", help="Look for headings at which a body rests around the checked point too."),
+]
 Require = Annotated[
     str | None,
     typer.Option(

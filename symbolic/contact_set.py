@@ -99,9 +99,8 @@ def standing(scene: Scene) -> Scene:
     carrying = tuple(wheel for wheel in wheels if _carries(scene, scene.body, wheel, point))
     idle = tuple(wheel for wheel in wheels if wheel not in carrying)
     _require_standing(scene, carrying, point)
-    if idle and isinstance(scene.contact.loads, LoadTable):
-        expected = "elastic loads, or a body that covers every wheel"
-        raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
+    if idle:
+        _require_no_table(scene)
     positions = [wheel.position for wheel in carrying]
     check = scene.check
     if check.has_default_radius:
@@ -145,6 +144,32 @@ def alone(scene: Scene) -> Scene:
     stands = standing(scene)
     wheels = tuple(replace(wheel, index=number) for number, wheel in enumerate(stands.wheels, 1))
     return replace(stands, wheels=wheels, idle=(), body=None)
+
+
+def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
+    """The array of some wheels alone, numbered as in the scene, with a body that stands on them at the checked point.
+
+    The square is at most a part of their support polygon.
+
+    Raises:
+        TipsError: where fewer than three wheels carry, or the centre of mass is not strictly inside their hull.
+        SceneError: for a table of loads of wheels that do not all carry.
+    """
+    wheels, point, check = whole(scene).wheels, scene.check.equilibrium, scene.check
+    carrying = tuple(wheel for wheel in wheels if wheel.index in numbers)
+    _require_standing(scene, carrying, point)
+    if len(carrying) < len(wheels):
+        _require_no_table(scene)
+    inner = default_radius([wheel.position for wheel in carrying], point)
+    if inner < check.radius:
+        check = replace(check, radius=inner)
+    return replace(scene, wheels=carrying, idle=(), body=None, check=check)
+
+
+def _require_no_table(scene: Scene) -> None:
+    if isinstance(scene.contact.loads, LoadTable):
+        expected = "elastic loads, or a body that covers every wheel"
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
 
 
 def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:

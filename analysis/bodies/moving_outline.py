@@ -9,10 +9,13 @@ minus the velocity of the body at the wheel, seen from the body.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc
+
+Numbers = NDArray[np.int_]
 
 SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
 
@@ -48,6 +51,26 @@ class MovingOutline:
     def depths_at(self, places: Floats, poses: Floats) -> Floats:
         """Depths (m, k) of places (m, k, 2) of their own at each of the poses (m, 3)."""
         return self._below(_seen(places, poses))
+
+    def headings_under_edge(self, away: Floats) -> tuple[Numbers, Floats]:
+        """Headings at which places lie under the edge: rows of the places (m, 2) from the centre of mass, and theta.
+
+        ``theta = arg(q) - arg(n) +- acos(h/|q|)`` for a side, ``arg(q) - arg(m) +- acos(...)`` for a disc about m.
+        """
+        reach = np.hypot(*away.T)
+        if self._radius is None:
+            directions, shares = self._normals, self._heights / reach[:, None]
+        else:
+            offset = float(np.hypot(*self._middle))
+            directions = self._middle[None]
+            shares = ((reach**2 + offset**2 - self._radius**2) / (2 * reach * offset))[:, None]
+        rows, sides = np.nonzero(np.abs(shares) < 1)
+        half = np.arccos(shares[rows, sides])
+        between = np.arctan2(*away[rows].T[::-1]) - np.arctan2(*directions[sides].T[::-1])
+        rows, thetas = np.concatenate([rows, rows]), np.concatenate([between - half, between + half])
+        poses = np.column_stack([np.zeros((len(thetas), 2)), thetas])
+        on_edge = np.abs(self.depths_at(away[rows, None], poses)[:, 0]) <= SAME_SIDE * self.size
+        return rows[on_edge], thetas[on_edge]
 
     def _below(self, places: Floats) -> Floats:
         """Depths of places in the body's frame."""

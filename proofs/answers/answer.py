@@ -34,6 +34,7 @@ class Heading(StrEnum):
     RETURNS = "returns"
     KEEPS = "keeps"
     DRIFTS = "drifts"
+    LEAVES = "leaves"  # a pose with a wheel under the edge of the body, from which it is driven off
     UNDECIDED = "undecided"
 
 

@@ -17,6 +17,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.headings import HeadingsOfRest
 
 # In the order in which they are said; to ask another question, write its function and a line here.
 QUESTIONS: dict[str, Question] = {"position": position_answer, "heading": heading_answer, "pose": pose_answer}
@@ -32,12 +33,14 @@ class Answers:
         destinations: where bodies from all over the square end, where they do not all come home.
         others: what the other contact rules say.
         robust: what holds for every array within the tolerances; None for a scene that states none.
+        headings: at which headings a body with an outline rests; None where its heading does not matter.
     """
 
     answers: tuple[Answer, ...]
     destinations: Destinations | None
     others: tuple[OtherRule, ...]
     robust: Answer | None = None
+    headings: HeadingsOfRest | None = None
 
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
@@ -45,14 +48,29 @@ def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
     return tuple(question(check.scene, check.results) for question in QUESTIONS.values())
 
 
-def full_answers(check: Theorem4Result, *, ask_others: bool = True) -> Answers:
-    """The answers with what they leave open: where bodies go otherwise, and what the other rules say."""
+def full_answers(check: Theorem4Result, *, ask_others: bool = True, around: bool = False) -> Answers:
+    """The answers with what they leave open: where bodies go otherwise, and what the other rules say.
+
+    Args:
+        check: the verdicts.
+        ask_others: say what the other rules say.
+        around: look for headings of rest around the checked point too.
+    """
     answers = answers_of(check)
     position = answers[0].verdict
     goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
     destinations = _destinations_of(check) if goes_elsewhere else None
     others = other_rules(check.scene) if ask_others else ()
-    return Answers(answers, destinations, others, robust_answer(check.scene))
+    headings = _headings_of(check, around=around)
+    return Answers(answers, destinations, others, robust_answer(check.scene), headings)
+
+
+def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:
+    if check.scene.body is None:
+        return None
+    from nonsmooth.proofs.answers.headings import headings_of_rest  # a search: only a body with an outline needs it
+
+    return headings_of_rest(check.scene, around=around)
 
 
 def _destinations_of(check: Theorem4Result) -> Destinations | None:

@@ -14,7 +14,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Rotation
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
-# No contact law knows where the heading points, so no open loop brings it back: only feedback does.
+# On one set of wheels no open loop brings the heading back; with wheels under an edge some do (``proofs/headings/``).
 OF_ROTATION = {
     Rotation.UNSTABLE: Heading.DRIFTS,
     Rotation.NEUTRAL: Heading.KEEPS,

@@ -12,6 +12,7 @@ from nonsmooth.reports.options import (
     AtOrAuto,
     CertificateFile,
     Continuum,
+    Headings,
     Json,
     LawFile,
     NoPrune,
@@ -47,6 +48,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     law: LawFile = None,
     require: Require = None,
     continuum: Continuum = False,
+    headings: Headings = False,
     json: Json = False,
 ) -> int:
     """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table.
@@ -71,17 +73,16 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     if len(scenes) > 1:
         loaded = [_at_best_point(scene) if best else scene for scene in loaded]
         asked = {"--certificate": files.certificate is not None, "--law": files.law is not None}
-        _require_one_scene({**asked, "--continuum": continuum}, len(scenes))
+        _require_one_scene({**asked, "--continuum": continuum, "--headings": headings}, len(scenes))
         return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
         asked = {"a certificate": files.certificate is not None, "--law": files.law is not None}
-        _require_array(loaded[0], {**asked, "--continuum": continuum})
+        _require_array(loaded[0], {**asked, "--continuum": continuum, "--headings": headings})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
+    options = {"best": best, "prune": not no_prune, "around": headings}
     try:
-        return _check_array(
-            arrays, files, required=required, best=best, prune=not no_prune, continuum=continuum, json=json
-        )
+        return _check_array(arrays, files, options, required=required, continuum=continuum, json=json)
     except TipsError as tipping:
         return _answer_tipping(arrays[0], tipping, required, json=json)
 
@@ -137,10 +138,9 @@ def _check_many(scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str
 def _check_array(  # one keyword for each option
     scenes: list[Scene],
     files: CheckFiles,
+    options: dict[str, bool],
     *,
     required: Sequence[str],
-    best: bool,
-    prune: bool,
     continuum: bool,
     json: bool,
 ) -> int:
@@ -154,8 +154,8 @@ def _check_array(  # one keyword for each option
         for scene in scenes:
             with refusals_named(scene):
                 heard = announce if alone else _with_rule(scene, announce)
-                results.append(check_scene(scene, prune=prune, best=best, ask_others=alone, announce=heard))
-        announce("where bodies go, and the other rules")
+                results.append(check_scene(scene, **options, ask_others=alone, announce=heard))
+        announce("where bodies go, headings of rest, and the other rules")
         for result in results:
             _ = result.answers
     files.write(results[0])

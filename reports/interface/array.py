@@ -45,12 +45,15 @@ class Array(MadeArray):
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
     """
 
-    def check(self, *, at: Sequence[Any] | str | None = None, prune: bool = True, **changes: Any) -> CheckResult:
+    def check(
+        self, *, at: Sequence[Any] | str | None = None, prune: bool = True, headings: bool = False, **changes: Any
+    ) -> CheckResult:
         """Position, heading and pose, with the clauses of Theorem 4 behind them.
 
         Args:
             at: another point to check; ``"auto"`` for the best rest point of the square.
             prune: leave out what no verdict needs.
+            headings: look for headings at which the body rests around the point too.
             **changes: as for :meth:`with_`, such as ``rule="ellipse"``.
 
         Raises:
@@ -62,7 +65,7 @@ class Array(MadeArray):
         array = self.with_(**changes) if changes else self
         if at is not None and at != AUTO:
             array = array.with_(at=at)
-        return check_scene(array.scene, prune=prune, best=at == AUTO)
+        return check_scene(array.scene, prune=prune, best=at == AUTO, around=headings)
 
     def simulate(
         self,

@@ -23,6 +23,7 @@ from nonsmooth.symbolic.number_text import short_text
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.headings import HeadingsOfRest
     from nonsmooth.reports.interface.law_result import LawResult
     from nonsmooth.symbolic.scene import Scene
 
@@ -34,10 +35,12 @@ class CheckResult(Tabular):
     Attributes:
         evidence: every clause with its evidence; ``evidence.check()`` verifies it again.
         ask_others: whether the answers say what the other contact rules say.
+        around: whether headings of rest are looked for around the checked point too.
     """
 
     evidence: Check
     ask_others: bool = True
+    around: bool = False
 
     @cached_property
     def _answers(self) -> dict[str, Answer]:
@@ -82,12 +85,17 @@ class CheckResult(Tabular):
     @cached_property
     def answers(self) -> Answers:
         """The answers with what takes a little longer: where bodies go, and what the other rules say."""
-        return full_answers(self.evidence, ask_others=self.ask_others)
+        return full_answers(self.evidence, ask_others=self.ask_others, around=self.around)
 
     @property
     def destinations(self) -> Destinations | None:
         """Where bodies go that start all over the square; None where all come home."""
         return self.answers.destinations
+
+    @property
+    def equilibrium_headings(self) -> HeadingsOfRest | None:
+        """At which headings a body with an outline rests, and which of them attract; None where none matters."""
+        return self.answers.headings
 
     def law(self) -> LawResult:
         """The certified feedback law as a table of regions and speeds, or a program.
@@ -138,8 +146,14 @@ class CheckResult(Tabular):
         return f"{scene.name}: {len(scene.wheels)} wheels, rule {scene.contact.rule}, at ({x}, {y})"
 
 
-def check_scene(
-    scene: Scene, *, prune: bool = True, best: bool = False, ask_others: bool = True, announce: Announce = unheard
+def check_scene(  # one keyword for each choice
+    scene: Scene,
+    *,
+    prune: bool = True,
+    best: bool = False,
+    ask_others: bool = True,
+    around: bool = False,
+    announce: Announce = unheard,
 ) -> CheckResult:
     """Check an array; its evidence is verified before it is handed out.
 
@@ -148,6 +162,7 @@ def check_scene(
         prune: leave out what no verdict needs.
         best: check at the best rest point of the square instead of the scene's point.
         ask_others: let the answers say what the other contact rules say.
+        around: look for headings of rest around the checked point too.
         announce: told the name of each step as it begins.
 
     Raises:
@@ -162,4 +177,4 @@ def check_scene(
         scene = at_best_point(standing(scene))
     found = check_theorem4(scene, prune=prune, announce=announce)
     announce("verification of the evidence")
-    return CheckResult(verified(found), ask_others)
+    return CheckResult(verified(found), ask_others, around)

@@ -6,10 +6,13 @@ from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.contact import contact_facts
 from nonsmooth.proofs.answers.destinations import Destination, Destinations
+from nonsmooth.proofs.answers.headings import HeadingsOfRest
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.reports.answers import THEOREM, goal_text, share_text
-from nonsmooth.reports.document import Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
+from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
+from nonsmooth.reports.equilibrium_headings import HEADER, notes, row, title
+from nonsmooth.reports.equilibrium_headings import MOST_SHOWN as SHOWN
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.opening import array_figure
 from nonsmooth.reports.subject import Subject
@@ -34,7 +37,8 @@ def answers_section(subject: Subject) -> Section:
     rows = [(answer.name, _verdict(answer), answer.sentence) for answer in given]
     said = table(("question", "answer", "how far, how fast, on what conditions"), rows, (2, 3, 8))
     goes = _destinations(answered.destinations)
-    return Section("Answers", (intro, said, _items(subject), *goes, array_figure(subject)))
+    headings = _headings(answered.headings)
+    return Section("Answers", (intro, said, _items(subject), *goes, *headings, array_figure(subject)))
 
 
 def _items(subject: Subject) -> Bullets:
@@ -74,6 +78,17 @@ def _destinations(destinations: Destinations | None) -> list[Table]:
         return []
     header = ("a body that starts in the square", "sampled share", "near there", "heading")
     return [table(header, [_row(found) for found in destinations.found[:MOST_SHOWN]], (5, 2, 2, 2))]
+
+
+def _headings(headings: HeadingsOfRest | None) -> list[Block]:
+    """At which headings a body with an outline rests."""
+    if headings is None:
+        return []
+    said = [title(headings).removesuffix(":"), *notes(headings)]
+    blocks: list[Block] = [paragraph(" ".join(f"{one[0].upper()}{one[1:]}." for one in said))]
+    if headings.found:
+        blocks.append(table(HEADER, [row(entry) for entry in headings.found[:SHOWN]], (3, 3, 4, 2, 2, 2)))
+    return blocks
 
 
 def _row(found: Destination) -> tuple[str, str, str, str]:

@@ -1,0 +1,357 @@
+"""Poses at which a body may rest with one wheel under its edge, and points at which it may rest on one set of wheels.
+
+Floats that propose, under a rule without cells.  Contact sets, and pairs of them that differ by one wheel, are met on
+a grid of places about a point, at every heading with a wheel under the edge.  On a pair with the motions F_1 (without
+the wheel) and F_2 (with it) a body rests under the edge iff ``(1 - w) F_1(c) + w F_2(c) = 0`` with ``0 < w < 1``: three
+equations for ``(x, y, w)``, which know nothing of the heading; that is one at which the wheel lies under the edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from flint import arb
+
+from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers
+from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.set_guesses import nearly_stuck, spatial
+from nonsmooth.analysis.contact_rule import SmoothRule
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.symbolic.edge_headings import BallOutline
+from nonsmooth.symbolic.scene import Scene
+
+PLACES = 25  # along each side of the square of places
+HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
+GENERIC = 0.0137, 0.0071  # shift of the places, in steps: symmetric arrays bring no two wheels to the edge at once
+STARTS = 2  # of them from which it is followed, those where its motions nearly cancel
+MOST_STARTS = 1200  # of all pairs
+STEPS = 30  # of Newton's method
+SLOWED, PATIENCE = 0.05, 8  # residual, of the fastest wheel's speed, above which so many steps led nowhere
+SHORT, STALLED = 1e-4, 1e-3  # steps, of the body's size, at which such a residual is that of a kink
+SHORTENED = 0.4  # share of a step that is tried after one that raised the residual
+DIFFERENCE = 1e-4  # of the body's size: for slopes
+LONGEST = 0.3  # step, of the half-width of the square
+SETTLED = 1e-6  # residual, of the fastest wheel's speed
+SHORTEST = 1e-9  # step, of the body's size
+AT_REST = 1e-3  # speed on both sets, of the fastest wheel's, below which the body rests on either
+ALIKE = 1e-5  # of the body's size: places closer together are one
+BALANCED = 1e-9  # force and moment of a body at rest, of all friction
+LOADED_SETS = 10  # that are tried for one contact set
+
+
+@dataclass(frozen=True)
+class EdgeRest:
+    """A pose at which a body may rest with one wheel under its edge.
+
+    Attributes:
+        pose: ``(x, y, theta)``.
+        wheel: place of that wheel in the list of wheels.
+        inside: places of the wheels that carry beside it, ascending.
+        twist: spatial twist ``(v, omega)`` without the wheel.
+        ratio: ``-1`` times that of the motion with the wheel to the motion without.
+        loaded: which of ``inside`` are pressed, without the wheel and with it; in the latter case the last entry is
+            the wheel's own.
+        stuck: which of them seem not to slip, in the same order.
+    """
+
+    pose: tuple[float, float, float]
+    wheel: int
+    inside: tuple[int, ...]
+    twist: tuple[float, float, float]
+    ratio: float
+    loaded: tuple[tuple[bool, ...], tuple[bool, ...]]
+    stuck: tuple[tuple[bool, ...], tuple[bool, ...]]
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """``(x, y)``."""
+        return self.pose[:2]
+
+
+@dataclass(frozen=True)
+class SetRest:
+    """A point at which a body may rest on one set of wheels: places in the list of wheels, a point and a heading."""
+
+    wheels: tuple[int, ...]
+    place: tuple[float, float]
+    theta: float
+
+
+@dataclass(frozen=True)
+class MetSets:
+    """What was met on the grid.
+
+    Attributes:
+        sets: contact sets (k, n).
+        pairs: contact sets without a wheel (m, n), of pairs that differ by it; one row for each place.
+        wheels: the wheels by which they differ (m,).
+        centres: places at which the pairs were met (m, 2).
+        reach: half-width of the square of places.
+    """
+
+    sets: Mask
+    pairs: Mask
+    wheels: Numbers
+    centres: Floats
+    reach: float
+
+
+class RestSearch:
+    """Looks for rest of one body about one point."""
+
+    def __init__(self, scene: Scene, rule: SmoothRule) -> None:
+        """For a scene with a body, all its wheels in ``scene.wheels``.
+
+        Raises:
+            ValueError: for a scene without a body.
+        """
+        if scene.body is None:
+            raise ValueError("required a scene with a body")
+        self.model: ContactModel = rule.contacts(scene)
+        self._outline = MovingOutline(scene.body, self.model.positions)
+        self._balls = BallOutline(scene.body)
+        self._point = np.array([float(entry) for entry in scene.check.equilibrium])
+        self._fastest = float(np.abs(self.model.speeds).max()) or 1.0
+        self._motions = MotionsOnSets(self.model, self._outline.size)
+        self._pulls = self._forces_at_rest()
+        self.reach = self._spacing()
+
+    @property
+    def size(self) -> float:
+        """Of the body (length)."""
+        return self._outline.size
+
+    def distance(self, place: tuple[float, float]) -> float:
+        """Of a place from the point."""
+        return float(np.hypot(*(np.array(place) - self._point)))
+
+    def is_at_the_point(self, place: tuple[float, float]) -> bool:
+        """Whether a place is the point itself, but for rounding."""
+        return self.distance(place) <= ALIKE * self.size
+
+    def meet(self) -> MetSets:
+        """The contact sets about the point."""
+        steps = np.linspace(-self.reach, self.reach, PLACES)
+        width = steps[1] - steps[0]
+        sets: dict[bytes, Mask] = {}
+        pairs: dict[tuple[bytes, int, int], tuple[Mask, Floats]] = {}
+        places = [self._point + np.add((x, y), np.multiply(GENERIC, width)) for x in steps for y in steps]
+        for number, place in enumerate(sorted(places, key=lambda at: float(np.hypot(*(at - self._point))))):
+            wheels, headings = self._outline.headings_under_edge(self.model.positions - place)
+            poses = np.column_stack([np.tile(place, (len(headings), 1)), headings])
+            under = self._outline.depths(poses) > 0
+            for wheel, without in zip(wheels, under, strict=True):
+                without[wheel] = False
+                including = without.copy()
+                including[wheel] = True
+                pairs.setdefault((without.tobytes(), int(wheel), number), (without, place))
+                for carrying in (without, including):
+                    sets.setdefault(carrying.tobytes(), carrying)
+        count = self.model.wheels
+        return MetSets(
+            np.array(list(sets.values())).reshape(-1, count),
+            np.array([without for without, _ in pairs.values()]).reshape(-1, count),
+            np.array([wheel for _, wheel, _ in pairs], int),
+            np.array([place for _, place in pairs.values()]).reshape(-1, 2),
+            self.reach,
+        )
+
+    def under_the_edge(self, met: MetSets) -> Iterator[EdgeRest]:
+        """Rest with one wheel under the edge, on the pairs met."""
+        if not len(met.pairs):
+            return
+        without, wheels, including, start = self._nearly_at_rest(met)
+        unknowns, settled = self._newton(without, including, start)
+        first, second = (self._motions.at(sets, unknowns[:, :2]) for sets in (without, including))
+        fast = np.minimum(*(np.abs(found.rates).max(axis=1) for found in (first, second))) > AT_REST * self._fastest
+        inside = (unknowns[:, 2] > 0) & (unknowns[:, 2] < 1)
+        near = np.abs(unknowns[:, :2] - self._point).max(axis=1) <= self.reach
+        for k in np.flatnonzero(settled & fast & inside & near & first.known & second.known):
+            kept = [int(j) for j in np.flatnonzero(without[k])]
+            wheel, place = int(wheels[k]), unknowns[k, :2]
+            twists = [spatial(found.rates[k], place, self.size) for found in (first, second)]
+            groups = (kept, [*kept, wheel])
+            loaded = [
+                tuple(bool(found.loads[k, j] > 0) for j in group)
+                for found, group in zip((first, second), groups, strict=True)
+            ]
+            stuck = [nearly_stuck(self.model, twist, group) for twist, group in zip(twists, groups, strict=True)]
+            share, (x, y) = unknowns[k, 2], (float(value) for value in place)
+            vx, vy, omega = (float(value) for value in twists[0])
+            for theta in self._headings(without[k], wheel, (x, y)):
+                yield EdgeRest(
+                    (x, y, theta),
+                    wheel,
+                    tuple(kept),
+                    (vx, vy, omega),
+                    float((1 - share) / share),
+                    (loaded[0], loaded[1]),
+                    (stuck[0], stuck[1]),
+                )
+
+    def on_one_set(self, met: MetSets) -> Iterator[SetRest]:
+        """Rest on one set of wheels, where all of them slip: forces and moment balance."""
+        for carrying in met.sets:
+            place = self._balanced(carrying)
+            if place is None or np.abs(place - self._point).max() > self.reach:
+                continue
+            headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
+            under = self._outline.depths(np.column_stack([np.tile(place, (HEADINGS, 1)), headings])) > 0
+            found = np.flatnonzero((under == carrying).all(axis=1))
+            if len(found):
+                middle = float(headings[found[len(found) // 2]])
+                wheels = tuple(int(k) for k in np.flatnonzero(carrying))
+                yield SetRest(wheels, (float(place[0]), float(place[1])), middle)
+
+    def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Numbers, Mask, Floats]:
+        """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.
+
+        The nearest to zero of all ``(1 - w) F_1 + w F_2`` is compared with the larger of both.
+        """
+        including = met.pairs.copy()
+        including[np.arange(len(met.wheels)), met.wheels] = True
+        first, second = (self._motions.at(sets, met.centres) for sets in (met.pairs, including))
+        along = second.rates - first.rates
+        square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+        share = np.clip(-(first.rates * along).sum(axis=1) / square, 0.0, 1.0)
+        sizes = np.maximum(*(np.linalg.norm(found.rates, axis=1) for found in (first, second)))
+        left = np.linalg.norm(first.rates + share[:, None] * along, axis=1) / np.maximum(sizes, np.finfo(float).tiny)
+        left[~(first.known & second.known)] = np.inf
+        chosen = _least(left, met)
+        starts = np.column_stack([met.centres[chosen], share[chosen]])
+        return met.pairs[chosen], met.wheels[chosen], including[chosen], starts
+
+    def _newton(self, without: Mask, including: Mask, starts: Floats) -> tuple[Floats, Mask]:
+        """``(x, y, w)`` of every pair, (m, 3), and whether the residual vanishes; steps that raise it are shortened."""
+        unknowns, steps = starts.copy(), np.zeros((len(starts), 3))
+        least = np.full(len(starts), np.inf)
+        going = np.ones(len(starts), bool)
+        rates = np.zeros((2, len(starts), 3))
+        for count in range(STEPS):
+            at = np.flatnonzero(going)
+            if not len(at):
+                break
+            trial = unknowns[at] + steps[at]
+            values, slopes, known, rates[:, at] = self._residuals((without[at], including[at]), trial, rates[:, at])
+            left = np.where(known, np.abs(values).max(axis=1) / self._fastest, np.inf)
+            better = left < least[at]
+            steps[at[~better]] *= SHORTENED
+            gained = at[better]
+            unknowns[gained], least[gained] = trial[better], left[better]
+            steps[gained] = self._newton_steps(values[better], slopes[better])
+            lost = np.abs(unknowns[at, :2] - self._point).max(axis=1) > 2 * self.reach
+            lengths = np.abs(steps[at]).max(axis=1) / self._outline.size
+            short = (lengths <= SHORTEST) | ((lengths <= SHORT) & (least[at] > STALLED))
+            lost |= (least[at] > SLOWED) & (count >= PATIENCE)
+            going[at] = np.isfinite(least[at]) & (least[at] > SETTLED) & ~lost & ~short
+        return unknowns, least <= SETTLED
+
+    def _newton_steps(self, values: Floats, slopes: Floats) -> Floats:
+        """Solutions of the linearized equations (m, 3), none longer than a share of the square."""
+        steps = np.array([np.linalg.lstsq(a, -b, rcond=None)[0] for a, b in zip(slopes, values, strict=True)])
+        steps = steps.reshape(-1, 3)
+        size = np.maximum(np.hypot(*steps[:, :2].T) / (LONGEST * self.reach), 1.0)
+        return np.asarray(steps / size[:, None])
+
+    def _residuals(
+        self, sets: tuple[Mask, Mask], unknowns: Floats, near: Floats
+    ) -> tuple[Floats, Floats, Mask, Floats]:
+        """``(1 - w) F_1 + w F_2`` (m, 3), its slopes (m, 3, 3), where both are known, and both of them (2, m, 3).
+
+        Minimizers start from rates (2, m, 3) near them.
+        """
+        share, h = unknowns[:, 2, None], DIFFERENCE * self._outline.size
+        both = np.concatenate(sets)
+        here = self._motions.at(both, np.tile(unknowns[:, :2], (2, 1)), near.reshape(-1, 3))
+        shifts = np.repeat([[h, 0.0], [0.0, h]], len(both), axis=0)
+        centres = np.tile(unknowns[:, :2], (4, 1)) + shifts
+        there = self._motions.at(np.tile(both, (2, 1)), centres, np.tile(here.rates, (2, 1)))
+        rates = here.rates.reshape(2, -1, 3)
+        moved = (there.rates.reshape(2, 2, -1, 3) - rates) / h
+        known = np.asarray(here.known.reshape(2, -1).all(axis=0) & there.known.reshape(4, -1).all(axis=0))
+        columns = [(1 - share) * first + share * second for first, second in moved]
+        slopes = np.stack([*columns, rates[1] - rates[0]], axis=2)
+        return (1 - share) * rates[0] + share * rates[1], slopes, known, rates
+
+    def _headings(self, without: Mask, wheel: int, place: tuple[float, float]) -> list[float]:
+        """At which the wheel lies under the edge, and of the others exactly those of a set under the body."""
+        x, y = (float(entry) for entry in self.model.positions[wheel] - place)
+        found = []
+        for edge in self._balls.edge_headings(wheel, (arb(x), arb(y))):
+            theta = float(edge.theta.mid())
+            under = self._outline.depths(np.array([*place, theta])) > 0
+            under[wheel] = False
+            if (under == without).all():
+                found.append(theta)
+        return found
+
+    def _balanced(self, carrying: Mask) -> Floats | None:
+        """``c`` with ``sum N_i(c) f_i (1, p_i) = 0``, f_i at rest; None where there is none, or wheels stick."""
+        wheels = np.flatnonzero(carrying)
+        if len(wheels) < 3 or not self._pulls[wheels].any(axis=1).all():
+            return None
+        pulls = self._pulls[wheels]
+        moments = np.column_stack([np.ones(len(wheels)), self.model.positions[wheels]])
+        loaded, scale = np.ones(len(wheels), bool), np.abs(pulls).max()
+        for _ in range(LOADED_SETS):
+            stiffness = moments[loaded].T @ moments[loaded]
+            if np.linalg.matrix_rank(stiffness) < 3:
+                return None
+            forms = moments @ np.linalg.inv(stiffness)
+            balance = pulls[loaded].T @ forms[loaded]
+            place, *_ = np.linalg.lstsq(balance[:, 1:], -balance[:, 0], rcond=None)
+            pressed = forms @ [1.0, *place] > 0
+            if (pressed == loaded).all():
+                residual = np.abs(balance @ [1.0, *place]).max()
+                return np.asarray(place) if residual <= BALANCED * scale else None
+            loaded = pressed
+        return None
+
+    def _forces_at_rest(self) -> Floats:
+        """Force and moment of every wheel under a body at rest, for each unit of load, (n, 3)."""
+        limits, speeds = self.model.friction.reshape(-1, 2), self.model.targets.reshape(-1, 2)
+        sizes = np.linalg.norm(limits * speeds, axis=1)
+        shares = limits * speeds / np.where(sizes > 0, sizes, 1.0)[:, None]
+        cuts = self.model.cuts
+        turn = np.abs(shares[:, 1]) > cuts
+        corners = np.sign(shares) * np.column_stack([np.sqrt(1 - cuts**2), cuts])
+        forces = limits * np.where(turn[:, None], corners, shares)
+        return (forces[:, :, None] * self.model.rows.reshape(-1, 2, 3)).sum(axis=1)
+
+    def _spacing(self) -> float:
+        """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""
+        places = self.model.positions
+        if len(places) < 2:
+            return self.size
+        distances = np.linalg.norm(places[:, None] - places, axis=2)
+        np.fill_diagonal(distances, np.inf)
+        return min(float(np.median(distances.min(axis=1))), self.size)
+
+
+def _least(left: Floats, met: MetSets) -> Numbers:
+    """The rows from which pairs are followed, those with the least residual first."""
+    taken: dict[tuple[bytes, int], int] = {}
+    chosen = []
+    for k in np.argsort(left, kind="stable"):
+        key = met.pairs[k].tobytes(), int(met.wheels[k])
+        taken[key] = taken.get(key, 0) + 1
+        if taken[key] <= STARTS and np.isfinite(left[k]):
+            chosen.append(k)
+    return np.array(chosen[:MOST_STARTS], int)
+
+
+def distinct(rests: Iterator[EdgeRest], size: float) -> list[EdgeRest]:
+    """Without those that repeat an earlier one: the same wheel and nearly the same pose."""
+    kept: list[EdgeRest] = []
+    for rest in rests:
+        scale = np.array([1.0, 1.0, size])
+        alike = (
+            one.wheel == rest.wheel and np.abs(np.subtract(one.pose, rest.pose) * scale).max() <= ALIKE * size
+            for one in kept
+        )
+        if not any(alike):
+            kept.append(rest)
+    return kept

@@ -1,0 +1,73 @@
+"""Pose rates on given sets of wheels at given centres of mass, many at once, in floats.
+
+Under a rule without cells ``(c', theta')`` depends on c and on the wheels that carry, whatever the heading is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers, RowsOfWheels, elastic_loads_of, widest_gaps
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.many_twists import ManyTwists, turning_rollers, with_rollers
+
+
+@dataclass(frozen=True)
+class SetMotions:
+    """Motions of m bodies.
+
+    Attributes:
+        rates: ``(c', size theta')``, shape (m, 3).
+        loads: of all wheels (m, n), total weight 1.
+        known: where the body stands and the motion was found, (m,).
+    """
+
+    rates: Floats
+    loads: Floats
+    known: Mask
+
+
+class MotionsOnSets:
+    """Motions on any sets of wheels of one model."""
+
+    def __init__(self, model: ContactModel, size: float) -> None:
+        """With a length that stands for the body's size."""
+        self._places, self._cuts, self._size = model.positions, model.cuts, size
+        self._rows = RowsOfWheels(model)
+        speed = float(np.abs(model.friction * model.targets).max())
+        self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
+
+    def at(self, carrying: Mask, centres: Floats, near: Floats | None = None) -> SetMotions:
+        """The motions on wheels (m, n) with centres of mass (m, 2).
+
+        Args:
+            carrying: which wheels carry.
+            centres: of mass.
+            near: rates (m, 3) to start from; rest unless given.
+        """
+        rates, loads = np.zeros((len(centres), 3)), np.zeros(carrying.shape)
+        start = rates if near is None else near
+        levers = self._places - centres[:, None]
+        stands = np.flatnonzero(widest_gaps(levers, carrying)[0] < np.pi)
+        known = np.zeros(len(centres), bool)
+        if len(stands):
+            order = np.argsort(~carrying[stands], axis=1, kind="stable")[:, : int(carrying[stands].sum(axis=1).max())]
+            under = np.take_along_axis(carrying[stands], order, axis=1)
+            reaches = np.take_along_axis(levers[stands], order[..., None], axis=1)
+            pressing, balanced = elastic_loads_of(reaches, under)
+            found, settled = self._minimized(order, reaches, pressing, start[stands])
+            rates[stands], known[stands] = found, settled & balanced
+            loads[stands[:, None], order] = pressing
+        return SetMotions(rates, loads, known)
+
+    def _minimized(self, wheels: Numbers, levers: Floats, loads: Floats, start: Floats) -> tuple[Floats, Mask]:
+        """``(c', size theta')`` (m, 3) of the wheels of each row, and whether it was found."""
+        rows, targets = self._rows.at(wheels, levers, self._size)
+        cuts = self._cuts[wheels]
+        if (cuts < 1).any():
+            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
+            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
+        found, settled = self._twists.minimize(rows, targets, loads, start)
+        return np.where(settled[:, None], found[:, :3], 0.0), settled

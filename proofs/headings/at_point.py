@@ -1,0 +1,137 @@
+"""Every heading with the centre of mass at one point: where the body rests, where it turns back, what is undecided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import chain, combinations
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+
+from nonsmooth.proofs.headings.ball_motion import UnprovedError
+from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval, Wheels
+from nonsmooth.proofs.headings.stay import Stays
+from nonsmooth.proofs.headings.turned_back import TurnedBack, is_one_heading, meets, turned_back
+from nonsmooth.symbolic.edge_headings import Cluster, seen
+from nonsmooth.symbolic.numbers.enclosures import PRECISION
+
+MOST_AT_ONCE = 4  # wheels under the edge at one heading whose motions are looked at: 16 sets
+STEPS = 200  # towards the shortest mixture of motions
+MOVES = "whether mixtures of the motions on both sides rest is not decided"
+
+
+@dataclass(frozen=True)
+class OpenHeadings:
+    """Headings of which nothing is proved.
+
+    Attributes:
+        low: the lowest of them, in radians from the checked heading.
+        high: the highest.
+        edge: numbers of the wheels under the edge, at a single heading; empty for an interval.
+        reason: why.
+    """
+
+    low: arb
+    high: arb
+    edge: Wheels
+    reason: str
+
+
+@dataclass(frozen=True)
+class PointHeadings:
+    """All headings at one point.  At those that are in none of these lists the body does not rest.
+
+    Attributes:
+        intervals: those in which the centre of mass stays.
+        turned_back: single headings of rest with wheels under the edge.
+        undecided: the headings left open.
+    """
+
+    intervals: tuple[RestInterval, ...]
+    turned_back: tuple[TurnedBack, ...]
+    undecided: tuple[OpenHeadings, ...]
+
+
+def point_headings(here: HeadingsAt) -> PointHeadings:
+    """Decide every heading at a point; the ends of intervals of rest are headings of rest too, and not listed."""
+    sectors = list(here.sectors())
+    singles: list[TurnedBack] = []
+    left = [
+        OpenHeadings(sector.gap.low, sector.gap.high, (), sector.stay.reason)
+        for sector in sectors
+        if sector.stay.kind is Stays.UNDECIDED
+    ]
+    for k, cluster in enumerate(here.clusters()):
+        with ctx.workprec(PRECISION):
+            found = _at_edge(here, cluster, sectors[k - 1], sectors[k])
+        if isinstance(found, TurnedBack):
+            singles.append(found)
+        elif found is not None:
+            left.append(found)
+    staying = tuple(sector for sector in sectors if sector.stay.is_equilibrium)
+    return PointHeadings(staying, tuple(singles), tuple(left))
+
+
+def _at_edge(
+    here: HeadingsAt, cluster: Cluster, below: RestInterval, above: RestInterval
+) -> TurnedBack | OpenHeadings | None:
+    """The heading between two intervals; None where it is an end of rest or of what is left open, or no rest."""
+    kinds = {below.stay.kind, above.stay.kind}
+    if kinds & {Stays.RESTS, Stays.UNDECIDED}:
+        return None
+    inside = _inside(here, cluster)
+    signs, single = meets(below, above), is_one_heading(here, cluster)
+    if signs is not None and single and inside is not None:
+        return turned_back(here, cluster, inside, signs)
+    if signs is None and len(cluster.edges) == 1 and _passes(here, kinds):
+        return None
+    reason = MOVES if inside is not None else "a wheel that may lie under a corner of the body"
+    if inside is not None and signs is None and _moves_off(here, cluster, inside):
+        return None
+    edge = tuple(here.scene.wheels[k].index for k in cluster.wheels)
+    return OpenHeadings(cluster.theta, cluster.theta, edge, reason)
+
+
+def _passes(here: HeadingsAt, kinds: set[Stays]) -> bool:
+    """Whether no mixture of the motions on both sides of one wheel's edge rests, where they are no opposite turns.
+
+    Where the body tips on one side the other motion is alone.  Under a rule without cells each side has one motion; if
+    one is a turn on the spot, the other is a turn the same way or moves the centre of mass.
+    """
+    return Stays.TIPS in kinds or (here.stays.rule is not None and Stays.TURNS in kinds)
+
+
+def _inside(here: HeadingsAt, cluster: Cluster) -> Wheels | None:
+    """Numbers of the wheels well under the body at a heading; None where another one may lie under the edge."""
+    theta = cluster.theta
+    sides = {k: here.outline.side_of(seen(place, theta)) for k, place in enumerate(here.places)}
+    sides = {k: side for k, side in sides.items() if k not in cluster.wheels}
+    if 0 in sides.values() or len(cluster.edges) > len(cluster.wheels):
+        return None
+    return tuple(here.scene.wheels[k].index for k, side in sides.items() if side > 0)
+
+
+def _moves_off(here: HeadingsAt, cluster: Cluster, inside: Wheels) -> bool:
+    """Whether all motions have a positive component in one direction of the space of poses."""
+    numbers = [here.scene.wheels[k].index for k in cluster.wheels]
+    if len(numbers) > MOST_AT_ONCE:
+        return False
+    subsets = chain.from_iterable(combinations(numbers, k) for k in range(len(numbers) + 1))
+    try:
+        rates = [rate for some in subsets for rate in here.stays.rates(tuple(sorted((*inside, *some))))]
+    except UnprovedError:
+        return False
+    way = _shortest(rates)
+    return all((rate * way)[0, 0] > 0 for rate in rates)
+
+
+def _shortest(rates: list[arb_mat]) -> arb_mat:
+    """The shortest mixture of some rates, in floats, as a column (Gilbert's algorithm)."""
+    points = np.array([[float(entry) for entry in rate.entries()] for rate in rates])
+    shortest = points[0]
+    for _ in range(STEPS):
+        change = points[(points @ shortest).argmin()] - shortest
+        square = float(change @ change)
+        share = 0.0 if square <= 0 else min(1.0, max(0.0, -float(shortest @ change) / square))
+        shortest = shortest + share * change
+    return arb_mat([[arb(float(entry))] for entry in shortest])

@@ -1,0 +1,207 @@
+"""Equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one.
+
+At the checked point every heading is decided or named as undecided, under every contact rule.  Under a rule without
+cells rest is also looked for around that point, in floats, and what is found is decided: exactly on one set of wheels,
+in ball arithmetic with one wheel under the edge.  That search may miss poses, among them all off the point with several
+wheels under the edge; what it finds and cannot prove is called sampled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.proofs.headings.at_point import OpenHeadings, point_headings
+from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval, Wheels
+from nonsmooth.proofs.headings.isolated import EdgePose, decide_edge_pose
+from nonsmooth.proofs.headings.stay import Stay
+from nonsmooth.proofs.headings.turned_back import TurnedBack
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+from nonsmooth.symbolic.plane import Vector, around, cross
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.bodies.edge_rests import RestSearch, SetRest
+
+MOST_POINTS = 24  # points of rest on one set of wheels that are decided, the nearest first
+UNITS = 400_000  # of exact arithmetic for one of them
+NEAR = 10**6  # denominator of a rational point beside a sampled one: the same wheels are loaded there
+
+
+@dataclass(frozen=True)
+class SampledRest:
+    """A point at which a body seems to rest on one set of wheels, and nothing is proved.
+
+    Attributes:
+        wheels: numbers of those that carry.
+        place: ``(x, y)``, in floats.
+        theta: a heading at which they do.
+    """
+
+    wheels: tuple[int, ...]
+    place: tuple[float, float]
+    theta: float
+
+
+@dataclass(frozen=True)
+class EquilibriumHeadings:
+    """Headings at which a body rests, about the checked point of a scene.
+
+    Attributes:
+        intervals: ranges of headings on one set of wheels, proved.
+        turned_back: single headings at the checked point, between turns that lead to them or away.
+        undecided: headings at the checked point of which nothing is proved.
+        isolated: poses with one wheel under the edge; ``is_proved`` says which are.
+        sampled: points on one set of wheels that are not proved.
+        reach: half-width of the square of places that was searched; None where it was the checked point alone.
+        left_out: points on one set of wheels that were found but not decided, for there were too many.
+    """
+
+    intervals: tuple[RestInterval, ...]
+    turned_back: tuple[TurnedBack, ...] = ()
+    undecided: tuple[OpenHeadings, ...] = ()
+    isolated: tuple[EdgePose, ...] = ()
+    sampled: tuple[SampledRest, ...] = ()
+    reach: float | None = None
+    left_out: int = 0
+
+    def check(self) -> bool:
+        """Verify every claim again; what a set of wheels does at a point is decided again once."""
+        known: dict[tuple[Vector, Wheels], Stay] = {}
+        intervals = all(interval.check(known) for interval in self.intervals)
+        singles = all(pose.check() for pose in self.turned_back) and all(pose.check() for pose in self.isolated)
+        return intervals and singles
+
+
+def heading_matters(scene: Scene) -> bool:
+    """Whether the wheels under the body at the checked point, or close by, depend on its heading."""
+    body = scene.body
+    if body is None or body.is_round:
+        return False
+    if isinstance(body.outline, Disc):
+        offset = math.hypot(*(float(entry) for entry in body.centroid))
+        radius = float(body.outline.radius)
+        inner, outer = radius - offset, radius + offset
+    else:
+        corners = [(float(x), float(y)) for x, y in body.vertices]
+        inner = min(cross(a, b) / float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in around(corners))
+        outer = max(float(np.hypot(*corner)) for corner in corners)
+    x, y = (float(entry) for entry in scene.check.equilibrium)
+    wheels = [(float(wheel.position[0]) - x, float(wheel.position[1]) - y) for wheel in whole(scene).wheels]
+    distances = np.array([np.hypot(*wheel) for wheel in wheels])
+    close = outer - inner  # how far from the point a wheel may be met under the edge and still count as close by
+    return bool(((distances > inner - close) & (distances < outer + close)).any())
+
+
+def equilibrium_headings(scene: Scene, *, around: bool = False) -> EquilibriumHeadings | None:
+    """Headings at which the body of a scene rests; None where the heading does not matter, and for unknown loads.
+
+    Args:
+        scene: with the body at the checked pose.
+        around: search around the checked point too, under a rule without cells and with elastic loads.
+    """
+    rule = rule_of(scene)
+    if not heading_matters(scene) or (rule.needs_loads and isinstance(scene.contact.loads, UnknownLoads)):
+        return None
+    found = point_headings(HeadingsAt(scene, scene.check.equilibrium))
+    at_point = EquilibriumHeadings(found.intervals, found.turned_back, found.undecided)
+    if not around or not isinstance(rule, SmoothRule) or not can_search(scene):
+        return at_point
+    return _with_surroundings(at_point, whole(scene), rule)
+
+
+def can_search(scene: Scene) -> bool:
+    """Whether the surroundings of the checked point can be searched: under a rule without cells, on elastic loads."""
+    return isinstance(rule_of(scene), SmoothRule) and scene.contact.loads is None
+
+
+def _with_surroundings(at_point: EquilibriumHeadings, every: Scene, rule: SmoothRule) -> EquilibriumHeadings:
+    """What is found around the point beside what is known at it."""
+    from nonsmooth.analysis.bodies.edge_rests import RestSearch, distinct  # SciPy: only a search loads it
+
+    search = RestSearch(every, rule)
+    met = search.meet()
+    poses = [
+        rest for rest in distinct(search.under_the_edge(met), search.size) if not search.is_at_the_point(rest.place)
+    ]
+    isolated = tuple(decide_edge_pose(every, rest) for rest in poses)
+    elsewhere = _elsewhere(search, list(search.on_one_set(met)))
+    intervals, sampled = list(at_point.intervals), []
+    for found in elsewhere[:MOST_POINTS]:
+        proved = _intervals_of(every, found)
+        intervals += proved
+        if not proved:
+            wheels = tuple(every.wheels[k].index for k in found.wheels)
+            sampled.append(SampledRest(wheels, found.place, found.theta))
+    left_out = max(len(elsewhere) - MOST_POINTS, 0)
+    return replace(
+        at_point,
+        intervals=tuple(intervals),
+        isolated=isolated,
+        sampled=tuple(sampled),
+        reach=search.reach,
+        left_out=left_out,
+    )
+
+
+def _elsewhere(search: RestSearch, found: list[SetRest]) -> list[SetRest]:
+    """Rest on one set of wheels at other points than the checked one, the nearest first."""
+    away = [search.distance(rest.place) for rest in found]
+    order = sorted(range(len(found)), key=lambda k: (away[k], found[k].wheels))
+    return [found[k] for k in order if not search.is_at_the_point(found[k].place)]
+
+
+def _intervals_of(scene: Scene, found: SetRest) -> list[RestInterval]:
+    """The intervals of one candidate: its exact point, and the headings at which its wheels carry."""
+    try:
+        with work_limit(scene.field, UNITS):
+            points = list(_exact_points(scene, found))
+    except (RefusalError, SceneError, WorkLimitError):
+        return []
+    wheels = tuple(scene.wheels[k].index for k in found.wheels)
+    sectors = [sector for point in points[:1] for sector in HeadingsAt(scene, point).sectors(wheels)]
+    return [sector for sector in sectors if sector.stay.is_equilibrium]
+
+
+def _exact_points(scene: Scene, found: SetRest) -> Iterator[Vector]:
+    """Where forces balance on these wheels, for each form that the loads have near the sampled point."""
+    if any(scene.wheels[k].axis is not None for k in found.wheels):
+        return  # forces along friction axes are no numbers of the scene
+    near = tuple(scene.field(Fraction(value).limit_denominator(NEAR)) for value in found.place)
+    wheels = tuple(replace(scene.wheels[k], index=number) for number, k in enumerate(found.wheels, 1))
+    there = replace(scene, wheels=wheels, body=None, check=replace(scene.check, equilibrium=(near[0], near[1])))
+    small = replace(there.check, radius=scene.field(Fraction(1, NEAR)))
+    for region in load_regions(replace(there, check=small), there.check.equilibrium):
+        point = _balance(there, region)
+        if point is not None:
+            yield point
+
+
+def _balance(scene: Scene, region: LoadRegion) -> Vector | None:
+    """``c`` with ``sum N_i(c) mu_R sgn(u_i) d_i = 0``; None where that is no point."""
+    zero = scene.field.zero
+    rows = [[zero] * 3, [zero] * 3]
+    for wheel, form in zip(scene.wheels, region.forces, strict=True):
+        if any(form):
+            pull = wheel.friction.roll * wheel.speed.sign()
+            for axis in (0, 1):
+                way = pull * wheel.unit_direction[axis]
+                rows[axis] = [old + way * entry for old, entry in zip(rows[axis], form, strict=True)]
+    (p, a, b), (q, c, d) = rows
+    determinant = a * d - b * c
+    if not determinant:
+        return None
+    inverse = determinant.inverse()
+    return (b * q - d * p) * inverse, (c * p - a * q) * inverse

@@ -1,0 +1,228 @@
+"""What a body does on one set of wheels with its centre of mass at one point: rests, turns on the spot, or moves.
+
+Decided by the exact clauses of a check, of these wheels alone.  Where they leave it open under a rule without cells,
+balls enclose the motion.  They may show that the centre of mass moves.  That it stays they cannot show, but a symmetry
+can: where a half turn about the point takes every wheel to one that does the same, the only minimizer of D is turned
+into itself, so the centre of mass has no velocity, and the body turns at the enclosed rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING, cast
+
+from flint import arb_mat
+
+from nonsmooth.analysis.cells.filippov import filippov_twists
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.proofs.clauses import registry
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
+from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.headings.ball_motion import UnprovedError
+from nonsmooth.proofs.headings.set_motion import SetMotion, set_motion
+from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.contact_set import TipsError, on_wheels, whole
+from nonsmooth.symbolic.edge_headings import ball_of
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+from nonsmooth.symbolic.plane import Vector, cross
+from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene_error import SceneError
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.bodies.set_guesses import SetGuesses
+
+NEEDED = ("equilibrium", "translation", "rotation")
+UNITS = 400_000  # of exact arithmetic for one set of wheels: half a second or so
+
+
+class Stays(StrEnum):
+    """Whether the centre of mass stays."""
+
+    RESTS = "rests"
+    TURNS = "turns on the spot"
+    MOVES = "moves"
+    TIPS = "tips"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class Stay:
+    """What a set of wheels does.
+
+    Attributes:
+        kind: see :class:`Stays`.
+        translation: whether the place attracts, while the same wheels carry.
+        rotation: what the heading does there.
+        turning: sign of the rotation rate of a body that turns on the spot one way; else 0.
+        reason: why something is not decided; empty where all is.
+        twists: their hull holds all motions at the point, measured from it; empty where they are not known exactly.
+    """
+
+    kind: Stays
+    translation: Translation = Translation.UNDECIDED
+    rotation: Rotation = Rotation.UNDECIDED
+    turning: int = 0
+    reason: str = field(default="", compare=False)
+    twists: tuple[Twist, ...] = field(default=(), compare=False, repr=False)
+
+    @property
+    def is_equilibrium(self) -> bool:
+        """Whether the centre of mass stays."""
+        return self.kind in (Stays.RESTS, Stays.TURNS)
+
+
+class StaysAt:
+    """What sets of wheels do at one point; to be used at one working precision."""
+
+    def __init__(self, scene: Scene) -> None:
+        """At the checked point of a scene."""
+        self.scene = whole(scene)
+        rule = rule_of(scene)
+        known = scene.contact.loads is None
+        self.rule = rule if isinstance(rule, SmoothRule) and known else None
+        x, y = scene.check.equilibrium
+        self.centre = arb_mat([[ball_of(x)], [ball_of(y)]])
+        self._guesses: SetGuesses | None = None
+        self._motions: dict[tuple[int, ...], SetMotion | str] = {}
+        self._stays: dict[tuple[int, ...], Stay] = {}
+
+    def on(self, numbers: Sequence[int]) -> Stay:
+        """What the wheels with some numbers do."""
+        key = tuple(numbers)
+        if key not in self._stays:
+            self._stays[key] = self._decided(key)
+        return self._stays[key]
+
+    def rates(self, numbers: Sequence[int]) -> list[arb_mat]:
+        """Rows ``(c', omega)``, (1, 3), whose hull holds all motions on the wheels with some numbers.
+
+        Raises:
+            UnprovedError: where they are not known, or the body tips.
+        """
+        stay = self.on(numbers)
+        if stay.kind is Stays.TIPS:
+            raise UnprovedError("a body that tips")
+        if stay.twists:
+            return [arb_mat([[ball_of(entry) for entry in (*twist.velocity, twist.omega)]]) for twist in stay.twists]
+        motion = self.motion(numbers)
+        return [arb_mat([[*motion.velocity, motion.omega]])]
+
+    def _decided(self, numbers: Sequence[int]) -> Stay:
+        try:
+            stay = self._exactly(numbers)
+        except TipsError:
+            return Stay(Stays.TIPS)
+        except (RefusalError, WorkLimitError, SceneError) as error:
+            stay = Stay(Stays.UNDECIDED, reason=str(error))
+        return self._by_balls(numbers, stay) if stay.kind is Stays.UNDECIDED else stay
+
+    def motion(self, numbers: Sequence[int]) -> SetMotion:
+        """The enclosed motion on the wheels with some numbers, under a rule without cells and with elastic loads.
+
+        Raises:
+            UnprovedError: where none is proved.
+        """
+        if self.rule is None:
+            raise UnprovedError("a rule with cells, or loads of one set of wheels")
+        key = tuple(numbers)
+        if key not in self._motions:
+            try:
+                places = [k for k, wheel in enumerate(self.scene.wheels) if wheel.index in numbers]
+                self._motions[key] = set_motion(self.scene, self.rule, self._guessing(self.rule), places, self.centre)
+            except UnprovedError as error:
+                self._motions[key] = str(error)
+        found = self._motions[key]
+        if isinstance(found, str):
+            raise UnprovedError(found)
+        return found
+
+    def _guessing(self, rule: SmoothRule) -> SetGuesses:
+        if self._guesses is None:
+            from nonsmooth.analysis.bodies.set_guesses import SetGuesses  # floats: only where exact clauses leave open
+
+            self._guesses = SetGuesses(self.scene, rule)
+        return self._guesses
+
+    def _exactly(self, numbers: Sequence[int]) -> Stay:
+        """By the clauses of a check.
+
+        Raises:
+            TipsError: where the body does not stand on the wheels.
+            SceneError: for a table of loads of other wheels.
+            RefusalError: for cells that are refused.
+            WorkLimitError: where that takes too much arithmetic.
+        """
+        with work_limit(self.scene.field, UNITS):
+            work = Workspace(on_wheels(self.scene, numbers), sample=False)
+            for clause in registry.CLAUSES:
+                if clause.name in NEEDED:
+                    work.earlier[clause.name] = clause.decide(work)
+        return _stay_of(work)
+
+    def _by_balls(self, numbers: Sequence[int], stay: Stay) -> Stay:
+        try:
+            motion = self.motion(numbers)
+        except UnprovedError as error:
+            return stay if stay.reason else Stay(Stays.UNDECIDED, reason=str(error))
+        if any(not entry.contains(0) for entry in motion.velocity):
+            return Stay(Stays.MOVES)
+        wheels = [wheel for wheel in self.scene.wheels if wheel.index in numbers]
+        if motion.omega.contains(0) or not is_half_turned(wheels, self.scene.check.equilibrium):
+            return stay
+        matrix = motion.linearized
+        turning = 1 if motion.omega > 0 else -1
+        return Stay(Stays.TURNS, _translation(matrix), Rotation.UNSTABLE, turning)
+
+
+def _stay_of(work: Workspace) -> Stay:
+    equilibrium, rotation = work.earlier["equilibrium"], cast("RotationResult", work.earlier["rotation"])
+    twists: tuple[Twist, ...] = ()
+    rates: tuple[Number, Number] | None = None
+    if isinstance(equilibrium, EllipseEquilibrium):
+        twist = equilibrium.point.twist
+        twists = () if twist is None else (twist,)
+        rates = None if twist is None else (twist.omega, twist.omega)
+    elif work.partition is not None:
+        zero = work.partition.scene.field.zero
+        twists = filippov_twists(work.partition, (zero, zero))
+        rates = None if rotation.drift is None else rotation.drift.interval
+    if equilibrium.verdict is Equilibrium.FAILS:
+        return Stay(Stays.MOVES, twists=twists)
+    if equilibrium.verdict is not Equilibrium.HOLDS or rates is None:
+        return Stay(Stays.UNDECIDED, reason=equilibrium.reason if rates is None else rotation.reason, twists=twists)
+    translation = cast("AnyTranslation", work.earlier["translation"]).verdict
+    low, high = (rate.sign() for rate in rates)
+    turning = high if low == high else 0
+    return Stay(Stays.RESTS if low <= 0 <= high else Stays.TURNS, translation, rotation.verdict, turning, twists=twists)
+
+
+def _translation(matrix: arb_mat) -> Translation:
+    """Of ``c' = A c`` to first order."""
+    trace, determinant = matrix[0, 0] + matrix[1, 1], matrix.det()
+    if trace < 0 and determinant > 0:
+        return Translation.ASYMPTOTICALLY_STABLE
+    return Translation.UNSTABLE if trace > 0 or determinant < 0 else Translation.UNDECIDED
+
+
+def is_half_turned(wheels: Sequence[Wheel], point: Vector) -> bool:
+    """Whether a half turn about a point takes every wheel to one of the same speed, rim, axis and friction, exactly."""
+    x, y = point
+    return all(any(_does_the_same(one, other, (x + x, y + y)) for other in wheels) for one in wheels)
+
+
+def _does_the_same(one: Wheel, other: Wheel, twice: Vector) -> bool:
+    """Whether a half turn about half of ``twice`` takes one wheel to another."""
+    (x, y), (a, b) = one.position, other.position
+    if x + a != twice[0] or y + b != twice[1] or one.friction != other.friction:
+        return False
+    surfaces = [(wheel.unit_direction, wheel.speed) for wheel in (one, other)]
+    (d, u), (e, w) = surfaces
+    opposite = not any(p * u + q * w for p, q in zip(d, e, strict=True))
+    return opposite and not cross(one.grip, other.grip)

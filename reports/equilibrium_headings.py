@@ -1,0 +1,154 @@
+"""The headings at which a body with an outline rests, written down: rows for a terminal and a report, and JSON."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from nonsmooth.proofs.answers.contact import numbers_text
+from nonsmooth.proofs.facts import Quantity
+from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.facts import as_record
+from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.number_text import float_text, lower_text, place_text, upper_text
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flint import arb
+
+    from nonsmooth.proofs.answers.headings import HeadingOfRest, HeadingsOfRest
+    from nonsmooth.proofs.headings.at_point import OpenHeadings
+
+DIGITS = 4
+ROUNDED = 1e-12  # coordinates below are zero but for rounding
+MOST_SHOWN = 10  # entries on a terminal and in a report
+HEADER = ("theta", "at", "wheels", "near there", "heading", "status")
+
+
+def headings_view(headings: HeadingsOfRest) -> RenderableType:
+    """A table of the entries that attract first, and what is not known."""
+    said = [Text(note) for note in notes(headings)]
+    if not headings.found:
+        return Group(Text(title(headings)), *said)
+    table = header_table(*HEADER, widest="wheels")
+    for entry in headings.found[:MOST_SHOWN]:
+        table.add_row(*row(entry))
+    return Group(Text(title(headings)), table, *said)
+
+
+def title(headings: HeadingsOfRest) -> str:
+    """What was looked for, where."""
+    where = "at the checked point"
+    if headings.reach is not None:
+        where += f" and, as a search found, within {float_text(headings.reach, DIGITS)} of it along x and y"
+    found = "" if headings.found else " none"
+    return f"equilibrium headings {where} (theta in rad from the checked heading):{found}"
+
+
+def notes(headings: HeadingsOfRest) -> list[str]:
+    """How many entries are not shown, what is proved of all other headings, and what is not decided or not found."""
+    hidden = len(headings.found) - MOST_SHOWN
+    said = [f"{hidden} more (--json lists them)"] if hidden > 0 else []
+    every = any(entry.is_every_heading for entry in headings.found)
+    if headings.undecided:
+        said.append(f"not decided at the checked point: theta = {_open_text(headings.undecided)}")
+    if not every:
+        listed = ["those listed, with the ends of ranges"] if any(entry.rests for entry in headings.found) else []
+        besides = [*listed, *(["those not decided"] if headings.undecided else [])]
+        but = f" but {' and '.join(besides)}" if besides else ""
+        said.append(f"at the checked point the body is proved to rest at no heading{but}")
+    if headings.left_out:
+        said.append(f"{headings.left_out} more points of rest on one set of wheels were seen and not decided")
+    if headings.reach is not None:
+        said.append("off the checked point the search may have missed some, and it looks for none with several wheels")
+        said[-1] += " under the edge"
+    elif headings.can_search:
+        said.append("off the checked point they are not looked for (--headings does)")
+    return said
+
+
+def _open_text(undecided: Sequence[OpenHeadings]) -> str:
+    """The first of them."""
+    texts = [
+        float_text(_plain(float(one.low)), DIGITS) if one.edge else f"{_below(one.low)} to {_above(one.high)}"
+        for one in undecided[:MOST_SHOWN]
+    ]
+    more = len(undecided) - MOST_SHOWN
+    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
+
+
+def row(entry: HeadingOfRest) -> tuple[str, str, str, str, str, str]:
+    """One entry in words, under :data:`HEADER`."""
+    wheels = numbers_text(entry.wheels)
+    if entry.low is None and entry.edge:
+        wheels += f"; under the edge {numbers_text(entry.edge)}"
+    status = "proved" if entry.proved else "sampled"
+    return (
+        theta_text(entry),
+        place_text((_plain(float(value)) for value in entry.at), DIGITS),
+        wheels,
+        str(entry.position),
+        str(entry.verdict),
+        status,
+    )
+
+
+def theta_text(entry: HeadingOfRest) -> str:
+    """``0.1 to 0.3``, rounded inward; or one heading."""
+    if entry.is_every_heading:
+        return "every heading"
+    if entry.low is not None and entry.high is not None:
+        return f"{_above(entry.low)} to {_below(entry.high)}"
+    about = "about " if not entry.proved else ""
+    return about + float_text(0.0 if entry.heading is None else float(entry.heading), DIGITS)
+
+
+def headings_record(headings: HeadingsOfRest) -> Record:
+    """JSON: where was searched, and every entry."""
+    entries = [
+        as_record(
+            {
+                "kind": str(entry.kind),
+                "from": Quantity(entry.low),
+                "to": Quantity(entry.high),
+                "heading": Quantity(entry.heading),
+                "at": Quantity(entry.at),
+                "wheels": list(entry.wheels),
+                "edge": list(entry.edge),
+                "position": str(entry.position),
+                "verdict": str(entry.verdict),
+                "status": "proved" if entry.proved else "sampled",
+                "reason": entry.reason or None,
+            }
+        )
+        for entry in headings.found
+    ]
+    undecided = [
+        as_record(
+            {"from": Quantity(one.low), "to": Quantity(one.high), "edge": list(one.edge), "reason": one.reason or None}
+        )
+        for one in headings.undecided
+    ]
+    return {
+        "searched_within": headings.reach,
+        "left_out": headings.left_out,
+        "undecided": undecided,
+        "found": entries,
+    }
+
+
+def _above(ball: arb) -> str:
+    return upper_text(-rational_below(-ball), DIGITS)
+
+
+def _below(ball: arb) -> str:
+    return lower_text(rational_below(ball), DIGITS)
+
+
+def _plain(value: float) -> float:
+    """Rounding of zero as zero."""
+    return 0.0 if abs(value) < ROUNDED else value

@@ -1,0 +1,84 @@
+"""Headings of rest on the terminal, in JSON, in Python and in the report."""
+
+from __future__ import annotations
+
+from io import StringIO
+
+import pytest
+from rich.console import Console
+
+from nonsmooth.reports.answers import answers_view
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+from nonsmooth.reports.document import Document, Section
+from nonsmooth.reports.formats.markdown import render_markdown
+from nonsmooth.reports.interface.check_result import CheckResult, check_scene
+from nonsmooth.reports.sections.answers import _headings
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+SWIRL = """
+name = "swirl"
+friction = { mu_roll = 1, mu_side = 1 }
+grid = { rows = 4, columns = 5 }
+contact = { rule = "ellipse" }
+body = { shape = "rectangle", width = 2.1, height = 1.7 }
+[field]
+kind = "expression"
+x = "-x - 8/7*y + x*x*y/4"
+y = "-x - y/2 - y*y*x/28 - 3/28*x*x*x"
+"""
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> CheckResult:
+    file = tmp_path_factory.mktemp("bodies") / "swirl.toml"
+    file.write_text(SWIRL, encoding="utf-8")
+    return check_scene(load_scene(file), ask_others=False)
+
+
+def test_the_record_lists_headings_that_return_first(result: CheckResult) -> None:
+    record = result.to_dict()["answers"]["equilibrium_headings"]
+    assert record["searched_within"] is None
+    assert record["left_out"] == 0
+    first = record["found"][0]
+    assert (first["kind"], first["verdict"], first["position"]) == ("isolated", "returns", "comes home")
+    assert (first["wheels"], first["edge"], first["status"]) == ([7, 8, 13, 14], [9, 12], "proved")
+    assert first["heading"] == pytest.approx(-0.112994464)
+    assert first["exact"]["heading"].startswith("[-0.112994")
+    kinds = [entry["kind"] for entry in record["found"]]
+    assert kinds == ["isolated"] * 2 + ["turning"] * 10
+    assert all(one["from"] == pytest.approx(one["to"]) and one["edge"] and one["reason"] for one in record["undecided"])
+
+
+def test_the_terminal_says_what_is_proved_of_other_headings(result: CheckResult) -> None:
+    console = Console(width=100, record=True, file=StringIO())
+    console.print(answers_view(result.evidence, result.answers))
+    words = " ".join(console.export_text().split())
+    assert "equilibrium headings at the checked point" in words
+    assert "the body is proved to rest at no heading but those listed" in words
+    assert "not decided at the checked point: theta =" in words
+    assert "(--headings does)" in words
+
+
+def test_the_report_has_a_table_of_them(result: CheckResult) -> None:
+    page = result_page(result)
+    assert "Equilibrium headings at the checked point" in page
+    assert "under the edge 9, 12" in page
+
+
+def result_page(result: CheckResult) -> str:
+    """The section of the report as Markdown."""
+    section = Section("Answers", tuple(_headings(result.answers.headings)))
+    return render_markdown(Document("swirl", (section,)))
+
+
+def test_a_search_is_for_one_array(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(app, ["check", "four-wheel", "ring-3", "--headings"]) == 2
+    assert "--headings" in capsys.readouterr().err
+
+
+def test_python_offers_the_list(result: CheckResult) -> None:
+    found = result.equilibrium_headings
+    assert found is not None
+    assert [entry.edge for entry in found.returning] == [(9, 12), (9, 12)]
+    assert check_scene(load_scene("four-wheel"), ask_others=False).equilibrium_headings is None
