@@ -3,7 +3,8 @@
 The steps are explicit (Heun's), of a length of their own for each path.  At an edge a path chatters from one contact
 set to the other: the discrete form of Filippov's sliding, right to the order of a step.  Means over windows of steps
 smooth it out: where the mean hardly moves, steps are halved, and a path whose mean still hardly moves with the
-shortest steps rests.  A path ends too where the body tips and where no wheel is left under it.  Nothing is proved.
+shortest steps rests, unless it goes to and fro by many steps: then it circles, and is followed to the last time.  A
+path ends too where the body tips and where no wheel is left under it.  Nothing is proved.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ WINDOW = 20  # steps over which a pose is averaged
 SLOW = 0.04  # speed of the mean, of the fastest wheel's, below which steps are halved; above thrice it, doubled
 RESTS = 5e-3  # the same with the shortest steps, over a few windows: the body rests
 WINDOWS = 4  # in a row for rest
+CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
 OnStep = Callable[[int, int], None]
@@ -83,6 +85,7 @@ class _State:
         self.reasons: NDArray[np.int_] = np.full(count, -1)
         self.over = np.full((count, 2), NOBODY)
         self.means, self.anchors = starts.copy(), np.full((count, 3), np.nan)
+        self.extents = np.zeros((count, 3))  # of the poses in the last window
         self.quiet = np.zeros(count, int)  # windows in a row with the shortest steps
 
     @property
@@ -141,15 +144,18 @@ class ManyPaths:
 
     def _window(self, state: _State, field: ManyRates, last: float) -> None:
         """A window of steps of every path."""
-        sums = np.zeros_like(state.poses)
+        sums, lowest, highest = np.zeros_like(state.poses), state.poses.copy(), state.poses.copy()
         for _ in range(WINDOW):
             paths = state.going
             if not len(paths):
                 return
             self._step(state, field, paths, last)
             sums[paths] += state.poses[paths]
+            lowest[paths] = np.minimum(lowest[paths], state.poses[paths])
+            highest[paths] = np.maximum(highest[paths], state.poses[paths])
         going = state.going
         state.means[going] = sums[going] / WINDOW
+        state.extents = highest - lowest
 
     def _step(self, state: _State, field: ManyRates, paths: Numbers, last: float) -> None:
         """Heun's step; Euler's where the trial pose does not stand."""
@@ -179,7 +185,8 @@ class ManyPaths:
         short = state.steps[paths] <= shortest * 1.001
         waits = short & (drift < SLOW)
         full = waits & (state.quiet[paths] >= WINDOWS)
-        rests = full & (drift < RESTS)
+        chatters = self._distance(state.extents[paths]) < CHATTER * shortest * (self._fastest or 1.0)
+        rests = full & (drift < RESTS) & chatters
         state.poses[paths[rests]] = state.means[paths[rests]]
         state.end(paths[rests], BodyEnd.REST)
         state.quiet[paths] = np.where(waits & ~full, state.quiet[paths] + 1, 0)
