@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit, squared_radius_of_disc
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.translation.inward_slope import home_disc
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import Real, brief_text
@@ -31,6 +32,7 @@ class EllipseTranslation:
         sampled: V* at random points of the square, where it is not known exactly.
         mass: up to which mass a body is attracted under full dynamics; None where the point does not attract, or
             where that is not decided.
+        region_radius: of a disc in which the distance falls strictly, so that every body comes home from it.
     """
 
     point: EllipsePoint
@@ -60,8 +62,9 @@ class EllipseTranslation:
         return ""
 
     @property
-    def home_radius(self) -> None:
-        """None: the linearization speaks of starts close by."""
+    def home_radius(self) -> Number | None:
+        """Radius of a disc of starts that come home; None where only starts close by are known to."""
+        return self.region_radius
 
     @property
     def arrival_per_distance(self) -> None:
@@ -87,7 +90,12 @@ class EllipseTranslation:
         """Re-verify the situation, the lemma and the masses."""
         if self.mass is not None and not self._is_about_mass(self.mass):
             return False
+        if self.region_radius is not None and self.region_radius != self._home_disc():
+            return False
         return self.point.check() and (self.lemma is None or self.lemma.check())
+
+    def _home_disc(self) -> Number | None:
+        return home_disc(self.point.scene, self.point.region, self.point.linearization)
 
     def _is_about_mass(self, mass: MassLimit) -> bool:
         """Whether the limit verifies, and speaks of this array."""
@@ -114,4 +122,5 @@ def decide_translation_at(
     linear, mass = point.linearization, None
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and linear is not None:
         mass = decide_mass_limit(linear, squared_radius_of_disc(point.scene))
-    return EllipseTranslation(point, lemma, sampled, mass)
+    home = home_disc(point.scene, point.region, linear) if mass is not None else None
+    return EllipseTranslation(point, lemma, sampled, mass, region_radius=home)

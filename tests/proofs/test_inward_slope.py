@@ -1,0 +1,82 @@
+"""Discs of starts that come home under rules without cells, against minimizers of D all over them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.scene import Scene
+
+INWARD = ("four-wheel", "four-wheel-side", "ring-5", "ring-6", "grid-4x4")
+POINTS = 200
+
+
+def translation_of(scene: Scene) -> EllipseTranslation:
+    found = check_theorem4(scene).results["translation"]
+    assert isinstance(found, EllipseTranslation)
+    assert found.check()
+    return found
+
+
+def largest_product(scene: Scene, radius: float, seed: int = 5) -> float:
+    """The largest ``c . v/|c|`` over random points of a disc, most of them near its border or its centre."""
+    centred, rng = scene.recentred(), np.random.default_rng(seed)
+    angles = rng.uniform(0, 2 * np.pi, POINTS)
+    reaches = radius * rng.choice([0.02, 0.3, 0.9, 1.0], POINTS) * rng.uniform(0.9, 1.0, POINTS)
+    points = reaches[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    twists = smooth_rule_of(centred).minima(centred, points).twists
+    return float(((points * twists[:, :2]).sum(axis=1) / reaches).max())
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("name", INWARD)
+def test_the_distance_falls_all_over_the_disc(name: str, rule: str) -> None:
+    scene = load_scene(name, rule=rule)
+    found = translation_of(scene)
+    assert found.home_radius is not None
+    assert found.home_radius == scene.check.radius
+    assert largest_product(scene, float(found.home_radius)) < 0
+
+
+def test_a_spin_at_the_point_does_not_matter() -> None:
+    scene = load_scene("spiral-30", rule="ellipse")
+    found = translation_of(scene)
+    assert found.home_radius is not None
+    assert largest_product(scene, float(found.home_radius)) < 0
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_no_disc_is_claimed_where_the_distance_may_grow(name: str) -> None:
+    """Every built-in scene: where a minimizer moves outward, no disc reaches there."""
+    found = check_theorem4(load_scene(name, rule="ellipse")).results["translation"]
+    if isinstance(found, EllipseTranslation) and found.home_radius is None:
+        assert found.region_radius is None
+        return
+    assert found.verdict is Translation.ASYMPTOTICALLY_STABLE
+
+
+def test_the_disc_ends_where_a_spring_lifts_off() -> None:
+    """Beyond, the loads have another form: the disc is no larger than the part of the square that holds the point."""
+    base = load_scene("grid-4x4", rule="ellipse")
+    wide = replace(base, check=replace(base.check, radius=base.field(Fraction(5, 4))))
+    found = translation_of(wide)
+    assert found.home_radius is not None
+    assert 0 < found.home_radius < wide.check.radius
+    assert largest_product(wide, float(found.home_radius)) < 0
+
+
+def test_another_disc_is_refused() -> None:
+    found = translation_of(load_scene("four-wheel", rule="ellipse"))
+    assert found.home_radius is not None
+    assert not replace(found, region_radius=found.home_radius * 2).check()
+    saddle = translation_of(load_scene("elliptic", rule="ellipse"))
+    assert saddle.home_radius is None
+    assert not replace(saddle, region_radius=saddle.point.scene.check.radius).check()
