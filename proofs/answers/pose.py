@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, cast
 
@@ -77,8 +78,7 @@ def _misjudging(error: float) -> str:
 def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     """``V' <= -2 k kappa V``, so the error ``sqrt(V)`` shrinks like ``exp(-k kappa t)``; slower where speeds end."""
     kappa = found.certified_kappa
-    limited = found.limited if isinstance(found, FeedbackResult) else None
-    speed = None if limited is None else limited.speed
+    speed = _speed(found, scene)
     if kappa is None:
         yield from (Fact("rate", Quantity(None)), Fact("speed", Quantity(None)))
         return
@@ -87,6 +87,17 @@ def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} per s or faster"
     slower = f"farther away, where speeds are limited, it falls {how}" if scene.speed_limits else ""
     yield Fact("speed", Quantity(speed), slower)
+
+
+def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
+    """With which sqrt(V) falls at least where speeds are limited; None without limits, and where it is not known."""
+    if not scene.speed_limits:
+        return None
+    if isinstance(found, FeedbackResult):
+        return None if found.limited is None else found.limited.speed
+    from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
+
+    return limited_speed(found, scene)
 
 
 def _why_not(found: AnyFeedback) -> str:

@@ -25,12 +25,16 @@ from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EventKind
+from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate
+from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.interface.path_result import PathResult
 from nonsmooth.reports.simulate import loop_speeds
+from nonsmooth.symbolic.similar_scenes import in_own_length
 
 Floats = NDArray[np.float64]
 
@@ -234,6 +238,41 @@ def test_minimizers_scale_with_all_speeds_together(rule: str) -> None:
             minimizer.minimize(ContactRows(model.rows, share * targets, model.friction), load) for share in (1.0, 0.3)
         )
         assert np.abs(0.3 * one.twists - other.twists).max() < 1e-7
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+@pytest.mark.parametrize("name", ["ring-3", "ring-5"])
+def test_the_error_falls_at_the_stated_speed_where_speeds_end(name: str, rule: str) -> None:
+    """Speeds of the law, scaled to the limit, given to a minimizer: sqrt(V) falls at that speed or at the rate."""
+    array = ns.load(name).with_(rule=rule, speed_limit=1)
+    assert isinstance(array, ns.Array)
+    scene = in_own_length(array.scene.recentred())
+    feedback = decide_driven_feedback(scene)
+    speed = limited_speed(feedback, scene)
+    assert feedback.kappa is not None
+    assert speed is not None
+    pose = array.check().pose
+    assert pose["speed"] == speed
+    model, rng = contact_model(scene), np.random.default_rng(9)
+    minimizer: Minimizer = BoxHighs() if rule == "box" else EllipseInterior()
+    reach, gain, ended = float(scene.check.radius) * 1e-4, 3e5, 0
+    (cone,) = feedback.cones
+    vectors = np.array([[float(x) for x in imposed.twist] for imposed in cone.twists])
+    for _ in range(20):
+        size = reach * 10 ** -rng.uniform(0, 3)
+        c = rng.uniform(-1, 1, 2) * size
+        g = np.array([*c, rng.normal() * size])
+        best = int(np.argmax(np.abs(vectors @ g)))
+        wanted = -gain * (vectors[best] @ g) * np.array(rim_speeds(scene, cone.twists[best]))
+        factor = min(1.0, 1.0 / np.abs(wanted).max())
+        ended += factor < 1
+        load = loads_at(model, c[None])[0]
+        targets = model.targets_of(factor * wanted)
+        (twist,) = minimizer.minimize(ContactRows(model.rows, targets, model.friction), load).twists
+        size = np.sqrt(g @ g)
+        falls = -float(g @ twist) / size
+        assert falls >= min(float(speed), gain * float(feedback.kappa) * size) * (1 - 1e-2)
+    assert 0 < ended < 20
 
 
 def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
