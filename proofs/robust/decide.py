@@ -120,5 +120,13 @@ def decide_robust(scene: Scene) -> Robust | None:
     return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
 
 
+def certified_factor(scene: Scene) -> Fraction | None:
+    """The multiple of the scene's tolerances alone; None without tolerances, and where none is followed."""
+    if scene.tolerances is None or scene.contact.rule not in PROOFS:
+        return None
+    proof = PROOFS[scene.contact.rule](scene.recentred())
+    return None if proof.why_not() else largest_factor(proof.holds, scene.tolerances)
+
+
 def _fraction(value: fmpq) -> Fraction:
     return Fraction(int(value.p), int(value.q))

@@ -59,6 +59,10 @@ COMMANDS = {  # in the order of the help
         "Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.",
         "stress four-wheel -o stress.svg",
     ),
+    "design": Entry(
+        "Search for the headings, speeds and positions of the wheels that meet requirements and do best.",
+        "design four-wheel --free headings --require position,heading --rule ellipse -o better.toml",
+    ),
     "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems.", "scenes"),
     "rules": Entry(
         "List the contact rules: what each says, and for which hardware it is a good guess.",

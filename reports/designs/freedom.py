@@ -1,0 +1,120 @@
+"""What a design may change, as a vector of numbers between 0 and 1, and the scene document of such a vector.
+
+Every number that is chosen is rational with a small denominator: a heading has the direction ``(q^2 - p^2, 2 p q)``,
+with ``p/q`` near the tangent of half its angle; speeds and displacements are whole multiples of a part of their range.
+So a candidate is an exact scene, and nothing has to be rounded afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from nonsmooth.reports.designs.symmetry import Orbits, orbits_of, quarter_turns
+from nonsmooth.symbolic.plane import Vector, minus
+from nonsmooth.symbolic.scene import Scene, Wheel
+
+PARTS = 64  # of the range of a speed or a displacement
+HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
+KINDS = ("headings", "speeds", "positions")
+LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list of wheels replaces
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """Which values of the wheels may change, and how far.
+
+    Attributes:
+        kinds: of :data:`KINDS`.
+        turn: how far a heading may turn, either way (radian).
+        slowest: least speed, as a share of the scene's.
+        fastest: largest speed, as a share of the scene's.
+        move: how far each coordinate of a wheel may move (length).
+        order: of the symmetry that the array has and keeps.
+    """
+
+    kinds: tuple[str, ...]
+    turn: float = math.pi
+    slowest: Fraction = Fraction(1, 2)
+    fastest: Fraction = Fraction(5, 2)
+    move: Fraction = Fraction(1, 4)
+    order: int = 1
+
+    @property
+    def numbers_per_wheel(self) -> int:
+        """How many numbers each orbit of wheels takes of the vector."""
+        return ("headings" in self.kinds) + ("speeds" in self.kinds) + 2 * ("positions" in self.kinds)
+
+    def start(self, scene: Scene) -> list[float]:
+        """The vector of the scene itself, where it has the symmetry."""
+        speed = float((1 - self.slowest) / (self.fastest - self.slowest)) if self.fastest > self.slowest else 0.0
+        own = [0.5] * ("headings" in self.kinds) + [speed] * ("speeds" in self.kinds)
+        return (own + [0.5, 0.5] * ("positions" in self.kinds)) * len(self._orbits(scene))
+
+    def _orbits(self, scene: Scene) -> Orbits:
+        found = orbits_of(scene, self.order)
+        if found is None:
+            raise ValueError(f"required an array of the symmetry {self.order}")
+        return found
+
+    def document(self, base: Mapping[str, Any], scene: Scene, vector: Sequence[float]) -> dict[str, Any]:
+        """The scene document of a vector."""
+        kept = {key: value for key, value in base.items() if key not in LAYOUTS}
+        numbers = iter(vector)
+        tables: list[dict[str, Any]] = [{} for _ in scene.wheels]
+        for orbit in self._orbits(scene):
+            chosen = self._chosen(scene.wheels[orbit[0]], [next(numbers) for _ in range(self.numbers_per_wheel)])
+            for step, place in enumerate(orbit):
+                turns = step * 4 // self.order
+                tables[place] = _table(scene, scene.wheels[place], chosen, turns)
+        return {**kept, "wheel": tables}
+
+    def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:
+        """The first wheel of an orbit with what is chosen for it."""
+        left = list(numbers)
+        direction, speed, position = wheel.direction, wheel.speed, wheel.position
+        if "headings" in self.kinds:
+            direction = self._heading(wheel, left.pop(0))
+        if "speeds" in self.kinds:
+            speed *= self.slowest + _part(left.pop(0)) * (self.fastest - self.slowest)
+        if "positions" in self.kinds:
+            x, y = (entry + self.move * (2 * _part(number) - 1) for entry, number in zip(position, left, strict=True))
+            position = x, y
+        return replace(wheel, direction=direction, given_speed=speed, position=position)
+
+    def _heading(self, wheel: Wheel, number: float) -> Vector:
+        """A direction of whole numbers; the wheel's own at one half."""
+        offset = (2 * number - 1) * self.turn
+        if abs(offset) < math.pi / 2**12:
+            return wheel.direction
+        a, b = (float(entry) for entry in wheel.unit_direction)
+        angle = math.remainder(math.atan2(b, a) + offset, 2 * math.pi)
+        quarters = round(angle / (math.pi / 2))
+        half = Fraction(math.tan((angle - quarters * math.pi / 2) / 2)).limit_denominator(HALF_TANGENTS)
+        p, q, field = half.numerator, half.denominator, wheel.speed.field
+        return quarter_turns((field(q * q - p * p), field(2 * p * q)), quarters)
+
+
+def _table(scene: Scene, wheel: Wheel, chosen: Wheel, turns: int) -> dict[str, Any]:
+    """A wheel of an orbit: the first one, turned about the checked point."""
+    at = scene.check.equilibrium
+    offset = quarter_turns(minus(chosen.position, at), turns)
+    table: dict[str, Any] = {
+        "position": [str(a + b) for a, b in zip(offset, at, strict=True)],
+        "heading": [str(entry) for entry in quarter_turns(chosen.direction, turns)],
+        "speed": str(chosen.speed),
+        "mu_roll": str(wheel.friction.roll),
+        "mu_side": str(wheel.friction.side),
+    }
+    if wheel.speed_limit is not None:
+        table["speed_limit"] = str(wheel.speed_limit)
+    if chosen.axis is not None:
+        table["axis"] = [str(entry) for entry in quarter_turns(chosen.axis, turns)]
+    return table
+
+
+def _part(number: float) -> Fraction:
+    return Fraction(round(min(max(number, 0.0), 1.0) * PARTS), PARTS)

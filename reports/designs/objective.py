@@ -1,0 +1,98 @@
+"""What a design is judged by: the exact answers to a check of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.robust.decide import certified_factor
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.symbolic.contact_set import TipsError, standing
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+
+UNITS = 3_000_000  # of exact arithmetic for one candidate: a few seconds
+UNMET = 1e6  # what a requirement that is not met costs
+OPEN = 0.5  # of that, where the answer is undecided
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One candidate.
+
+    Attributes:
+        answers: position, heading and pose; empty where the scene is refused.
+        unmet: names of requirements that do not hold.
+        value: of the objective, larger is better; None where the requirements are not met, or it is not known.
+        cost: what the search makes small.
+        why_not: why the scene is refused, else empty.
+    """
+
+    answers: tuple[Answer, ...]
+    unmet: tuple[str, ...]
+    value: float | None
+    cost: float
+    why_not: str = ""
+
+
+Objective = Callable[[Check, Sequence[Answer]], float | None]
+
+
+def _rate(check: Check, answers: Sequence[Answer]) -> float | None:
+    """How fast a body comes home: length per time where it arrives, else the exponential rate (1/time)."""
+    position = answers[0].numbers
+    seconds = position.get("seconds_per_distance")
+    if seconds is not None:
+        return 1 / float(seconds)
+    rate = position.get("rate")
+    return None if rate is None else float(rate)
+
+
+def _held_rate(check: Check, answers: Sequence[Answer]) -> float | None:
+    """Kappa: how fast feedback holds the pose, per unit of gain."""
+    rate = answers[2].numbers.get("rate")
+    return None if rate is None else float(rate)
+
+
+def _basin(check: Check, answers: Sequence[Answer]) -> float | None:
+    """Radius of the disc of starts that come home."""
+    within = answers[0].numbers.get("within")
+    return None if within is None else float(within)
+
+
+def _tolerance(check: Check, answers: Sequence[Answer]) -> float | None:
+    """The multiple of the scene's tolerances that is certified."""
+    factor = certified_factor(check.scene)
+    return float(factor) if factor else None
+
+
+OBJECTIVES: dict[str, Objective] = {"rate": _rate, "gain": _held_rate, "basin": _basin, "tolerance": _tolerance}
+
+
+def evaluate(scene: Scene, required: Sequence[str], objective: Objective) -> Evaluation:
+    """Check a candidate and judge it."""
+    try:
+        with work_limit(scene.field, UNITS):
+            check = check_theorem4(standing(scene))
+            answers = answers_of(check)
+    except (RefusalError, SceneError, TipsError, WorkLimitError) as error:
+        return Evaluation((), tuple(required), None, UNMET * (len(required) + 1), str(error))
+    bad = [answer for answer in answers if answer.name in required and answer.exit_status]
+    if bad:
+        cost = sum(UNMET * (OPEN if answer.exit_status == 3 else 1) for answer in bad)
+        return Evaluation(answers, tuple(answer.name for answer in bad), None, cost + _distance(check, answers))
+    value = objective(check, answers)
+    return Evaluation(answers, (), value, 0.0 if value is None else -value)
+
+
+def _distance(check: Check, answers: Sequence[Answer]) -> float:
+    """What guides the search where requirements are not met: how far V is from falling, and how fast the body turns."""
+    rate, turns = getattr(check.results["translation"], "worst_rate", None), answers[1].numbers.get("largest_rate")
+    falling = 1.0 if rate is None else 0.5 + math.atan(float(rate)) / math.pi
+    return falling + (1.0 if turns is None else math.atan(float(turns)) / math.pi)

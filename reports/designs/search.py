@@ -1,0 +1,170 @@
+"""The search for a design: differential evolution over exact scenes.
+
+Storn and Price (1997) by SciPy.  Every candidate is an exact scene whose answers are proved, so what is found needs no
+confirmation; that nothing better exists is not shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.proofs.answers.answer import Pose
+from nonsmooth.reports.designs.freedom import Freedom
+from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
+from nonsmooth.symbolic.files.scene_file import build_scene
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+
+MEMBERS = 24  # of a generation, about
+
+Told = Callable[[int, int], None]
+
+
+class _SpentError(Exception):
+    """All checks that are allowed are done."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is asked for.
+
+    Attributes:
+        required: names of the answers that must be good.
+        maximize: name of the objective.
+        checks: how many candidates are checked at most.
+        seed: of the search.
+    """
+
+    required: tuple[str, ...]
+    maximize: str
+    checks: int = 300
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class Design:
+    """What was found.
+
+    Attributes:
+        document: the scene of the best candidate.
+        scene: the same, read.
+        best: its answers.
+        base: those of the given scene.
+        checks: how many candidates were checked.
+        impossible: why no choice of the free values can meet the requirements; empty where that is not known.
+    """
+
+    document: dict[str, Any]
+    scene: Scene
+    best: Evaluation
+    base: Evaluation
+    checks: int
+    impossible: str = ""
+
+    @property
+    def is_found(self) -> bool:
+        """Whether every requirement is met."""
+        return not self.best.unmet
+
+
+class _Search:
+    """All candidates of one search."""
+
+    def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
+        self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
+        self._known: dict[str, Evaluation] = {}
+        self.best: tuple[Evaluation, dict[str, Any], Scene] | None = None
+
+    @property
+    def checks(self) -> int:
+        return len(self._known)
+
+    def cost(self, vector: Sequence[float], told: Told) -> float:
+        document = self._freedom.document(self._base, self._scene, vector)
+        key = repr(document["wheel"])
+        if key not in self._known:
+            if self.checks >= self._wish.checks:
+                raise _SpentError
+            self._known[key] = self._judge(document)
+            told(self.checks, self._wish.checks)
+        return self._known[key].cost
+
+    def _judge(self, document: dict[str, Any]) -> Evaluation:
+        name = str(document.get("name") or self._scene.name)
+        try:
+            scene = build_scene(document, name, self._folder / f"{name}.toml")
+        except SceneError as error:
+            return Evaluation((), self._wish.required, None, float("inf"), str(error))
+        found = evaluate(scene, self._wish.required, OBJECTIVES[self._wish.maximize])
+        if self.best is None or found.cost < self.best[0].cost:
+            self.best = found, document, scene
+        return found
+
+
+def find_design(
+    base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told
+) -> Design:
+    """Search for a design.
+
+    Args:
+        base: the document of the given scene.
+        folder: where its files lie.
+        scene: the same, read.
+        freedom: what may change.
+        wish: what is asked for.
+        told: called with the candidates checked and allowed.
+    """
+    own = evaluate(scene, wish.required, OBJECTIVES[wish.maximize])
+    impossible = _why_impossible(own, freedom, wish)
+    search = _Search(base, folder, scene, freedom, wish)
+    if not impossible:
+        _evolve(search, scene, freedom, wish, told)
+    if search.best is None or own.cost <= search.best[0].cost:  # nothing better than the scene itself
+        return Design(dict(base), scene, own, own, search.checks, impossible)
+    best, document, found = search.best
+    return Design(document, found, best, own, search.checks)
+
+
+def _why_impossible(own: Evaluation, freedom: Freedom, wish: Wish) -> str:
+    """What is proved of the given scene whatever the speeds are: which twists its wheels can impose."""
+    if "pose" not in wish.required or freedom.kinds != ("speeds",) or not own.answers:
+        return ""
+    pose = own.answers[2]
+    return pose.sentence if pose.verdict is Pose.CANNOT_BE_HELD else ""
+
+
+def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> None:
+    from scipy.optimize import differential_evolution
+
+    start = np.array(freedom.start(scene))
+    size = max(1, round(MEMBERS / len(start)))
+    bounds = [(0.0, 1.0)] * len(start)
+    try:
+        differential_evolution(
+            lambda vector: search.cost(vector.tolist(), told),
+            bounds,
+            x0=start,
+            popsize=size,
+            maxiter=wish.checks,
+            seed=wish.seed,
+            init="sobol",
+            polish=False,
+            tol=0.0,
+        )
+    except _SpentError:
+        return
+
+
+def named(design: Design, name: str, wish: Wish) -> Design:
+    """With a name and a description that say where the scene comes from."""
+    how = f"designed from {design.scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
+    return replace(design, document={"name": name, "description": how, **_without(design.document)})
+
+
+def _without(document: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in document.items() if key not in ("name", "description")}

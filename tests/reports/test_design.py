@@ -1,0 +1,140 @@
+"""``nonsmooth design``: what is found is confirmed by a check of the file, keeps its symmetry, and is repeatable."""
+
+from __future__ import annotations
+
+import tomllib
+from decimal import Decimal
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.reports.designs.freedom import Freedom
+from nonsmooth.reports.designs.symmetry import largest_symmetry, orbits_of
+from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+
+def test_a_saddle_becomes_an_array_that_brings_bodies_home(invoke: Invoke, tmp_path: Path) -> None:
+    """The file alone says the same to a check, and bodies of its paths come home."""
+    outcome = invoke("design", "saddle", "--checks", "40", "-o", "found.toml", "--json")
+    assert outcome.status == 0
+    record = outcome.record
+    assert record["given"]["answers"]["position"]["verdict"] == "leaves"
+    assert record["best"]["answers"]["position"]["verdict"] == "comes home"
+    array = ns.load(tmp_path / "found.toml")
+    assert isinstance(array, ns.Array)
+    assert array.check().position.verdict == "comes home"
+    for start in ((0.3, 0.1, 0.0), (-0.2, 0.25, 1.0)):
+        end = array.simulate(start, 10 / record["best"]["value"]).state[-1]
+        assert np.hypot(*end[:2]) < 1e-6
+
+
+def test_a_design_is_no_worse_and_repeatable(invoke: Invoke) -> None:
+    arguments = ("design", "rectangle", "--free", "headings,speeds", "--checks", "40", "--json")
+    first, again = (invoke(*arguments).record for _ in range(2))
+    assert first == again
+    assert first["checks"] == 40
+    assert first["best"]["value"] >= first["given"]["value"]
+    other = invoke(*arguments, "--seed", "2").record
+    assert other["scene"] != first["scene"]
+
+
+@pytest.mark.parametrize(("name", "order"), [("four-wheel", 4), ("rectangle", 2), ("ring-5", 1), ("ring-6", 2)])
+def test_the_symmetry_is_kept_exactly(name: str, order: int) -> None:
+    document, label, path = read_document(name)
+    scene = build_scene(document, label, path)
+    assert largest_symmetry(scene) == order
+    freedom = Freedom(("headings", "speeds", "positions"), order=order)
+    orbits = orbits_of(scene, order)
+    assert orbits is not None
+    vector = np.random.default_rng(3).random(freedom.numbers_per_wheel * len(orbits)).tolist()
+    changed = build_scene(freedom.document(document, scene, vector), label, path)
+    assert orbits_of(changed, order) is not None
+    turn = 2 * np.pi / order
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    for orbit in orbits:
+        for one, following in pairwise(orbit):
+            first, second = changed.wheels[one], changed.wheels[following]
+            for a, b in ((first.position, second.position), (first.unit_direction, second.unit_direction)):
+                assert np.allclose(rotation @ [float(x) for x in a], [float(x) for x in b])
+            assert first.speed == second.speed
+
+
+def test_the_start_is_the_scene_itself() -> None:
+    document, label, path = read_document("rectangle")
+    scene = build_scene(document, label, path)
+    freedom = Freedom(("headings", "speeds", "positions"), slowest=Fraction(1, 2), fastest=Fraction(3, 2), order=2)
+    same = build_scene(freedom.document(document, scene, freedom.start(scene)), label, path)
+    for own, found in zip(scene.wheels, same.wheels, strict=True):
+        for a, b in ((own.position, found.position), (own.direction, found.direction)):
+            assert [str(x) for x in a] == [str(x) for x in b]
+        assert str(own.speed) == str(found.speed)
+
+
+def test_what_nobody_can_reach_is_said_first(invoke: Invoke) -> None:
+    """An axle pushes along its wheels alone, whatever their speeds: proved before any search."""
+    record = invoke("design", "differential-drive", "--free", "speeds", "--require", "pose", "--json").record
+    assert record["checks"] == 0
+    assert not record["found"]
+    assert record["impossible"]
+
+
+def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:
+    outcome = invoke("design", "outward", "--free", "speeds", "--checks", "5", "-o", "none.toml")
+    assert outcome.status == 1
+    assert "none of 5 arrays meets" in outcome.out
+    assert not (tmp_path / "none.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--free", "colours"), "--free: required names among headings, speeds, positions"),
+        (("--require", "luck"), "--require: required names among position, heading, pose"),
+        (("--maximize", "rate,gain"), "--maximize: required one name"),
+        (("--maximize", "tolerance"), "tolerance: required a [tolerance] table"),
+        (("--checks", "0"), "--checks: required a number from 1"),
+        (("--seed", "-1"), "--seed: required a number of at least 0"),
+        (("--move", "far"), "--move: required a positive rational number"),
+        (("--symmetry", "3"), "--symmetry: required one of 4, 2, 1"),
+        (("-o", "x.json"), ".toml"),
+    ],
+)
+def test_bad_input_is_one_line(invoke: Invoke, options: tuple[str, ...], said: str) -> None:
+    outcome = invoke("design", "four-wheel", *options)
+    assert outcome.status == 2
+    assert said in outcome.err
+    assert len(outcome.err.strip().splitlines()) == 1
+
+
+def test_documents_are_read_again_as_they_were_written() -> None:
+    document = {
+        "name": 'a "quoted" \\ name',
+        "friction": {"mu_roll": 1, "mu_side": Decimal("0.5")},
+        "contact": {"loads": {"kind": "elastic", "height": "1/10"}},
+        "wheel": [{"position": ["1", "sqrt(2)"], "heading": [1, 0]}, {"position": [0, 1], "speed": "1/3"}],
+    }
+    assert tomllib.loads(toml_text(document), parse_float=Decimal) == document
+    with pytest.raises(TypeError, match="required a string"):
+        toml_text({"name": object()})
+
+
+def test_every_built_in_scene_survives_being_written(tmp_path: Path) -> None:
+    for name in ("ring-5", "spiral-30", "mecanum-4", "off-center"):
+        document, label, path = read_document(name)
+        scene = build_scene(document, label, path)
+        freedom = Freedom(("headings",))
+        file = tmp_path / f"{name}.toml"
+        file.write_text(toml_text(freedom.document(document, scene, freedom.start(scene))), encoding="utf-8")
+        again = load_scene(file)
+        for own, found in zip(scene.wheels, again.wheels, strict=True):
+            assert str(own.speed) == str(found.speed)
+            assert np.allclose([float(x) for x in own.position], [float(x) for x in found.position])
