@@ -177,7 +177,8 @@ class ArrayPath(ArrayMode):
         except SceneError:
             raise
         except (ValueError, TrajectoryError) as error:
-            outside = _outside(scene, run.start) if isinstance(rule_of(scene), CellRule) else ""
+            in_square = isinstance(rule_of(scene), CellRule) and not (scene.body and run.is_plain)
+            outside = _outside(scene, run.start) if in_square else ""
             raise RefusedError(outside or f"{scene.origin}: {error}") from None
 
 

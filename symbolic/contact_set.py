@@ -128,9 +128,7 @@ def require_no_outline(scene: Scene) -> None:
         SceneError: where the scene has a body.
     """
     if scene.body is not None:
-        expected = (
-            "an open loop by events, or a map of starts, under a rule without cells (ellipse, roller) for an outline"
-        )
+        expected = "an open loop by events with exact kinematics, or a map of starts, for an outline"
         raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
 
 

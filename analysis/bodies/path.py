@@ -19,6 +19,7 @@ from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Whe
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.stretch import Part, Parts
 from nonsmooth.analysis.bodies.switching import Mode, Switching
+from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -32,9 +33,7 @@ from nonsmooth.analysis.trajectories.result import (
     Trajectory,
     samples,
 )
-from nonsmooth.symbolic.plane import Vector, around
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 LOOKS = 8  # places within a step where depths are looked at
@@ -233,34 +232,15 @@ class BodyPath:
         depths = self._outline.depths(pose)
         return frozenset(k for k in before.carrying if depths[k] > self._edge_depth)
 
-    def _tipping_edge(self, carrying: Wheels, pose: Floats) -> str:
-        """Over what a body tips: the side of the hull of the wheels left that the centre of mass is farthest beyond."""
-        number = {self._scene.wheels[k].position: self._scene.wheels[k].index for k in carrying}
-        if not number:
-            return "with no wheel under it"
-        if len(number) == 1:
-            return f"over wheel {min(number.values())}"
-        corners = support_polygon(outer_positions(list(number)))
-        sides = [(number[a], number[b], _line_distance(a, b, pose)) for a, b in around(corners)]
-        first, second, _ = min(sides, key=lambda side: side[2])
-        return f"over the line through wheels {first} and {second}"
-
     def _ended(self, log: _Log, time: float, pose: Floats, reason: EndReason, carrying: Wheels) -> Trajectory:
         state = tuple(float(value) for value in pose)
         if reason is EndReason.TIPS:
-            log.events.append(Event(time, state, EventKind.TIPS, self._tipping_edge(carrying, pose)))
+            log.events.append(Event(time, state, EventKind.TIPS, tipping_edge(self._scene, carrying, pose)))
         end = End(time, state, reason)
         times, states = samples(log.pieces, end)
         return Trajectory(
             Kinematics.EXACT.value, "minimizer", times, states, tuple(log.events), end, log.unique, tuple(log.pieces)
         )
-
-
-def _line_distance(a: Vector, b: Vector, pose: Floats) -> float:
-    """Distance of the centre of mass from the inner side of the line through two corners; negative beyond it."""
-    (ax, ay), (bx, by) = ((float(x), float(y)) for x, y in (a, b))
-    along = np.array([bx - ax, by - ay])
-    return float((along[0] * (pose[1] - ay) - along[1] * (pose[0] - ax)) / np.hypot(*along))
 
 
 def _touched(mode: Mode) -> Wheels:
