@@ -128,7 +128,7 @@ def require_no_outline(scene: Scene) -> None:
         SceneError: where the scene has a body.
     """
     if scene.body is not None:
-        expected = "an open loop by events with exact kinematics, or a map of starts, for an outline"
+        expected = "a path by events with exact kinematics, or a map of starts, for an outline"
         raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
 
 

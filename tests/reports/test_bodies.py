@@ -117,7 +117,13 @@ def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke
 
 @pytest.mark.parametrize(
     "options",
-    [("--rule", "nearest"), ("--rule", "box"), ("--feedback",), ("--method", "dynamics")],
+    [
+        ("--rule", "nearest", "--kinematics", "leading"),
+        ("--rule", "box", "--method", "hysteresis"),
+        ("--rule", "ellipse", "--feedback"),
+        ("--rule", "nearest", "--feedback", "--method", "hysteresis"),
+        ("--method", "dynamics"),
+    ],
 )
 def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], carton: str, invoke: Invoke) -> None:
     assert invoke("simulate", carton, "--from", "0.1,0,0", *options).status == 2
