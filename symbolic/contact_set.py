@@ -132,6 +132,19 @@ def require_no_outline(scene: Scene) -> None:
         raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
 
 
+def require_elastic(scene: Scene) -> None:
+    """For bodies that other wheels carry on the way.
+
+    Raises:
+        SceneError: for loads that are known for one set of wheels only, and for unknown ones.
+    """
+    loads = scene.contact.loads
+    if loads is not None:
+        expected = "elastic loads on the way of a body with an outline"
+        received = "a table" if isinstance(loads, LoadTable) else loads.words
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
+
+
 def _number(wheel: Wheel) -> int:
     return wheel.index
 

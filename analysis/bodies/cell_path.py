@@ -22,8 +22,8 @@ from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.symbolic.contact_set import require_elastic
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 
 class CellPath:
@@ -38,9 +38,8 @@ class CellPath:
         """
         if scene.body is None:
             raise ValueError("required a scene with a body")
-        if rule.needs_loads and scene.contact.loads is not None:
-            expected = "elastic loads along the path of a body with an outline"
-            raise SceneError(scene.origin, "contact.loads", expected, StatedFact("others"))
+        if rule.needs_loads:
+            require_elastic(scene)
         self._scene = scene
         names = [str(wheel.index) for wheel in scene.wheels]
         places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])

@@ -21,8 +21,8 @@ from nonsmooth.analysis.bodies.many_rates import ManyRates, Rates
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.scene import LoadTable, Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.scene import Scene
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
@@ -105,11 +105,7 @@ class ManyPaths:
         """
         if scene.body is None:
             raise ValueError("required a scene with a body")
-        if scene.contact.loads is not None:
-            expected = "elastic loads for a map of a body with an outline"
-            loads = scene.contact.loads
-            received = "a table" if isinstance(loads, LoadTable) else loads.words
-            raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
+        require_elastic(scene)
         self._numbers = np.array([*(wheel.index for wheel in scene.wheels), 0])
         self._model = rule.contacts(scene)
         self._outline = MovingOutline(scene.body, self._model.positions)

@@ -15,6 +15,7 @@ from itertools import islice, product
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.mixing import subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCell, Side, agrees
 from nonsmooth.analysis.fields.contact_model import Floats
@@ -100,7 +101,7 @@ class OutlineField:
         depths = self._depths_at(x)
         edge = [int(k) for k in np.flatnonzero(np.abs(depths) <= self._slack)]
         place = _Place(self.under(x), tuple(edge))
-        for wheels in _subsets(place.edge):
+        for wheels in subsets_of(place.edge):
             self._add_set(place, wheels, x)
         surfaces = [*(self._edges[k] for k in edge), *place.lines]
         if len(surfaces) > MOST_AT_ONCE:
@@ -234,8 +235,3 @@ def _divides(pattern: Pattern, full: Mapping[Pattern, tuple[_Cell, ...] | None])
         if sides[0] == sides[1]:
             return False
     return True
-
-
-def _subsets(wheels: Sequence[int]) -> Iterator[Wheels]:
-    for chosen in product((False, True), repeat=len(wheels)):
-        yield frozenset(wheel for wheel, carries in zip(wheels, chosen, strict=True) if carries)

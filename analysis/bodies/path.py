@@ -11,11 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.stretch import Part, Parts
 from nonsmooth.analysis.bodies.switching import Mode, Switching
@@ -36,8 +38,6 @@ from nonsmooth.analysis.trajectories.result import (
 from nonsmooth.symbolic.scene import Scene
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
-LOOKS = 8  # places within a step where depths are looked at
-RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 
@@ -155,17 +155,11 @@ class BodyPath:
 
     def _first_change(self, mode: Mode, part: Part, *, first: bool) -> tuple[float, EndReason | None] | None:
         """The first time in a step at which the mode ends, and why."""
-        marks = np.linspace(part.start, part.end, LOOKS + 1)
-        values = self._signals(mode, part.state(marks).T)
-        negative = values < 0
-        negative[1:] &= (values[:-1] > 0) | (np.arange(LOOKS)[:, None] > 0) | (not first)
-        for k in np.flatnonzero(negative[1:].any(axis=1)):
-            crossed = np.flatnonzero(negative[k + 1])
-            times = [self._root(mode, part.state, marks[k], marks[k + 1], int(signal)) for signal in crossed]
-            earliest = int(np.argmin(times))
-            tips = crossed[earliest] == values.shape[1] - 1
-            return times[earliest], EndReason.TIPS if tips else None
-        return None
+        found = first_change(partial(self._signals, mode), part, first=first)
+        if found is None:
+            return None
+        time, signal, count = found
+        return time, EndReason.TIPS if signal == count - 1 else None
 
     def _signals(self, mode: Mode, poses: Floats) -> Floats:
         """What is positive as long as the mode goes on, at poses (m, 3).
@@ -184,20 +178,6 @@ class BodyPath:
             columns += [weights, 1 - weights]
         margins = self._sets.motion(mode.carrying, poses[0]).margins(poses)
         return np.concatenate([*columns, margins[:, None]], axis=1)
-
-    def _root(self, mode: Mode, state: Any, low: float, high: float, signal: int) -> float:
-        """When a signal changes its sign, down to rounding: the later side, where it has changed."""
-        from scipy.optimize import brentq
-
-        def value(time: float) -> float:
-            return float(self._signals(mode, state(time)[None])[0, signal])
-
-        ulp = float(np.spacing(high))
-        near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS)) if value(low) > 0 else low
-        step = ulp
-        while near < high and value(near) >= 0:
-            near, step = min(near + step, high), 2 * step
-        return near
 
     # ---- what is kept ----------------------------------------------------------------------------
 
