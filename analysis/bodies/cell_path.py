@@ -45,6 +45,10 @@ class CellPath:
         places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
         self._field = OutlineField(CellsBySet(scene, rule), MovingOutline(scene.body, places), names)
 
+    def stands(self, pose: Sequence[float]) -> bool:
+        """Whether the body stands at a pose ``(x, y, theta)``."""
+        return bool(self._field.faces_at(np.array(pose, float)))
+
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
         """The path from ``(x, y, theta)``, theta measured from the checked heading.
 
@@ -57,7 +61,7 @@ class CellPath:
         pose = np.array(start, float)
         if not (np.isfinite(pose).all() and 0 < until < math.inf):
             raise ValueError(f"required a finite start and a positive last time, received {pose.tolist()} and {until}")
-        if not self._field.faces_at(pose):
+        if not self.stands(pose.tolist()):
             raise ValueError("required a start where the body stands on its wheels, received one where it tips")
         return self._told(follow_smooth(self._field, pose.tolist(), until))
 

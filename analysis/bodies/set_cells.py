@@ -57,12 +57,14 @@ class SetCell:
     Attributes:
         name: what it is called among the cells of its set.
         member: its motion, under a name among all cells of all sets.
+        twist: ``(v_x, v_y, omega)``.
         sides: what bounds it.
         tied: whether several motions tie in it; the first is drawn.
     """
 
     name: str
     member: Member
+    twist: tuple[float, float, float]
     sides: tuple[Side, ...]
     tied: bool
 
@@ -102,7 +104,9 @@ class SetCells:
         for k, polygon in enumerate(field.cells.polygons):
             name = f"{field.names[k]} of wheels {numbers_text(self.wheels)}"
             sides = tuple(self._lines.side(np.array(side.normal), float(side.offset)) for side in polygon.sides)
-            found.append(SetCell(field.names[k], Member(name, field.velocity(k)), sides, field.tied(k)))
+            flow, member = field.flows[k][0], Member(name, field.velocity(k))
+            twist = (float(flow.vx), float(flow.vy), float(flow.omega))
+            found.append(SetCell(field.names[k], member, twist, sides, field.tied(k)))
         return tuple(found)
 
     def stands(self, pose: Floats, slack: float) -> bool:

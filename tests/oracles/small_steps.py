@@ -46,7 +46,7 @@ class Contacts(NamedTuple):
         rows, targets = self.rows(order[:2])
         third = 2 if self.friction[order[1], 0] >= self.friction[order[1], 1] else 3
         chosen = [0, 1, third]
-        return np.linalg.solve(rows[chosen], targets[chosen])
+        return np.asarray(np.linalg.solve(rows[chosen], targets[chosen]), float)
 
     def loads(self, wheels: list[int], centre: Floats) -> dict[int, float]:
         """Springs of equal stiffness; those that pull are taken away one by one."""
