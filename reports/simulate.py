@@ -45,7 +45,8 @@ class PathRun:
         width: of the hysteresis or of the smoothing.
         gain: of the law (1/time).
         mass: of a body under full dynamics, per weight; the default unless given.
-        inertia: of such a body, per weight; that of a disc as large as the array unless given.
+        inertia: of such a body, per weight; unless given that of a plate of its outline, or of a disc as large as the
+            array.
     """
 
     start: tuple[float, float, float]
