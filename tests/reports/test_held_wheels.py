@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.reports.figures.trajectory import MARKERS
 from nonsmooth.reports.interface.path_result import follow_array
 from nonsmooth.reports.interface.path_runs import path_run
 from nonsmooth.symbolic.contact_set import standing
@@ -77,9 +78,16 @@ def test_the_command_says_for_which_wheels(invoke: Invoke, tmp_path: Path) -> No
     found = json.loads(invoke(*options, "--json").out)
     assert found["end"]["reason"] == "a wheel enters or leaves: the law is certified for the wheels before"
     assert len(found["speeds"][0]) == 4
-    page = tmp_path / "loop.html"
-    assert invoke(*options, "-o", str(page)).status == 0
-    assert page.stat().st_size > 10_000
+    for name in ("loop.html", "loop.svg", "loop.csv"):
+        assert invoke(*options, "-o", str(tmp_path / name)).status == 0
+    assert (tmp_path / "loop.csv").read_text().startswith("t,x,y,theta,u_15,u_16,u_21,u_22")
+    drawn = (tmp_path / "loop.svg").read_text()
+    assert "u_15" in drawn
+    assert "u_1<" not in drawn
+
+
+def test_every_event_has_a_mark() -> None:
+    assert set(MARKERS) == set(EventKind)
 
 
 def test_a_start_on_other_wheels_is_refused(invoke: Invoke) -> None:
