@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, product
+from itertools import islice
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 Wheels = frozenset[int]  # places in the scene's list of wheels
 Pattern = tuple[int, ...]  # -1, 0 or 1 for each surface through a pose
 
-MOST_AT_ONCE = 7  # surfaces through one pose: 2187 patterns
+MOST_AT_ONCE = 16  # surfaces through one pose
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,7 @@ class OutlineField:
         self._edges = [self._edge(k) for k in range(outline.count)]
         self._depths: tuple[bytes, Floats] = (b"", np.zeros(0))
         self._known: dict[object, _Around] = {}
+        self._of_lines: dict[tuple[int, ...], tuple[Pattern, ...]] = {}
         self._tied: set[str] = set()
         self.wheels_of: dict[str, Wheels] = {}
 
@@ -108,12 +109,21 @@ class OutlineField:
             raise TrajectoryError(
                 f"required at most {MOST_AT_ONCE} edges and borders of cells at one pose, received {len(surfaces)}"
             )
-        patterns = tuple(_patterns(surfaces, x))
+        patterns = self._patterns_at(surfaces, x)
         cells = tuple((wheels, tuple(id(cell) for cell in found)) for wheels, found in place.holding.items())
         key = place.inside, place.edge, cells, tuple(map(id, surfaces)), patterns
         if key not in self._known:
             self._known[key] = self._build(place, surfaces, patterns)
         return self._known[key]
+
+    def _patterns_at(self, surfaces: Sequence[Surface], x: Vector) -> tuple[Pattern, ...]:
+        """:func:`_patterns`; those of lines alone are the same at every pose."""
+        key = tuple(map(id, surfaces)) if all(surface.flat for surface in surfaces) else None
+        if key is None:
+            return tuple(_patterns(surfaces, x))
+        if key not in self._of_lines:
+            self._of_lines[key] = tuple(_patterns(surfaces, x))
+        return self._of_lines[key]
 
     def _add_set(self, place: _Place, wheels: Wheels, x: Vector) -> None:
         """The cells at a pose on the wheels inside and some of those under the edge, and the lines through it."""
@@ -216,12 +226,17 @@ class _Place:
     lines: list[Surface] = field(default_factory=list)
 
 
-def _patterns(surfaces: Sequence[Surface], x: Vector) -> Iterator[Pattern]:
-    """Patterns of signs whose tangent cone has poses, those that hold most surfaces first."""
+def _patterns(surfaces: Sequence[Surface], x: Vector) -> list[Pattern]:
+    """Patterns of signs whose tangent cone has poses, those that hold most surfaces first.
+
+    A pattern has none if a part of it has none, so they grow surface by surface: m lines have 4 m + 1 in all, not 3^m.
+    """
     normals = [unit_normal(surface, x) for surface in surfaces]
-    for pattern in sorted(product((-1, 0, 1), repeat=len(surfaces)), key=lambda p: -p.count(0)):
-        if len(surfaces) < 2 or has_points(pattern, normals):
-            yield pattern
+    found: list[Pattern] = [()]
+    for count in range(1, len(surfaces) + 1):
+        longer = [(*pattern, side) for pattern in found for side in (-1, 0, 1)]
+        found = [pattern for pattern in longer if count < 2 or has_points(pattern, normals[:count])]
+    return sorted(found, key=lambda pattern: -pattern.count(0))
 
 
 def _refines(full: Pattern, pattern: Pattern) -> bool:
