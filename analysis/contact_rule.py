@@ -74,6 +74,16 @@ class CellRule(ContactRule):
             RefusalError: where the motion is not determined.
         """
 
+    def build_standing_partition(self, scene: Scene) -> Partition:
+        """Exact cells wherever a body stands on all wheels of a scene: in their hull, or a square that holds it.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.symbolic.similar_scenes import covering
+
+        return self.build_partition(covering(scene))
+
     @abstractmethod
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """Twists at points (m, 2) of a centred scene, shape (m, 3), by the words of the rule, knowing nothing of cells.

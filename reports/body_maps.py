@@ -13,7 +13,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.bodies.destinations import TOGETHER, Destination, destinations
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.basins import GridRun
@@ -25,6 +25,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
 SCHEMA = "nonsmooth-body-map/1"
+OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
 SHOWN = 12  # destinations listed on a terminal
 
 
@@ -40,12 +41,12 @@ def build_body_map(scene: Scene, run: GridRun) -> ShownBodyMap:
     """Follow a body from every start of the grid over the whole array's square, with progress on a terminal.
 
     Raises:
-        SceneError: under a rule with cells, for leading-order kinematics, and for a table of loads.
+        SceneError: for leading-order kinematics, and for a table of loads where loads decide.
+        RefusalError: where the motion on some wheels is not determined.
     """
     rule = rule_of(scene)
-    if not isinstance(rule, SmoothRule):
-        expected = "a rule without cells (ellipse, roller) to map where a body with an outline ends"
-        raise SceneError(scene.origin, "body", expected, StatedFact(f"rule {rule.name}"))
+    if not isinstance(rule, SmoothRule | CellRule):
+        raise TypeError(f"required a rule with or without cells, received {rule.name}")
     if run.kinematics is not Kinematics.EXACT:
         expected = "--kinematics exact for a body with an outline"
         raise SceneError(scene.origin, "body", expected, StatedFact(str(run.kinematics)))
@@ -145,7 +146,8 @@ class ShownBodyMap:
             at_once = float((tips & (self.found.times == 0)).mean())
             rows.add_row(Text(percent_text(at_once)), Text("tip where they start"))
         rows.add_row(Text("latest end"), Text(f"t = {self.found.times.max():.6g}"))
-        return Group(*self._head(), rows)
+        open_heading = [Text(OPEN_HEADING)] if rule_of(self.scene).keeps_rows else []
+        return Group(*self._head(), rows, *open_heading)
 
     def _head(self) -> tuple[Text, Text]:
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)

@@ -12,12 +12,13 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from nonsmooth.analysis.bodies.plate import plate
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.animation.output import FILMS, film_bytes
-from nonsmooth.reports.simulate import SCHEMA
+from nonsmooth.reports.simulate import POSE, SCHEMA, events_view
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
@@ -29,10 +30,12 @@ MOMENTS = 5  # of a path that are listed on a terminal
 UNIT = "mass per weight (1/g): 0.102 in metres and seconds"
 
 
-def chosen_body(model: ContactModel, mass: float | None, inertia: float | None) -> Body:
-    """What the user asked for; unless said otherwise a uniform disc as large as the array."""
-    body = disc(model, MASS if mass is None else mass)
-    return body if inertia is None else Body(body.mass, inertia)
+def chosen_body(scene: Scene, model: ContactModel, mass: float | None, inertia: float | None) -> Body:
+    """What the user asked for; else a uniform plate of the outline, or a disc as large as the array."""
+    chosen = MASS if mass is None else mass
+    if inertia is not None:
+        return Body(chosen, inertia)
+    return disc(model, chosen) if scene.body is None else plate(scene.body, chosen)
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class ShownPath:
         return f"{len(self.path.times)} steps, {self.path.trajectory.end.reason}"
 
     def view(self) -> RenderableType:
-        """A few moments of the motion, and how it ends."""
+        """Events, a few moments of the motion, and how it ends."""
         body, end = self.path.body, self.path.trajectory.end
         head = (
             f"{one_line(self.scene.name)}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}, from rest"
@@ -91,7 +94,9 @@ class ShownPath:
             t = float(end.t) * k / (MOMENTS - 1)
             x, y, theta, *velocity, omega = self.path.state(t).tolist()
             table.add_row(*map(float_text, (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega)))
-        return Group(Text(head), table, Text(f"end: {end.reason}"), Text(UNIT, "dim"))
+        path = self.path.trajectory
+        begin = events_view(head, path, POSE) if path.events else Text(head)
+        return Group(begin, table, Text(f"end: {end.reason}"), Text(UNIT, "dim"))
 
 
 @dataclass(frozen=True)

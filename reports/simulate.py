@@ -23,6 +23,8 @@ from nonsmooth.reports.animation.output import FILMS, film_bytes
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-trajectory/1"
@@ -43,7 +45,8 @@ class PathRun:
         width: of the hysteresis or of the smoothing.
         gain: of the law (1/time).
         mass: of a body under full dynamics, per weight; the default unless given.
-        inertia: of such a body, per weight; that of a disc as large as the array unless given.
+        inertia: of such a body, per weight; unless given that of a plate of its outline, or of a disc as large as the
+            array.
     """
 
     start: tuple[float, float, float]
@@ -148,7 +151,9 @@ class ShownTrajectory:
         if suffix in FILMS:
             from nonsmooth.reports.animation.film import build_film
 
-            return film_bytes(build_film(self.partition.scene, self.trajectory, self.partition, self.loop), suffix)
+            return film_bytes(
+                build_film(whole(self.partition.scene), self.trajectory, self.partition, self.loop), suffix
+            )
         from nonsmooth.reports.figures.trajectory import SpeedCurves, dense_times, trajectory_figure
 
         if self.loop is None:
@@ -166,7 +171,10 @@ class ShownTrajectory:
         """Events and end as a table."""
         name, path = one_line(self.partition.scene.name), self.trajectory
         head = f"{name}: {path.kinematics} kinematics, method {path.method}"
-        law = () if self.loop is None else law_lines(self.loop, self._starts_inside)
+        law = [] if self.loop is None else law_lines(self.loop, self._starts_inside)
+        if self.partition.scene.body is not None:
+            wheels = tuple(wheel.index for wheel in self.partition.scene.wheels)
+            law.append(f"certified while wheels {numbers_text(wheels)} carry the body, and no others")
         return events_view("\n".join((head, *law)), path, POSE)
 
     @property

@@ -177,7 +177,8 @@ class ArrayPath(ArrayMode):
         except SceneError:
             raise
         except (ValueError, TrajectoryError) as error:
-            outside = _outside(scene, run.start) if isinstance(rule_of(scene), CellRule) else ""
+            in_square = isinstance(rule_of(scene), CellRule) and not (scene.body and run.is_plain)
+            outside = _outside(scene, run.start) if in_square else ""
             raise RefusedError(outside or f"{scene.origin}: {error}") from None
 
 
@@ -198,6 +199,7 @@ class BodyPath(ArrayMode):
         from nonsmooth.reports.interface.argument_error import ArgumentError
         from nonsmooth.reports.interface.mass_result import compare_masses
         from nonsmooth.reports.interface.path_result import follow_array
+        from nonsmooth.symbolic.scene_error import SceneError
 
         run = _pose_run(options)
         scene = self._load()
@@ -207,7 +209,9 @@ class BodyPath(ArrayMode):
                 return find(scene, run).shown
         except ArgumentError as error:
             raise RefusedError(f"--{error}") from None
-        except TrajectoryError as error:
+        except SceneError:
+            raise
+        except (ValueError, TrajectoryError) as error:
             raise RefusedError(f"{scene.origin}: {error}") from None
 
 

@@ -1,4 +1,7 @@
-"""The command ``simulate`` for arrays under a rule without cells: one path as text, JSON, samples, picture or film."""
+"""The command ``simulate`` where a path has no partition of its own: as text, JSON, samples, picture or film.
+
+That is so under rules without cells, and for bodies with an outline, whose cells change with the wheels under them.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from nonsmooth.symbolic.scene_error import one_line
 
 @dataclass(frozen=True)
 class SmoothPath:
-    """One path of an array in the open loop, where its rule gives a continuous field."""
+    """One path of an array in the open loop, drawn between the wheels."""
 
     scene: Scene
     trajectory: Trajectory

@@ -127,10 +127,21 @@ def require_no_outline(scene: Scene) -> None:
         SceneError: where the scene has a body.
     """
     if scene.body is not None:
-        expected = (
-            "an open loop by events, or a map of starts, under a rule without cells (ellipse, roller) for an outline"
-        )
+        expected = "a path by events with exact kinematics, or a map of starts, for an outline"
         raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
+
+
+def require_elastic(scene: Scene) -> None:
+    """For bodies that other wheels carry on the way.
+
+    Raises:
+        SceneError: for loads that are known for one set of wheels only, and for unknown ones.
+    """
+    loads = scene.contact.loads
+    if loads is not None:
+        expected = "elastic loads on the way of a body with an outline"
+        received = "a table" if isinstance(loads, LoadTable) else loads.words
+        raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
 
 
 def _number(wheel: Wheel) -> int:

@@ -22,6 +22,7 @@ import math
 from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, SupportsFloat, TypeAlias
 
 from flint import arb, ctx
@@ -142,3 +143,10 @@ def decimal_latex(decimal: str) -> str:
     r"""``1.5e-07`` as ``1.5 \cdot 10^{-7}``."""
     mantissa, _, exponent = decimal.partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+
+
+def numbers_text(numbers: tuple[int, ...]) -> str:
+    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened."""
+    breaks = [k for k, (a, b) in enumerate(pairwise(numbers), 1) if b != a + 1]
+    runs = [numbers[start:end] for start, end in pairwise([0, *breaks, len(numbers)])]
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs if run)

@@ -17,6 +17,7 @@ from fractions import Fraction
 
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.support_polygon import extent, outer_positions, support_polygon
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -50,6 +51,14 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
 def in_own_length(scene: Scene) -> Scene:
     """The same array with its length l for the unit: there ``V = |c|^2 + l^2 theta^2`` is ``|c|^2 + theta^2``."""
     return scene if scene.check.length == 1 else scaled(scene, 1 / scene.check.length)
+
+
+def covering(scene: Scene) -> Scene:
+    """The same array with a checked square that holds all its wheels."""
+    corners = support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))
+    middle = tuple((min(values) + max(values)) / 2 for values in zip(*corners, strict=True))
+    widest = max(extent(corners, 0), extent(corners, 1))
+    return replace(scene, check=replace(scene.check, equilibrium=(middle[0], middle[1]), radius=widest))
 
 
 def moved(scene: Scene, x: Fraction, y: Fraction) -> Scene:

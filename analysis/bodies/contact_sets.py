@@ -5,15 +5,14 @@ Along a path few sets are met, each many times, so what a set needs is built onc
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import SetMotion
+from nonsmooth.analysis.bodies.some_contacts import contacts_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.dynamics.drag import needs_drag
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.scene import Scene
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
@@ -74,24 +73,7 @@ class ContactSets:
             if len(wheels) < 3:
                 raise TippedError
             try:
-                self._motions[wheels] = SetMotion(_only(self._model, sorted(wheels)), pose)
+                self._motions[wheels] = SetMotion(contacts_of(self._model, sorted(wheels)), pose)
             except LoadError:
                 raise TippedError from None
         return self._motions[wheels]
-
-
-def _only(model: ContactModel, wheels: list[int]) -> ContactModel:
-    """The contacts of some wheels."""
-    rows = np.array([[2 * k, 2 * k + 1] for k in wheels]).ravel()
-    table = model.load_table
-    return replace(
-        model,
-        rows=model.rows[rows],
-        targets=model.targets[rows],
-        friction=model.friction[rows],
-        cuts=model.cuts[wheels],
-        positions=model.positions[wheels],
-        rims=model.rims[wheels],
-        heads=model.heads[wheels],
-        load_table=table if table is None or len(table) != model.wheels else table[wheels],
-    )

@@ -3,8 +3,9 @@
 The steps are explicit (Heun's), of a length of their own for each path.  At an edge a path chatters from one contact
 set to the other: the discrete form of Filippov's sliding, right to the order of a step.  Means over windows of steps
 smooth it out: where the mean hardly moves, steps are halved, and a path whose mean still hardly moves with the
-shortest steps rests, unless it goes to and fro by many steps: then it circles, and is followed to the last time.  A
-path ends too where the body tips and where no wheel is left under it.  Nothing is proved.
+shortest steps rests (of a rule that keeps rows, the place: the steps drift to a heading there, at a rate that the rule
+leaves open), unless it goes to and fro by many steps: then it circles, and is followed to the last time.  A path ends
+too where the body tips and where no wheel is left under it.  Nothing is proved.
 """
 
 from __future__ import annotations
@@ -17,13 +18,14 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.bodies.many_cells import CellMotions
 from nonsmooth.analysis.bodies.many_contacts import NOBODY, Mask, Numbers
-from nonsmooth.analysis.bodies.many_rates import ManyRates, Rates
+from nonsmooth.analysis.bodies.many_rates import LeastDissipation, ManyRates, Motions, Rates
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.scene import LoadTable, Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.analysis.contact_rule import CellRule, SmoothRule
+from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.scene import Scene
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
@@ -99,7 +101,7 @@ class _State:
 class ManyPaths:
     """Follows one body from many starts."""
 
-    def __init__(self, scene: Scene, rule: SmoothRule) -> None:
+    def __init__(self, scene: Scene, rule: SmoothRule | CellRule) -> None:
         """For a scene with a body, all its wheels in ``scene.wheels``.
 
         Raises:
@@ -108,14 +110,13 @@ class ManyPaths:
         """
         if scene.body is None:
             raise ValueError("required a scene with a body")
-        if scene.contact.loads is not None:
-            expected = "elastic loads for a map of a body with an outline"
-            loads = scene.contact.loads
-            received = "a table" if isinstance(loads, LoadTable) else loads.words
-            raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
+        if rule.needs_loads:
+            require_elastic(scene)
         self._numbers = np.array([*(wheel.index for wheel in scene.wheels), 0])
-        self._model = rule.contacts(scene)
+        self._scene, self._rule = scene, rule
+        self._model = rule.contacts(scene) if isinstance(rule, SmoothRule) else contact_model(scene)
         self._outline = MovingOutline(scene.body, self._model.positions)
+        self._turning = 0.0 if rule.keeps_rows else self._outline.size
         self._fastest = float(np.abs(self._model.speeds).max())
 
     def last_time(self) -> float:
@@ -134,13 +135,19 @@ class ManyPaths:
         """
         last = self.last_time() if until is None else until
         longest = min(STEP * self.spacing / (self._fastest or 1.0), last / WINDOW)
-        state, field = _State(starts, longest), ManyRates(self._model, self._outline, starts)
+        state, field = _State(starts, longest), ManyRates(self._motions(len(starts)), self._outline, starts)
         while len(state.going):
             self._window(state, field, last)
             self._judge(state, longest)
             if report is not None:
                 report(len(starts) - len(state.going), len(starts))
         return BodyEnds(starts, state.poses, state.times, state.reasons, self._numbers[state.over], last)
+
+    def _motions(self, count: int) -> Motions:
+        """How bodies move that stand, on a number of paths."""
+        if isinstance(self._rule, SmoothRule):
+            return LeastDissipation(self._model, self._outline.size, count)
+        return CellMotions(self._scene, self._rule)
 
     def _window(self, state: _State, field: ManyRates, last: float) -> None:
         """A window of steps of every path."""
@@ -199,8 +206,8 @@ class ManyPaths:
         state.steps[faster] = np.minimum(2 * state.steps[faster], longest)
 
     def _distance(self, differences: Floats) -> Floats:
-        """Sizes of differences of poses, as lengths."""
-        return np.asarray(np.hypot(*differences[:, :2].T) + self._outline.size * np.abs(differences[:, 2]))
+        """Sizes of differences of poses, as lengths; of places alone under a rule that leaves headings at rest open."""
+        return np.asarray(np.hypot(*differences[:, :2].T) + self._turning * np.abs(differences[:, 2]))
 
     @property
     def spacing(self) -> float:

@@ -1,11 +1,13 @@
 """Pose rates of one body at many poses at once, in floats, and which of them do not stand.
 
-At each pose the wheels strictly under the outline carry; their loads and the least dissipation give ``(c', theta')``.
+At each pose the wheels strictly under the outline carry; their loads and the least dissipation give ``(c', theta')``,
+or the cells of a rule on these wheels (:mod:`nonsmooth.analysis.bodies.many_cells`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -44,16 +46,52 @@ class Rates:
     known: Mask
 
 
-class ManyRates:
-    """Rates along many paths; each path keeps the wheels near it and its last twist."""
+class Motions(Protocol):
+    """Motions of many bodies that stand."""
 
-    def __init__(self, model: ContactModel, outline: MovingOutline, poses: Floats) -> None:
-        """For paths that begin at poses (m, 3)."""
-        self._outline, self._rows, self._cuts = outline, RowsOfWheels(model), model.cuts
-        self._size = outline.size
+    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+        """``(c', theta')`` (m, 3) at poses (m, 3) of the paths of these numbers (m,), and whether it was found.
+
+        Args:
+            near: numbers of wheels (m, k).
+            carrying: which of them carry.
+            levers: ``p_i - c``, shape (m, k, 2).
+            poses: of the bodies.
+            paths: their numbers.
+        """
+
+
+class LeastDissipation:
+    """The motions that dissipate the least, each found from the last twist of its path."""
+
+    def __init__(self, model: ContactModel, size: float, count: int) -> None:
+        """For a number of paths of a body of some size."""
+        self._rows, self._cuts, self._size = RowsOfWheels(model), model.cuts, size
         speed = float(np.abs(model.friction * model.targets).max())
         self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
-        self._last = np.zeros((len(poses), 3))
+        self._last = np.zeros((count, 3))
+
+    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+        """See :meth:`Motions.of`."""
+        loads, balanced = elastic_loads_of(levers, carrying)
+        rows, targets = self._rows.at(near, levers, self._size)
+        start = self._last[paths]
+        cuts = self._cuts[near]
+        if (cuts < 1).any():
+            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
+            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
+        found, settled = self._twists.minimize(rows, targets, loads, start)
+        found = np.where(settled[:, None], found[:, :3], 0.0)
+        self._last[paths] = found
+        return found / [1.0, 1.0, self._size], settled & balanced
+
+
+class ManyRates:
+    """Rates along many paths; each path keeps the wheels near it."""
+
+    def __init__(self, motions: Motions, outline: MovingOutline, poses: Floats) -> None:
+        """For paths that begin at poses (m, 3)."""
+        self._motions, self._outline, self._size = motions, outline, outline.size
         self._centres = poses[:, :2].copy()
         self._near = nearest_wheels(outline.places, self._centres, self._size * (1 + AROUND))
 
@@ -74,23 +112,10 @@ class ManyRates:
         rates, known = np.zeros((len(poses), 3)), tips.copy()
         stands = np.flatnonzero(~tips)
         if len(stands):
-            found = self._motions(near[stands], levers[stands], carrying[stands], paths[stands])
+            own = near[stands], carrying[stands], levers[stands], poses[stands], paths[stands]
+            found = self._motions.of(*own)
             rates[stands], known[stands] = found
         return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known)
-
-    def _motions(self, near: Numbers, levers: Floats, carrying: Mask, paths: Numbers) -> tuple[Floats, Mask]:
-        """``(c', theta')`` where the body stands, and whether it was found."""
-        loads, balanced = elastic_loads_of(levers, carrying)
-        rows, targets = self._rows.at(near, levers, self._size)
-        start = self._last[paths]
-        cuts = self._cuts[near]
-        if (cuts < 1).any():
-            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
-            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
-        found, settled = self._twists.minimize(rows, targets, loads, start)
-        found = np.where(settled[:, None], found[:, :3], 0.0)
-        self._last[paths] = found
-        return found / [1.0, 1.0, self._size], settled & balanced
 
     def _look_around(self, poses: Floats, paths: Numbers) -> None:
         """Look up the wheels near those bodies that have moved far, of all paths that are asked for."""

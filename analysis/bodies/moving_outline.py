@@ -94,6 +94,17 @@ class MovingOutline:
         slopes = np.where(depths <= deepest + SAME_SIDE * self.size, -(moved @ self._normals.T), np.inf)
         return np.asarray(slopes.min(axis=1))
 
+    def gradient(self, pose: Floats, wheel: int) -> Floats:
+        """``(R n_e, -n_e x q_i)``, the derivative of ``g_i`` by ``(x, y, theta)``, n_e of the deepest side; (3,)."""
+        seen = _seen(self.places[[wheel]], pose)[0]
+        if self._radius is not None:
+            normal = (seen - self._middle) / np.hypot(*(seen - self._middle))
+        else:
+            normal = self._normals[int(np.argmin(self._heights - self._normals @ seen))]
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        turning = normal[1] * seen[0] - normal[0] * seen[1]
+        return np.array([c * normal[0] - s * normal[1], s * normal[0] + c * normal[1], turning])
+
 
 def _seen(places: Floats, pose: Floats) -> Floats:
     """``q_i``."""

@@ -11,14 +11,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.stretch import Part, Parts
 from nonsmooth.analysis.bodies.switching import Mode, Switching
+from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -32,13 +35,9 @@ from nonsmooth.analysis.trajectories.result import (
     Trajectory,
     samples,
 )
-from nonsmooth.symbolic.plane import Vector, around
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
-LOOKS = 8  # places within a step where depths are looked at
-RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 
@@ -156,17 +155,11 @@ class BodyPath:
 
     def _first_change(self, mode: Mode, part: Part, *, first: bool) -> tuple[float, EndReason | None] | None:
         """The first time in a step at which the mode ends, and why."""
-        marks = np.linspace(part.start, part.end, LOOKS + 1)
-        values = self._signals(mode, part.state(marks).T)
-        negative = values < 0
-        negative[1:] &= (values[:-1] > 0) | (np.arange(LOOKS)[:, None] > 0) | (not first)
-        for k in np.flatnonzero(negative[1:].any(axis=1)):
-            crossed = np.flatnonzero(negative[k + 1])
-            times = [self._root(mode, part.state, marks[k], marks[k + 1], int(signal)) for signal in crossed]
-            earliest = int(np.argmin(times))
-            tips = crossed[earliest] == values.shape[1] - 1
-            return times[earliest], EndReason.TIPS if tips else None
-        return None
+        found = first_change(partial(self._signals, mode), part, first=first)
+        if found is None:
+            return None
+        time, signal, count = found
+        return time, EndReason.TIPS if signal == count - 1 else None
 
     def _signals(self, mode: Mode, poses: Floats) -> Floats:
         """What is positive as long as the mode goes on, at poses (m, 3).
@@ -185,20 +178,6 @@ class BodyPath:
             columns += [weights, 1 - weights]
         margins = self._sets.motion(mode.carrying, poses[0]).margins(poses)
         return np.concatenate([*columns, margins[:, None]], axis=1)
-
-    def _root(self, mode: Mode, state: Any, low: float, high: float, signal: int) -> float:
-        """When a signal changes its sign, down to rounding: the later side, where it has changed."""
-        from scipy.optimize import brentq
-
-        def value(time: float) -> float:
-            return float(self._signals(mode, state(time)[None])[0, signal])
-
-        ulp = float(np.spacing(high))
-        near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS)) if value(low) > 0 else low
-        step = ulp
-        while near < high and value(near) >= 0:
-            near, step = min(near + step, high), 2 * step
-        return near
 
     # ---- what is kept ----------------------------------------------------------------------------
 
@@ -233,34 +212,15 @@ class BodyPath:
         depths = self._outline.depths(pose)
         return frozenset(k for k in before.carrying if depths[k] > self._edge_depth)
 
-    def _tipping_edge(self, carrying: Wheels, pose: Floats) -> str:
-        """Over what a body tips: the side of the hull of the wheels left that the centre of mass is farthest beyond."""
-        number = {self._scene.wheels[k].position: self._scene.wheels[k].index for k in carrying}
-        if not number:
-            return "with no wheel under it"
-        if len(number) == 1:
-            return f"over wheel {min(number.values())}"
-        corners = support_polygon(outer_positions(list(number)))
-        sides = [(number[a], number[b], _line_distance(a, b, pose)) for a, b in around(corners)]
-        first, second, _ = min(sides, key=lambda side: side[2])
-        return f"over the line through wheels {first} and {second}"
-
     def _ended(self, log: _Log, time: float, pose: Floats, reason: EndReason, carrying: Wheels) -> Trajectory:
         state = tuple(float(value) for value in pose)
         if reason is EndReason.TIPS:
-            log.events.append(Event(time, state, EventKind.TIPS, self._tipping_edge(carrying, pose)))
+            log.events.append(Event(time, state, EventKind.TIPS, tipping_edge(self._scene, carrying, pose)))
         end = End(time, state, reason)
         times, states = samples(log.pieces, end)
         return Trajectory(
             Kinematics.EXACT.value, "minimizer", times, states, tuple(log.events), end, log.unique, tuple(log.pieces)
         )
-
-
-def _line_distance(a: Vector, b: Vector, pose: Floats) -> float:
-    """Distance of the centre of mass from the inner side of the line through two corners; negative beyond it."""
-    (ax, ay), (bx, by) = ((float(x), float(y)) for x, y in (a, b))
-    along = np.array([bx - ax, by - ay])
-    return float((along[0] * (pose[1] - ay) - along[1] * (pose[0] - ax)) / np.hypot(*along))
 
 
 def _touched(mode: Mode) -> Wheels:

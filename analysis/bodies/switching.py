@@ -10,21 +10,20 @@ and Seidman 1998), and the path is not called unique.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain, combinations, product
+from itertools import combinations
 
 import numpy as np
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_motion import SetMotion
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 MOST_AT_ONCE = 6  # wheels under the edge at one pose: 64 subsets
-STEPS = 40  # of Newton's method for the weights
-WEIGHT_ERROR = 1e-12  # of the rates of the depths, relative to the largest
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class Switching:
         """The pose rate of a mode, and the weights of its sliding wheels; the given ones are where Newton starts."""
         if not mode.sliding:
             return self._sets.rate(mode.carrying, pose), weights
-        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in _subsets(mode.sliding)]
+        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in subsets_of(mode.sliding)]
         return self.mixed(mode, pose, corners, weights)
 
     def mixed(self, mode: Mode, pose: Floats, corners: list[Floats], weights: Floats) -> tuple[Floats, Floats]:
@@ -85,19 +84,19 @@ class Switching:
             return corners[0], weights
         wheels = list(mode.sliding)
         depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
-        found = _weights(np.array(depths), len(wheels), weights)
+        found = balancing_weights(np.array(depths), len(wheels), weights)
         if found is None:
             raise TrajectoryError("required weights that keep the wheels under the edge, received none")
-        return _mixed(np.array(corners), found), found
+        return mixed_of(np.array(corners), found), found
 
     def motions(self, mode: Mode, pose: Floats) -> list[SetMotion]:
         """The motions that :meth:`rate` mixes."""
-        return [self._sets.motion(mode.carrying | subset, pose) for subset in _subsets(mode.sliding)]
+        return [self._sets.motion(mode.carrying | subset, pose) for subset in subsets_of(mode.sliding)]
 
     def _motions(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> dict[Wheels, Floats]:
         """The rates of the depths of the edge's wheels, by the subset that carries; without those that tip."""
         motions: dict[Wheels, Floats] = {}
-        for subset in _subsets(edge):
+        for subset in subsets_of(edge):
             if not self._sets.carries(carrying | subset, pose):
                 continue
             rate = self._sets.rate(carrying | subset, pose)
@@ -121,54 +120,15 @@ class Switching:
         """A mode in which these wheels stay under the edge while the other wheels of the edge go one way."""
         others = [wheel for wheel in edge if wheel not in sliding]
         places = [edge.index(wheel) for wheel in sliding]
-        for inside in _subsets(others):
-            chosen = [motions.get(inside | subset) for subset in _subsets(sliding)]
+        for inside in subsets_of(others):
+            chosen = [motions.get(inside | subset) for subset in subsets_of(sliding)]
             if any(rates is None for rates in chosen):
                 continue
             corners = np.array(chosen)
-            weights = _weights(corners[:, places], len(sliding), np.full(len(sliding), 0.5))
+            weights = balancing_weights(corners[:, places], len(sliding), np.full(len(sliding), 0.5))
             if weights is None or not ((weights > 0) & (weights < 1)).all():
                 continue
-            mixed = dict(zip(edge, _mixed(corners, weights), strict=True))
+            mixed = dict(zip(edge, mixed_of(corners, weights), strict=True))
             if all((mixed[wheel] > 0) == (wheel in inside) and mixed[wheel] != 0 for wheel in others):
                 return Mode(carrying | inside, sliding, unique=len(sliding) == 1)
         return None
-
-
-def _subsets(wheels: Sequence[int]) -> Iterator[Wheels]:
-    """All subsets, in the order in which :func:`_mixed` weighs them: the last wheel changes first."""
-    for bits in product((False, True), repeat=len(wheels)):
-        yield frozenset(chain.from_iterable((wheel,) for wheel, bit in zip(wheels, bits, strict=True) if bit))
-
-
-def _shares(weights: Floats) -> Floats:
-    """``prod_(i in S) w_i prod_(i not in S) (1 - w_i)`` for every subset S."""
-    shares = np.ones(1)
-    for weight in weights:
-        shares = np.outer(shares, [1 - weight, weight]).ravel()
-    return shares
-
-
-def _mixed(corners: Floats, weights: Floats) -> Floats:
-    """The motions (2^k, d) of all subsets of k wheels, mixed."""
-    return np.asarray(_shares(weights) @ corners)
-
-
-def _weights(rates: Floats, count: int, start: Floats) -> Floats | None:
-    """Weights with which the rates (2^k, k) of the depths vanish, by Newton's method; None where it does not end."""
-    weights = np.clip(start, 0.0, 1.0) if start.shape == (count,) else np.full(count, 0.5)
-    scale = np.abs(rates).max() or 1.0
-    for _ in range(STEPS):
-        here = _mixed(rates, weights)
-        if np.abs(here).max() <= WEIGHT_ERROR * scale:
-            return weights
-        slopes = np.empty((count, count))
-        for k in range(count):  # linear in each weight
-            low, high = weights.copy(), weights.copy()
-            low[k], high[k] = 0.0, 1.0
-            slopes[:, k] = _mixed(rates, high) - _mixed(rates, low)
-        try:
-            weights = weights - np.linalg.solve(slopes, here)
-        except np.linalg.LinAlgError:
-            return None
-    return None

@@ -28,8 +28,8 @@ from nonsmooth.symbolic.scene import Scene
 STEP = "cells of rule box"
 
 
-def build_box_partition(scene: Scene) -> Partition:
-    """Cells of rule ``box`` in the checked square.
+def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partition:
+    """Cells of rule ``box`` in the checked square, or in another domain within the support polygon.
 
     Raises:
         nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
@@ -37,11 +37,11 @@ def build_box_partition(scene: Scene) -> Partition:
     require_rank(rows_with_friction(scene), "friction: required rows")
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, STEP):
-        for region in load_regions(scene):
+        for region in load_regions(scene, domain=domain):
             known = dict.fromkeys(twist for cell in cells for twist in cell.twists)
             for states, polygon in _Walk(scene, region, tuple(known)).cells():
                 cells.append(Cell(len(cells) + 1, polygon, states))
-    domain = square(scene.check.equilibrium, scene.check.radius)
+    domain = domain or square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, "box", domain, tuple(cells), len(scene.wheels))
 
 

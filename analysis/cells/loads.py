@@ -78,15 +78,15 @@ def at_least_zero(form: Affine, label: str) -> HalfPlane:
     return HalfPlane((-form[1], -form[2]), form[0], label)
 
 
-def load_regions(scene: Scene, holding: Point | None = None) -> tuple[LoadRegion, ...]:
-    """Split the checked square by the affine pieces of the loads.
+def load_regions(scene: Scene, holding: Point | None = None, domain: Polygon | None = None) -> tuple[LoadRegion, ...]:
+    """Split the checked square, or another domain, by the affine pieces of the loads.
 
     With a point, only the regions that hold it are sought: a hundred wheels have hundreds of regions.
 
     Raises:
         LoadError: where the body tips, wheels are collinear, a table gives a negative load, or loads are unknown.
     """
-    domain = square(scene.check.equilibrium, scene.check.radius)
+    domain = square(scene.check.equilibrium, scene.check.radius) if domain is None else domain
     table = scene.contact.loads
     if isinstance(table, UnknownLoads):
         raise LoadError(UNKNOWN.format(table.words))

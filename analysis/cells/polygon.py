@@ -116,3 +116,13 @@ def square(centre: Point, radius: Any) -> Polygon:
         HalfPlane((-one, zero), r - x, "domain"),
     )
     return Polygon(((x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)), sides)
+
+
+def convex_polygon(corners: Sequence[Point]) -> Polygon:
+    """The polygon of corners that turn left, counterclockwise; its sides are labelled as borders of a domain."""
+    sides = []
+    for k, (x, y) in enumerate(corners):
+        after = corners[(k + 1) % len(corners)]
+        outward = (after[1] - y, x - after[0])
+        sides.append(HalfPlane(outward, outward[0] * x + outward[1] * y, "domain"))
+    return Polygon(tuple(corners), tuple(sides))

@@ -43,6 +43,16 @@ class BoxRule(CellRule):
 
         return build_box_partition(scene)
 
+    def build_standing_partition(self, scene: Scene) -> Partition:
+        """Loads exist in the hull of the wheels."""
+        from nonsmooth.analysis.cells.box import build_box_partition
+        from nonsmooth.analysis.cells.polygon import convex_polygon
+        from nonsmooth.symbolic.similar_scenes import covering
+        from nonsmooth.symbolic.support_polygon import support_polygon
+
+        hull = convex_polygon(support_polygon([wheel.position for wheel in scene.wheels]))
+        return build_box_partition(covering(scene), hull)
+
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """One linear program for each point."""
         from nonsmooth.analysis.fields.contact_model import contact_model

@@ -14,7 +14,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.convex_weights import origin_distance
 from nonsmooth.analysis.fields.switched_field import (
     SURFACE_SLACK,
     Face,
@@ -25,11 +24,9 @@ from nonsmooth.analysis.fields.switched_field import (
     length,
     unit_normal,
 )
+from nonsmooth.analysis.fields.tangent_cones import has_points, span
 
 Signs: TypeAlias = tuple[int, ...]
-
-# Relative to unit gradients: an open cone narrower than this is not told from an empty one.
-CONE_SLACK = 1e-9
 
 
 class DegenerateSurfaceError(ValueError):
@@ -69,7 +66,7 @@ class SignField:
         if len(active) > 1:
             gradients = [self.surfaces[k].gradient(x) for k in active]
             normals = [gradient / length(gradient) for gradient in gradients]
-            patterns = tuple(p for p in patterns if _has_points(p, normals))
+            patterns = tuple(p for p in patterns if has_points(p, normals))
         key = (sides, patterns)
         if key not in self._known:
             self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
@@ -161,7 +158,7 @@ def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:
     """Whether the normals of surfaces, not all of them flat, span less than they may."""
     if all(surface.flat for surface in surfaces):
         return False
-    rank = _span(np.array([unit_normal(surface, x) for surface in surfaces]).T).shape[1]
+    rank = span(np.array([unit_normal(surface, x) for surface in surfaces]).T).shape[1]
     return rank < min(len(surfaces), len(x))
 
 
@@ -169,22 +166,3 @@ def _filled(sides: Signs, active: Sequence[int], pattern: Signs) -> Signs:
     """A full pattern with the active entries replaced."""
     entries = dict(zip(active, pattern, strict=True))
     return tuple(entries.get(k, side) for k, side in enumerate(sides))
-
-
-def _has_points(pattern: Signs, normals: Sequence[Vector]) -> bool:
-    """Whether the tangent cone ``n_k . d = 0`` (held), ``side n_k . d > 0`` (others) is not empty.
-
-    By Gordan's theorem the open cone is empty iff a convex combination of the projected normals is zero.
-    """
-    held = [n for n, side in zip(normals, pattern, strict=True) if not side]
-    others = [side * n for n, side in zip(normals, pattern, strict=True) if side]
-    if held:
-        basis = _span(np.array(held).T)
-        others = [n - basis @ (basis.T @ n) for n in others]
-    return not others or origin_distance(np.array(others)) > CONE_SLACK
-
-
-def _span(columns: Vector) -> Vector:
-    """Orthonormal basis of the span of some columns."""
-    basis, values, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(basis[:, values > CONE_SLACK])

@@ -94,12 +94,8 @@ def unit_normal(surface: Surface, x: Vector) -> Vector:
     return gradient / length(gradient)
 
 
-class SwitchedField(Protocol):
-    """What it takes to follow a solution of a switched field: by events (faces), or a little late or smoothed (modes).
-
-    A mode is a sign pattern or the number of a cell.  Its margin at a state is the distance to its nearest surface,
-    negative outside.
-    """
+class FacedField(Protocol):
+    """What it takes to follow a solution of a switched field by events: the faces at every state."""
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -133,6 +129,14 @@ class SwitchedField(Protocol):
 
     def on_border(self, x: Vector) -> bool:
         """Whether a state lies on the border of the domain."""
+
+
+class SwitchedField(FacedField, Protocol):
+    """What it takes to follow a solution by events (faces), or a little late or smoothed (modes).
+
+    A mode is a sign pattern or the number of a cell.  Its margin at a state is the distance to its nearest surface,
+    negative outside.
+    """
 
     def mode_at(self, x: Vector) -> Mode | None:
         """The mode at a state; None outside the domain."""

@@ -96,7 +96,7 @@ def build_frames(
         carrying = _loaded(scene, model, poses)
         speeds = np.broadcast_to(model.speeds, carrying.shape)
     else:
-        cells = _CellsAt(partition)
+        cells = _CellsAt(partition, scene)
         held = [cells.holding(pose) for pose in poses]
         carrying = np.array([cells.carrying(found) for found in held])
         speeds = np.broadcast_to(model.speeds, carrying.shape)
@@ -147,9 +147,9 @@ def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) 
 class _CellsAt:
     """The cells of a partition whose closure holds a point, in floats."""
 
-    def __init__(self, partition: Partition) -> None:
-        self.cells = partition.cells
-        self.count = len(partition.scene.wheels)
+    def __init__(self, partition: Partition, scene: Scene) -> None:
+        """For a scene that has the wheels of the partition, perhaps among others."""
+        self.cells, self.places = partition.cells, scene.places
         self.slack = ON_EDGE * partition.size
         sides = [side for cell in partition.cells for side in cell.polygon.sides]
         normals = np.array([[float(x) for x in side.normal] for side in sides])
@@ -165,15 +165,15 @@ class _CellsAt:
 
     def carrying(self, held: Sequence[int]) -> NDArray[np.bool_]:
         """Which wheels keep rows in some cells."""
-        found = np.zeros(self.count, dtype=bool)
+        found = np.zeros(len(self.places), dtype=bool)
         for k in held:
             for state in self.cells[k].states:
-                found[[row.wheel.index - 1 for row in state.rows]] = True
+                found[[self.places[row.wheel.index] for row in state.rows]] = True
         return found
 
     def mixed_speeds(self, held: Sequence[int], inputs: Sequence[Speeds], pose: Floats, twist: Floats) -> Floats:
         """The speeds of the cell; while the body slides the mean of its cells', mixed as their motions are."""
-        given = [_row(inputs[k](pose), self.count) for k in held]
+        given = [self._row(inputs[k](pose)) for k in held]
         if len(held) == 1:
             return given[0]
         motions = np.array([self._motion(k, row) for k, row in zip(held, given, strict=True)])
@@ -186,19 +186,19 @@ class _CellsAt:
         mean[unknown] = np.nan
         return mean
 
+    def _row(self, speeds: Mapping[int, float]) -> Floats:
+        """Speeds of all wheels; nan where one is given none."""
+        row = np.full(len(self.places), np.nan)
+        for wheel, speed in speeds.items():
+            row[self.places[wheel]] = speed
+        return row
+
     def _motion(self, k: int, speeds: Floats) -> Floats:
         """``sum_w g_w u_w`` with the control vector fields of a cell."""
         motion = np.zeros(3)
         for wheel, column in self.cells[k].states[0].control_fields.items():
-            motion += speeds[wheel - 1] * np.array([float(x) for x in column])
+            motion += speeds[self.places[wheel]] * np.array([float(x) for x in column])
         return motion
-
-
-def _row(speeds: Mapping[int, float], count: int) -> Floats:
-    row = np.full(count, np.nan)
-    for wheel, speed in speeds.items():
-        row[wheel - 1] = speed
-    return row
 
 
 def convex_fit(vectors: Floats, target: Floats) -> Floats:

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, SwitchedField, Vector, length, unit_normal
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Vector, length, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import (
     BEND_SLACK,
     LOOK_AHEAD,
@@ -53,7 +53,7 @@ class FaceChoice:
 class _Trial:
     """A motion at a state, with what lies just ahead (evaluated only where a speed vanishes)."""
 
-    def __init__(self, field: SwitchedField, motion: FaceMotion, t: float, x: Vector) -> None:
+    def __init__(self, field: FacedField, motion: FaceMotion, t: float, x: Vector) -> None:
         self.size, self.motion, self.t, self.x = field.size, motion, t, x
         self.fields = motion.fields(t, x)
         self.scale = largest(self.fields)
@@ -130,7 +130,7 @@ class _Trial:
         return verdict
 
 
-def face_choices(field: SwitchedField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
+def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
     """Continuations at a state among the faces there, those that hold most surfaces first; sure ones where any is."""
     found: list[FaceChoice] = []
     for motion in (motion for face in faces for motion in _motions(field, face, t, x)):
@@ -147,7 +147,7 @@ def face_choices(field: SwitchedField, faces: Sequence[Face], t: float, x: Vecto
     return [choice for choice in found if choice.sure] or found
 
 
-def _motions(field: SwitchedField, face: Face, t: float, x: Vector) -> list[FaceMotion]:
+def _motions(field: FacedField, face: Face, t: float, x: Vector) -> list[FaceMotion]:
     """The motion on a face; where both speeds of a slide vanish, those that keep to the surface."""
     motion = FaceMotion(face)
     if not motion.is_pair or tangency(motion, t, x, field.size) > IS_TANGENT:
@@ -156,7 +156,7 @@ def _motions(field: SwitchedField, face: Face, t: float, x: Vector) -> list[Face
     return [FaceMotion(face, open=True)] if weights is None else [FaceMotion(face, held) for held in weights[:1]]
 
 
-def _choice(field: SwitchedField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:
+def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:
     """The choice with the range of its motions."""
     face, motion = trial.motion.face, trial.motion
     if len(face.members) == 1:

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
-from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, length, unit_normal
+from nonsmooth.analysis.fields.switched_field import FacedField, Surface, Vector, length, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import LOOK_AHEAD, SMALLEST_SPEED, TANGENT_SLACK, FaceMotion
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.two_fold import BECOMES_TANGENT, CLEAR_OF_TANGENCY, IS_TANGENT, tangency
@@ -73,7 +73,7 @@ class Step:
         return list(zip(times, self.interpolant(np.array(times)).T, strict=True))
 
 
-def guards_of(field: SwitchedField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
+def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
     """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
     if isinstance(motion, WhirlMotion):
@@ -97,7 +97,7 @@ def _bound(surface: Surface, side: int, slack: float, x: Vector) -> Guard:
     return Guard(lambda t, x: side * surface.value(x), slack * length(surface.gradient(x)), slope, surface)
 
 
-def _exits(field: SwitchedField, choice: FaceChoice, scale: float) -> list[Guard]:
+def _exits(field: FacedField, choice: FaceChoice, scale: float) -> list[Guard]:
     """The members' normal speeds, with the signs they have inside the mode.
 
     One that nothing decides has the other's opposite, and turns clearly before that is told.
@@ -118,7 +118,7 @@ def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Vecto
     return lambda t, x: order * float(unit_normal(surface, x) @ velocity(t, x))
 
 
-def _tangent(field: SwitchedField, motion: FaceMotion) -> Guard:
+def _tangent(field: FacedField, motion: FaceMotion) -> Guard:
     """Whether the weights of a slide follow from its speeds, or still do not: where that changes, so does its law.
 
     A dip within a step needs no search: there the exits are met, at a state that is tangent too.

@@ -46,6 +46,7 @@ class EndReason(StrEnum):
     CIRCLES = "the body follows a closed orbit forever"
     OUTSIDE = "the body leaves the checked domain"
     TIPS = "the centre of mass leaves the support of the wheels: the body tips"
+    WHEELS = "a wheel enters or leaves: the law is certified for the wheels before"
     LOADS = "a load of the load table becomes negative"
     EVENTS = "the largest number of events is reached"
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, SwitchedField, Vector
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, Vector
 from nonsmooth.analysis.trajectories.face_motion import largest
 from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
 from nonsmooth.analysis.trajectories.loops import LoopMemory
@@ -44,7 +44,7 @@ RULE = "the path drawn keeps to the surfaces if it can, with the velocity of lea
 
 
 def follow_smooth(
-    field: SwitchedField,
+    field: FacedField,
     start: Sequence[float],
     until: float,
     watch: LyapunovWatch | None = None,
@@ -80,7 +80,7 @@ class _SmoothPath:
 
     def __init__(
         self,
-        field: SwitchedField,
+        field: FacedField,
         x: Vector,
         until: float,
         watch: LyapunovWatch | None,

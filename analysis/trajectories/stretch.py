@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import FacedField, Surface, Vector, Velocity
 from nonsmooth.analysis.trajectories.face_motion import FaceMotion
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
@@ -84,7 +84,7 @@ class _LateInterpolant:
 
 
 def follow_face(
-    field: SwitchedField,
+    field: FacedField,
     choice: FaceChoice,
     start: tuple[float, Vector],
     until: float,

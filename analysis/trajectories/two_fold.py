@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, SwitchedField, Vector, length, unit_normal
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, FacedField, Vector, length, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import (
     BEND_SLACK,
     LOOK_AHEAD,
@@ -42,7 +42,7 @@ def tangency(motion: FaceMotion, t: float, x: Vector, size: float) -> float:
     return float(np.abs(speeds).sum()) / nothing if nothing else 0.0
 
 
-def passing_weights(field: SwitchedField, motion: FaceMotion, t: float, x: Vector) -> Vector | None:
+def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vector | None:
     """Weights (m, 2) of the motions that keep to the surface through a two-fold, the shortest velocity first.
 
     None where the speeds vanish to first order too, so that any weights will do.
@@ -60,7 +60,7 @@ def passing_weights(field: SwitchedField, motion: FaceMotion, t: float, x: Vecto
     return weights[np.argsort([length(row @ fields) for row in weights])]
 
 
-def _changes(field: SwitchedField, motion: FaceMotion, t: float, x: Vector) -> Vector:
+def _changes(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vector:
     """``D_kj``: derivative of the normal speed of member k along the field of member j."""
     fields = motion.fields(t, x)
     here = motion.normal_speeds(x, fields)[:, 0]
@@ -73,7 +73,7 @@ def _changes(field: SwitchedField, motion: FaceMotion, t: float, x: Vector) -> V
     return np.column_stack(columns)
 
 
-def _reach(field: SwitchedField, motion: FaceMotion, x: Vector) -> float:
+def _reach(field: FacedField, motion: FaceMotion, x: Vector) -> float:
     """Length over which derivatives are taken: short of the bounds that the state does not lie on."""
     reach = LOOK_AHEAD * field.size
     for surface, _ in motion.face.bounds:

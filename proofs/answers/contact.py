@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.answers.bounds import at_least
@@ -12,6 +11,7 @@ from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.contact_set import contact_set
 from nonsmooth.symbolic.free_motions import free_text, free_twists
+from nonsmooth.symbolic.number_text import numbers_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Theorem4Result
@@ -49,10 +49,3 @@ def _facts(check: Theorem4Result) -> Iterator[Fact]:
     keeps = None if turn is None else found.start_that_keeps(turn)
     said = "" if keeps is None else f"from within {at_least(keeps)}{unit} it keeps its wheels all the way home"
     yield Fact("keeps_wheels_within", Quantity(keeps), said)
-
-
-def numbers_text(numbers: tuple[int, ...]) -> str:
-    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened."""
-    breaks = [k for k, (a, b) in enumerate(pairwise(numbers), 1) if b != a + 1]
-    runs = [numbers[start:end] for start, end in pairwise([0, *breaks, len(numbers)])]
-    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs if run)

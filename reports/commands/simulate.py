@@ -95,7 +95,8 @@ Inertia = Annotated[
         "--inertia",
         rich_help_panel=BODY,
         metavar="I",
-        help="With --method dynamics: inertia per weight; that of a disc as large as the array unless given.",
+        help="With --method dynamics: inertia per weight; unless given that of a plate of the body's outline, or of a "
+        "disc as large as the array.",
     ),
 ]
 CompareMasses = Annotated[

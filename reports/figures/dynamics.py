@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
+from nonsmooth.analysis.contact_rule import smooth_rules
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
@@ -39,9 +39,16 @@ def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
     """x, y and theta over time, and the path between the wheels; ``suffix`` as for the cell map."""
     model = contact_model(scene)
     start, last = path.trajectory.states[0], float(path.trajectory.end.t)
-    rule = ellipse_path(model, start, last)
+    limit = next(rule for rule in smooth_rules() if rule.is_massless_limit)
+    rule = limit.path(scene, start, last)
     title = f"{one_line(scene.name)}: full dynamics, mass {path.body.mass:.6g}, inertia {path.body.inertia:.6g}"
-    return figure_bytes(lambda: build_path_figure(title, model, (path.trajectory, rule), scene.units), suffix)
+
+    def build() -> Figure:
+        figure = build_path_figure(title, model, (path.trajectory, rule), scene.units)
+        _draw_outlines(figure.axes[-1], scene, path.trajectory)
+        return figure
+
+    return figure_bytes(build, suffix)
 
 
 def rule_path_figure(scene: Scene, path: Trajectory, suffix: str) -> bytes:

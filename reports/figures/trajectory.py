@@ -30,6 +30,8 @@ MARKERS = {  # a form for every kind, so that color is not needed to tell them a
     EventKind.CROSS: "|",
     EventKind.SLIDE: "s",
     EventKind.LEAVE: "^",
+    EventKind.ENTER: "<",
+    EventKind.TIPS: "X",
     EventKind.REST: "o",
     EventKind.NONUNIQUE: "D",
     EventKind.LIMIT: "v",
@@ -90,16 +92,16 @@ def build_figure(
 
 def _draw_speeds(axes: Axes, curves: SpeedCurves, partition: Partition) -> None:
     """The speeds over time, a line for each wheel that acts at some time, and dashed lines at their limits."""
-    units = partition.scene.units
+    units, numbers = partition.scene.units, [wheel.index for wheel in partition.scene.wheels]
     acting = [k for k in range(curves.speeds.shape[1]) if np.isfinite(curves.speeds[:, k]).any()]
     axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
-    for number, k in enumerate(acting):
-        color = LINES[number % len(LINES)]
-        axes.plot(curves.times, curves.speeds[:, k], color=color, linewidth=1.4, label=f"u_{k + 1}")
+    for place, k in enumerate(acting):
+        color = LINES[place % len(LINES)]
+        axes.plot(curves.times, curves.speeds[:, k], color=color, linewidth=1.4, label=f"u_{numbers[k]}")
         axes.plot(curves.times, curves.speeds[:, k], ".", color=color, markersize=1.5)
     shown = curves.speeds[:, acting]
     largest = float(np.nanmax(np.abs(shown), initial=0.0))
-    for limit in sorted({curves.limits[k + 1] for k in acting if k + 1 in curves.limits}):
+    for limit in sorted({curves.limits[numbers[k]] for k in acting if numbers[k] in curves.limits}):
         if limit <= 1.2 * largest:
             for side in (-limit, limit):
                 axes.axhline(side, color=INK, linewidth=0.9, linestyle="--")

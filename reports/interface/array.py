@@ -116,7 +116,7 @@ class Array(MadeArray):
             start: position and heading (radian).
             until: last time.
             mass: per weight (1/g); 0.1 unless given.
-            inertia: per weight; that of a disc as large as the array unless given.
+            inertia: per weight; unless given that of a plate of the outline, or of a disc as large as the array.
 
         Raises:
             ValueError: for a mass or an inertia that cannot be used, and a start beyond the support polygon.
@@ -141,7 +141,7 @@ class Array(MadeArray):
             start: position and heading (radian); bodies start at rest.
             until: last time.
             mass: of the heaviest body, per weight (1/g); 0.1 unless given.
-            inertia: of that body, per weight; that of a disc as large as the array unless given.
+            inertia: of that body, per weight; unless given that of a disc as large as the array.
 
         Raises:
             ValueError: for a mass or an inertia that cannot be used.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
 from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
@@ -16,7 +17,7 @@ from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.shown import file_bytes
 from nonsmooth.reports.simulate import PathRun
-from nonsmooth.symbolic.contact_set import require_no_outline
+from nonsmooth.symbolic.contact_set import require_no_outline, whole
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
@@ -65,12 +66,17 @@ def follow_body(scene: Scene, run: PathRun) -> ShownPath:
 
     Raises:
         ArgumentError: for a mass or an inertia that cannot be used.
-        SceneError: for a body with an outline.
+        ValueError: for a start at which a body with an outline tips.
+        SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
-    require_no_outline(scene)
-    model = contact_model(scene)
-    return ShownPath(scene, simulate_dynamics(model, _body(model, run), run.start, run.until))
+    if scene.body is None:
+        model = contact_model(scene)
+        return ShownPath(scene, simulate_dynamics(model, _body(scene, model, run), run.start, run.until))
+    array = whole(scene)
+    model = contact_model(array)
+    path = MassPath(array, model, _body(array, model, run)).follow(run.start, run.until)
+    return ShownPath(array, path)
 
 
 def compare_masses(scene: Scene, run: PathRun) -> MassResult:
@@ -84,15 +90,15 @@ def compare_masses(scene: Scene, run: PathRun) -> MassResult:
     """
     require_no_outline(scene)
     try:
-        bodies = mass_ladder(_body(contact_model(scene), run))
+        bodies = mass_ladder(_body(scene, contact_model(scene), run))
     except ValueError as error:  # the lightest of them
         raise ArgumentError(str(error)) from None
     return MassResult(ShownMasses(scene, mass_study(scene, bodies, run.start, run.until)))
 
 
-def _body(model: ContactModel, run: PathRun) -> Body:
+def _body(scene: Scene, model: ContactModel, run: PathRun) -> Body:
     try:
-        return chosen_body(model, run.mass, run.inertia)
+        return chosen_body(scene, model, run.mass, run.inertia)
     except ValueError as error:
         raise ArgumentError(str(error)) from None
 

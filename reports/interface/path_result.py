@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.bodies.cell_path import CellPath
+from nonsmooth.analysis.bodies.held_wheels import HeldWheels
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, rule_of
+from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import Method
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
@@ -20,7 +23,7 @@ from nonsmooth.reports.shown import file_bytes
 from nonsmooth.reports.simulate import POSE, PathRun, ShownTrajectory, follow, loop_of
 from nonsmooth.reports.smooth_paths import SmoothPath
 from nonsmooth.reports.system_paths import SystemPath
-from nonsmooth.symbolic.contact_set import require_no_outline
+from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
 from nonsmooth.symbolic.number_text import float_text, place_text
 
 if TYPE_CHECKING:
@@ -148,9 +151,36 @@ def follow_array(scene: Scene, run: PathRun) -> PathResult:
 
         return PathResult(scene.name, POSE, follow_body(scene, run), scene)
     rule = rule_of(scene)
-    if isinstance(rule, SmoothRule) and run.is_plain:
-        return PathResult(scene.name, POSE, SmoothPath(scene, rule.path(scene, run.start, run.until)), scene)
-    require_no_outline(scene)
-    partition = build_partition(scene)
+    if run.is_plain and (isinstance(rule, SmoothRule) or scene.body is not None):
+        return PathResult(scene.name, POSE, SmoothPath(scene, _path(scene, rule, run)), scene)
+    held = _held_wheels(scene, run)
+    partition = build_partition(standing(scene))
     loop = loop_of(partition, run)
-    return PathResult(scene.name, POSE, ShownTrajectory(partition, run, follow(partition, run, loop), loop), scene)
+    path = follow(partition, run, loop)
+    path = path if held is None else held.until_change(path)
+    return PathResult(scene.name, POSE, ShownTrajectory(partition, run, path, loop), scene)
+
+
+def _held_wheels(scene: Scene, run: PathRun) -> HeldWheels | None:
+    """The wheels on which a closed loop starts, and ends when they change; None without an outline.
+
+    Raises:
+        SceneError: for a run that does not follow an outline.
+        ValueError: for a start on other wheels.
+    """
+    if scene.body is None:
+        return None
+    if run.method is not Method.EVENTS or run.kinematics is not Kinematics.EXACT:
+        require_no_outline(scene)
+    held = HeldWheels(standing(scene))
+    held.require_start(run.start)
+    return held
+
+
+def _path(scene: Scene, rule: ContactRule, run: PathRun) -> Trajectory:
+    """The path by a rule without cells, or by the cells on the wheels that carry a body with an outline."""
+    if isinstance(rule, SmoothRule):
+        return rule.path(scene, run.start, run.until)
+    if not isinstance(rule, CellRule):
+        raise TypeError(f"required a rule with or without cells, received {rule.name}")
+    return CellPath(whole(scene), rule).follow(run.start, run.until)

@@ -7,17 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies.cell_path import CellPath
 from nonsmooth.analysis.bodies.destinations import destinations
+from nonsmooth.analysis.bodies.many_cells import CellMotions
 from nonsmooth.analysis.bodies.many_contacts import RowsOfWheels, elastic_loads_of, widest_gaps
 from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
-from nonsmooth.analysis.bodies.many_rates import ManyRates
+from nonsmooth.analysis.bodies.many_rates import LeastDissipation, ManyRates
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.path import BodyPath
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.oracles.small_steps import Contacts
 
 PLACE_ERROR, HEADING_ERROR = 0.01, 0.02  # of the spacing, and radians: Heun's steps of 0.04, chattering at edges
 RATE_ERROR = {"ellipse": 1e-4, "roller": 2e-2}  # of the fastest wheel: norms are smoothed
@@ -44,7 +47,7 @@ def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path
     model = smooth_rule_of(scene).contacts(scene)
     assert scene.body is not None
     outline, poses = MovingOutline(scene.body, model.positions), random_poses(40, 1.2)
-    found = ManyRates(model, outline, poses).at(poses, np.arange(40))
+    found = ManyRates(LeastDissipation(model, outline.size, 40), outline, poses).at(poses, np.arange(40))
     assert found.known.all()
     path = BodyPath(scene, smooth_rule_of(scene))
     agree = 0
@@ -56,6 +59,42 @@ def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path
     standing = int((~found.tips).sum())
     assert standing > 20
     assert agree >= (standing if rule == "ellipse" else standing - 1)
+
+
+@pytest.mark.parametrize(("rule", "count"), [("nearest", 60), ("box", 6)])
+def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int, tmp_path: Path) -> None:
+    scene = carton(tmp_path, rule, "1/2")
+    cells = rule_of(scene)
+    assert isinstance(cells, CellRule)
+    assert scene.body is not None
+    contacts = Contacts.of(scene)
+    outline, poses = MovingOutline(scene.body, contacts.positions), random_poses(count, 1.5)
+    found = ManyRates(CellMotions(scene, cells), outline, poses).at(poses, np.arange(count))
+    words = {"nearest": contacts.nearest, "box": contacts.box}[rule]
+    assert (~found.tips).sum() > count / 3
+    for pose, rate in zip(poses[~found.tips], found.rates[~found.tips], strict=True):
+        v_x, v_y, omega = words(np.flatnonzero(outline.depths(pose) > 0).tolist(), pose[:2])
+        np.testing.assert_allclose(rate, [v_x - omega * pose[1], v_y + omega * pose[0], omega], atol=1e-9)
+
+
+def test_bodies_end_by_cells_where_their_paths_by_events_do(tmp_path: Path) -> None:
+    scene = carton(tmp_path, "nearest", "1/2")
+    rule = rule_of(scene)
+    assert isinstance(rule, CellRule)
+    starts = random_poses(6, 1.0)
+    ends = ManyPaths(scene, rule).follow(starts, until=6.0)
+    path = CellPath(scene, rule)
+    compared = 0
+    for k, start in enumerate(starts):
+        if not path.stands(start.tolist()):
+            assert ends.by(BodyEnd.TIPS)[k]
+            continue
+        end = path.follow(start.tolist(), 6.0).end
+        assert ends.by(BodyEnd.TIPS)[k] == (end.reason is EndReason.TIPS)
+        if ends.by(BodyEnd.REST)[k]:
+            assert np.abs(np.subtract(end.state[:2], ends.poses[k, :2])).max() < PLACE_ERROR
+            compared += 1
+    assert compared > 1
 
 
 def test_loads_are_those_of_one_pose_at_a_time(tmp_path: Path) -> None:

@@ -10,11 +10,10 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets
@@ -23,18 +22,15 @@ from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.continuum import Disc, PolygonShape
+from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import WheelData
+from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-Floats: TypeAlias = NDArray[np.float64]
-Depths: TypeAlias = Callable[[Floats, Floats], Floats]  # of places (n, 2) at a pose
-Pair: TypeAlias = tuple[Fraction | int, Fraction | int]
 
 TIME_ERROR = 1e-10  # the largest seen 4e-11
 POSE_ERROR = 1e-9
@@ -47,40 +43,6 @@ def ellipse() -> SmoothRule:
     rule = contact_rule("ellipse")
     assert isinstance(rule, SmoothRule)
     return rule
-
-
-# ---- bodies, and the same bodies in floats -------------------------------------------------------
-
-
-def on(scene: Scene, outline: Disc | PolygonShape, centre: Pair = (0, 0)) -> Scene:
-    """The scene with a body whose centroid lies at ``centre`` from its centre of mass."""
-    field = scene.field
-    body = Body(outline, (field(centre[0]), field(centre[1])), (field(1), field(0)))
-    return replace(scene, body=body, contact=Contact("ellipse"))
-
-
-def polygon_of(scene: Scene, corners: list[Pair]) -> PolygonShape:
-    return PolygonShape(tuple((scene.field(x), scene.field(y)) for x, y in corners))
-
-
-def seen(places: Floats, pose: Floats) -> Floats:
-    """Places from the body: complex numbers turned back."""
-    away = (places[:, 0] - pose[0]) + 1j * (places[:, 1] - pose[1])
-    turned = away * np.exp(-1j * pose[2])
-    return np.column_stack([turned.real, turned.imag])
-
-
-def disc_depths(radius: float, centre: Floats, places: Floats, pose: Floats) -> Floats:
-    return np.asarray(radius - np.linalg.norm(seen(places, pose) - centre, axis=1))
-
-
-def polygon_depths(corners: Floats, places: Floats, pose: Floats) -> Floats:
-    """Twice the area of the triangle over a side, over its length; the least over all sides."""
-    depths = []
-    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        away, along = seen(places, pose) - a, b - a
-        depths.append((along[0] * away[:, 1] - along[1] * away[:, 0]) / np.linalg.norm(along))
-    return np.asarray(np.min(depths, axis=0))
 
 
 # ---- the motion on a set of wheels, with springs of its own ---------------------------------------
@@ -124,10 +86,6 @@ class Motion(NamedTuple):
         twist = EllipseInterior().minimize(model, self.loads(wheels, pose[:2])[None]).twists[0]
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
-
-
-def under(depths: Floats) -> frozenset[int]:
-    return frozenset(int(k) for k in np.flatnonzero(depths > 0))
 
 
 class Reference(NamedTuple):

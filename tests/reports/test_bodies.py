@@ -117,10 +117,32 @@ def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke
 
 @pytest.mark.parametrize(
     "options",
-    [("--rule", "nearest"), ("--rule", "box"), ("--feedback",), ("--method", "dynamics")],
+    [
+        ("--rule", "nearest", "--kinematics", "leading"),
+        ("--rule", "box", "--method", "hysteresis"),
+        ("--rule", "ellipse", "--feedback"),
+        ("--rule", "nearest", "--feedback", "--method", "hysteresis"),
+        ("--method", "dynamics", "--compare-masses"),
+    ],
 )
 def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], carton: str, invoke: Invoke) -> None:
     assert invoke("simulate", carton, "--from", "0.1,0,0", *options).status == 2
+
+
+@pytest.mark.parametrize("options", [("--rule", "nearest"), ("--rule", "box"), ("--method", "dynamics")])
+def test_a_path_of_every_kind_through_the_command(
+    options: tuple[str, ...], carton: str, invoke: Invoke, tmp_path: Path
+) -> None:
+    run = ("simulate", carton, *options, "--from", "1.3,0.15,0", "--until", "0.25")
+    status, found = record(invoke, *run)
+    assert status == 0
+    kinds = [event["kind"] for event in found["events"]]
+    assert kinds.count("leave") == 2
+    for name in ("path.svg", "path.html", "path.csv"):
+        assert invoke(*run, "-o", str(tmp_path / name)).status == 0
+    tips = invoke("simulate", carton, *options, "--from", "2.9,2.9,0")
+    assert (tips.status, tips.out) == (2, "")
+    assert tips.err.endswith("required a start where the body stands on its wheels, received one where it tips\n")
 
 
 def test_a_path_through_the_command_and_python(carton: str, invoke: Invoke) -> None:

@@ -91,8 +91,6 @@ def test_a_picture_is_drawn(carton: Path, invoke: Invoke) -> None:
 @pytest.mark.parametrize(
     ("options", "received"),
     [
-        (("--rule", "box"), "rule box"),
-        (("--rule", "nearest"), "rule nearest"),
         (("--kinematics", "leading"), "received leading"),
     ],
 )
@@ -110,5 +108,7 @@ def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
     assert found.to_dict() == invoke(*GRID, "--json").record
     assert "(sampled)" in repr(found)
     assert len(found.rows()) == 16
-    with pytest.raises(SceneError, match="rule box"):
-        array.with_(rule="box").map(3)
+    assert "the rate of theta there is open" in invoke("simulate", carton.name, "--rule", "nearest", *GRID[2:]).out
+    assert array.with_(rule="nearest").map(2).to_dict()["rule"] == "nearest"
+    with pytest.raises(SceneError, match="leading"):
+        array.map(3, kinematics="leading")

@@ -1,0 +1,108 @@
+"""The path of a body with an outline under a rule with cells, from event to event.
+
+It is a solution of a switched field of poses (:mod:`nonsmooth.analysis.bodies.outline_field`) and is followed as every
+other one (:mod:`nonsmooth.analysis.trajectories.smooth`): through the cells of the wheels that carry, along borders of
+cells and along edges over wheels, where Filippov's construction mixes motions.  Here its switches are
+told apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body slides along (``slide``), and where
+it ``tips``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.outline_field import OutlineField, Wheels
+from nonsmooth.analysis.bodies.set_cells import CellsBySet
+from nonsmooth.analysis.bodies.tipping import tipping_edge
+from nonsmooth.analysis.contact_rule import CellRule
+from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
+from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.scene import Scene
+
+
+class CellPath:
+    """Follows one body."""
+
+    def __init__(self, scene: Scene, rule: CellRule) -> None:
+        """For a scene with a body, all its wheels in ``scene.wheels``.
+
+        Raises:
+            ValueError: for a scene without a body.
+            SceneError: for loads that are known for one set of wheels only, under a rule that needs them.
+        """
+        if scene.body is None:
+            raise ValueError("required a scene with a body")
+        if rule.needs_loads:
+            require_elastic(scene)
+        self._scene = scene
+        names = [str(wheel.index) for wheel in scene.wheels]
+        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        self._field = OutlineField(CellsBySet(scene, rule), MovingOutline(scene.body, places), names)
+
+    def stands(self, pose: Sequence[float]) -> bool:
+        """Whether the body stands at a pose ``(x, y, theta)``."""
+        return bool(self._field.faces_at(np.array(pose, float)))
+
+    def follow(self, start: Sequence[float], until: float) -> Trajectory:
+        """The path from ``(x, y, theta)``, theta measured from the checked heading.
+
+        Raises:
+            ValueError: for a last time that is not positive, numbers that are not finite, and a start where the body
+                tips.
+            RefusalError: where the motion is not determined.
+            TrajectoryError: where the path cannot be followed.
+        """
+        pose = np.array(start, float)
+        if not (np.isfinite(pose).all() and 0 < until < math.inf):
+            raise ValueError(f"required a finite start and a positive last time, received {pose.tolist()} and {until}")
+        if not self.stands(pose.tolist()):
+            raise ValueError("required a start where the body stands on its wheels, received one where it tips")
+        return self._told(follow_smooth(self._field, pose.tolist(), until))
+
+    def _told(self, path: Trajectory) -> Trajectory:
+        """The same path with events of wheels, and tipping where it leaves the field."""
+        events = list(self._events(path))
+        end = path.end
+        if end.reason is EndReason.OUTSIDE:
+            pose = np.array(end.state)
+            over = tipping_edge(self._scene, self._field.under(pose), pose)
+            events.append(Event(end.t, end.state, EventKind.TIPS, over))
+            end = replace(end, reason=EndReason.TIPS)
+        return replace(path, events=tuple(events), end=end)
+
+    def _events(self, path: Trajectory) -> Iterator[Event]:
+        """Events of the switched field; where wheels come or go, one event for each kind of change instead."""
+        for event in path.events:
+            before = [piece for piece in path.pieces if piece.end is not None and piece.end <= event.t]
+            after = [piece for piece in path.pieces if piece.start >= event.t]
+            told = False
+            if before and after and event.kind is not EventKind.NONUNIQUE:
+                for kind, words in self._changes(before[-1], after[0]):
+                    told = True
+                    yield replace(event, kind=kind, surface=words)
+            if not told:
+                yield event
+
+    def _changes(self, before: Piece, after: Piece) -> Iterator[tuple[EventKind, str]]:
+        """What happens to wheels from one stretch to the next."""
+        (least, most), (least_after, most_after) = self._wheels(before), self._wheels(after)
+        changes = (
+            (EventKind.SLIDE, (most_after - least_after) - (most - least), "under the edge"),
+            (EventKind.ENTER, least_after - least, "under the body"),
+            (EventKind.LEAVE, most - most_after, "beside the body"),
+        )
+        for kind, wheels, words in changes:
+            if wheels:
+                names = ", ".join(str(self._scene.wheels[k].index) for k in sorted(wheels))
+                yield kind, f"wheel {names} {words}"
+
+    def _wheels(self, piece: Piece) -> tuple[Wheels, Wheels]:
+        """The wheels that carry in all cells of a stretch, and in some."""
+        sets = [self._field.wheels_of[name] for name in piece.cells]
+        return frozenset.intersection(*sets), frozenset.union(*sets)

@@ -1,0 +1,51 @@
+"""When, within a step of an integrator, one of some signals of a path first changes its sign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.stretch import Part
+from nonsmooth.analysis.fields.contact_model import Floats
+
+LOOKS = 8  # places within a step where signals are looked at
+RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
+
+Signals: TypeAlias = Callable[[Floats], Floats]  # of states (m, d), shape (m, k), positive while all goes on
+
+
+def first_change(signals: Signals, part: Part, *, first: bool) -> tuple[float, int, int] | None:
+    """The first time in a step at which a signal is negative, which signal, and how many there are.
+
+    Args:
+        signals: by the states.
+        part: the step.
+        first: whether a stretch begins with it, where signals that begin at zero may have either sign by rounding.
+    """
+    marks = np.linspace(part.start, part.end, LOOKS + 1)
+    values = signals(part.state(marks).T)
+    negative = values < 0
+    negative[1:] &= (values[:-1] > 0) | (np.arange(LOOKS)[:, None] > 0) | (not first)
+    for k in np.flatnonzero(negative[1:].any(axis=1)):
+        crossed = np.flatnonzero(negative[k + 1])
+        times = [_root(signals, part.state, marks[k], marks[k + 1], int(signal)) for signal in crossed]
+        earliest = int(np.argmin(times))
+        return times[earliest], int(crossed[earliest]), values.shape[1]
+    return None
+
+
+def _root(signals: Signals, state: Any, low: float, high: float, signal: int) -> float:
+    """When a signal changes its sign, down to rounding: the later side, where it has changed."""
+    from scipy.optimize import brentq
+
+    def value(time: float) -> float:
+        return float(signals(state(time)[None])[0, signal])
+
+    ulp = float(np.spacing(high))
+    near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS)) if value(low) > 0 else low
+    step = ulp
+    while near < high and value(near) >= 0:
+        near, step = min(near + step, high), 2 * step
+    return near

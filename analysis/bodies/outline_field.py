@@ -1,0 +1,252 @@
+"""A body with an outline under a rule with cells, as a switched field of poses.
+
+A pose lies in a cell of two kinds of surfaces: the wheels that are under the body (``g_i = 0``, curved), and where c
+lies between the lines of the cells on these wheels.  Which lines there are depends on the wheels.  So the faces at a
+pose are those of the surfaces through it: for every pattern of signs whose tangent cone has poses, the wheels under the
+body, and of their cells the one on the pattern's side of its lines.  A pattern whose wheels do not carry the body is
+beyond the border of the field: there it tips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.mixing import subsets_of
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCell, Side, agrees
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, unit_normal
+from nonsmooth.analysis.fields.tangent_cones import has_points
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+
+Wheels = frozenset[int]  # places in the scene's list of wheels
+Pattern = tuple[int, ...]  # -1, 0 or 1 for each surface through a pose
+
+MOST_AT_ONCE = 16  # surfaces through one pose
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """A cell of poses: wheels under the body, and one of their cells."""
+
+    wheels: Wheels
+    cell: SetCell
+
+
+@dataclass
+class _Around:
+    """What lies around a pose: its faces, and whether the body may tip there."""
+
+    faces: list[Face]
+    border: bool
+
+
+class OutlineField:
+    """The field that :func:`nonsmooth.analysis.trajectories.smooth.follow_smooth` follows.
+
+    Attributes:
+        states, kinematics, unit, heading, size: see :class:`nonsmooth.analysis.fields.switched_field.FacedField`.
+        wheels_of: the wheels under the body by the name of a member.
+    """
+
+    states: tuple[str, ...] = ("x", "y", "theta")
+    kinematics: str = Kinematics.EXACT.value
+    unit: float = 1.0
+    heading: int | None = 2
+
+    def __init__(self, sets: CellsBySet, outline: MovingOutline, names: Sequence[str]) -> None:
+        """For an array and a body; ``names`` are those of the wheels."""
+        self._sets, self._outline, self._names = sets, outline, names
+        self.size = sets.size + outline.size
+        self._slack = SURFACE_SLACK * self.size
+        self._edges = [self._edge(k) for k in range(outline.count)]
+        self._depths: tuple[bytes, Floats] = (b"", np.zeros(0))
+        self._known: dict[object, _Around] = {}
+        self._of_lines: dict[tuple[int, ...], tuple[Pattern, ...]] = {}
+        self._tied: set[str] = set()
+        self.wheels_of: dict[str, Wheels] = {}
+
+    @property
+    def tied_members(self) -> frozenset[str]:
+        """Members met so far in whose cells several motions tie."""
+        return frozenset(self._tied)
+
+    def faces_at(self, x: Vector) -> list[Face]:
+        """Every face whose closure holds a pose, those that hold most surfaces first; none where the body tips.
+
+        Raises:
+            TrajectoryError: where too many surfaces meet.
+        """
+        return self._around(x).faces
+
+    def has_contact(self, x: Vector) -> bool:
+        """Edges over two wheels do not touch, but for wheels at equal places."""
+        return False
+
+    def on_border(self, x: Vector) -> bool:
+        """Whether the body tips at a pose, or just beside it."""
+        return self._around(x).border
+
+    def under(self, x: Vector) -> Wheels:
+        """The wheels strictly under the body, beyond the slack of its edge."""
+        return frozenset(int(k) for k in np.flatnonzero(self._depths_at(x) > self._slack))
+
+    # ---- faces -----------------------------------------------------------------------------------
+
+    def _around(self, x: Vector) -> _Around:
+        depths = self._depths_at(x)
+        edge = [int(k) for k in np.flatnonzero(np.abs(depths) <= self._slack)]
+        place = _Place(self.under(x), tuple(edge))
+        for wheels in subsets_of(place.edge):
+            self._add_set(place, wheels, x)
+        surfaces = [*(self._edges[k] for k in edge), *place.lines]
+        if len(surfaces) > MOST_AT_ONCE:
+            raise TrajectoryError(
+                f"required at most {MOST_AT_ONCE} edges and borders of cells at one pose, received {len(surfaces)}"
+            )
+        patterns = self._patterns_at(surfaces, x)
+        cells = tuple((wheels, tuple(id(cell) for cell in found)) for wheels, found in place.holding.items())
+        key = place.inside, place.edge, cells, tuple(map(id, surfaces)), patterns
+        if key not in self._known:
+            self._known[key] = self._build(place, surfaces, patterns)
+        return self._known[key]
+
+    def _patterns_at(self, surfaces: Sequence[Surface], x: Vector) -> tuple[Pattern, ...]:
+        """:func:`_patterns`; those of lines alone are the same at every pose."""
+        key = tuple(map(id, surfaces)) if all(surface.flat for surface in surfaces) else None
+        if key is None:
+            return tuple(_patterns(surfaces, x))
+        if key not in self._of_lines:
+            self._of_lines[key] = tuple(_patterns(surfaces, x))
+        return self._of_lines[key]
+
+    def _add_set(self, place: _Place, wheels: Wheels, x: Vector) -> None:
+        """The cells at a pose on the wheels inside and some of those under the edge, and the lines through it."""
+        chosen = place.inside | wheels
+        if len(chosen) < 3:
+            return
+        cells = self._sets.of(chosen)
+        if not cells.stands(x, self._slack):
+            return
+        place.holding[wheels] = cells.holding(x, self._slack)
+        for line, _ in (*cells.borders, *(side for cell in place.holding[wheels] for side in cell.sides)):
+            if abs(line.value(x)) <= self._slack and line not in place.lines:
+                place.lines.append(line)
+
+    def _build(self, place: _Place, surfaces: Sequence[Surface], patterns: Sequence[Pattern]) -> _Around:
+        """The faces of the patterns that have poses."""
+        full = {p: self._cells(place, surfaces, p) for p in patterns if 0 not in p}
+        faces: dict[object, Face] = {}
+        for pattern in patterns:
+            around = [full[p] for p in full if _refines(p, pattern)]
+            if not any(around) or None in around or not _divides(pattern, full):
+                continue
+            members = dict.fromkeys(cell for cells in around for cell in cells or ())
+            face = self._face(surfaces, pattern, list(members))
+            faces.setdefault((face.keep, face.members, frozenset(face.bounds)), face)
+        return _Around(list(faces.values()), None in full.values())
+
+    def _cells(self, place: _Place, surfaces: Sequence[Surface], pattern: Pattern) -> tuple[_Cell, ...] | None:
+        """The cell on the sides of a full pattern, none where it is too small; None where the body tips."""
+        signs = dict(zip(surfaces, pattern, strict=True))
+        wheels = frozenset(k for k in place.edge if signs[self._edges[k]] > 0)
+        chosen = place.inside | wheels
+        if wheels not in place.holding or not agrees(self._sets.of(chosen).borders, signs):
+            return None
+        found = (cell for cell in place.holding[wheels] if agrees(cell.sides, signs))
+        return tuple(_Cell(chosen, cell) for cell in islice(found, 1))
+
+    def _face(self, surfaces: Sequence[Surface], pattern: Pattern, cells: Sequence[_Cell]) -> Face:
+        keep = tuple(surface for surface, side in zip(surfaces, pattern, strict=True) if not side)
+        for one in cells:
+            self.wheels_of[one.cell.member.name] = one.wheels
+            if one.cell.tied:
+                self._tied.add(one.cell.member.name)
+        bounds = tuple(side for side in self._bounds(cells) if side[0] not in keep)
+        return Face(self._name(keep, cells), keep, bounds, tuple(one.cell.member for one in cells))
+
+    def _name(self, keep: Sequence[Surface], cells: Sequence[_Cell]) -> str:
+        """The wheels that stay under the edge, and the cells between which c stays."""
+        held = [f"wheel {self._names[k]} under the edge" for k, edge in enumerate(self._edges) if edge in keep]
+        if held and len(held) == len(keep):
+            return ", ".join(held)
+        by_wheels: dict[Wheels, list[str]] = {}
+        for one in cells:
+            by_wheels.setdefault(one.wheels, []).append(one.cell.name)
+        names = (f"{' | '.join(own)} of wheels {self._text(wheels)}" for wheels, own in by_wheels.items())
+        return ", ".join([*held, *names])
+
+    def _text(self, wheels: Wheels) -> str:
+        return ", ".join(self._names[k] for k in sorted(wheels))
+
+    def _bounds(self, cells: Sequence[_Cell]) -> Iterator[Side]:
+        """The sides of all cells of a face, the hulls of their wheels, and the edge over every wheel."""
+        lines = [side for one in cells for side in (*one.cell.sides, *self._sets.of(one.wheels).borders)]
+        yield from dict.fromkeys(lines)
+        for k, edge in enumerate(self._edges):
+            yield edge, 1 if k in cells[0].wheels else -1
+
+    # ---- edges -----------------------------------------------------------------------------------
+
+    def _depths_at(self, x: Vector) -> Floats:
+        """All depths at a pose; those of the last pose are kept, as every edge asks for them."""
+        key = x.tobytes()
+        if self._depths[0] != key:
+            self._depths = key, self._outline.depths(x)
+        return self._depths[1]
+
+    def _edge(self, wheel: int) -> Surface:
+        """The poses at which a wheel lies under the edge of the body; positive where it carries."""
+
+        def value(x: Vector) -> float:
+            return float(self._depths_at(x)[wheel])
+
+        return Surface(f"wheel {self._names[wheel]}", value, lambda x: self._outline.gradient(x, wheel))
+
+
+@dataclass
+class _Place:
+    """A pose: the wheels well under the body and under its edge, the cells it lies in, the lines through it.
+
+    Attributes:
+        inside: well under the body.
+        edge: under the edge.
+        holding: by the wheels of the edge that carry too, where the body stands.
+        lines: borders of cells, and of hulls.
+    """
+
+    inside: Wheels
+    edge: tuple[int, ...]
+    holding: dict[Wheels, list[SetCell]] = field(default_factory=dict)
+    lines: list[Surface] = field(default_factory=list)
+
+
+def _patterns(surfaces: Sequence[Surface], x: Vector) -> list[Pattern]:
+    """Patterns of signs whose tangent cone has poses, those that hold most surfaces first.
+
+    A pattern has none if a part of it has none, so they grow surface by surface: m lines have 4 m + 1 in all, not 3^m.
+    """
+    normals = [unit_normal(surface, x) for surface in surfaces]
+    found: list[Pattern] = [()]
+    for count in range(1, len(surfaces) + 1):
+        longer = [(*pattern, side) for pattern in found for side in (-1, 0, 1)]
+        found = [pattern for pattern in longer if count < 2 or has_points(pattern, normals[:count])]
+    return sorted(found, key=lambda pattern: -pattern.count(0))
+
+
+def _refines(full: Pattern, pattern: Pattern) -> bool:
+    return all(side in (0, own) for own, side in zip(full, pattern, strict=True))
+
+
+def _divides(pattern: Pattern, full: Mapping[Pattern, tuple[_Cell, ...] | None]) -> bool:
+    """Whether the cells on both sides of every surface that a pattern holds differ."""
+    for k in (k for k, side in enumerate(pattern) if not side):
+        sides = [{full[p] for p in full if _refines(p, pattern) and p[k] == sign} for sign in (-1, 1)]
+        if sides[0] == sides[1]:
+            return False
+    return True

@@ -1,0 +1,207 @@
+"""The path of a body with an outline under rules with cells, against small steps that know nothing of cells.
+
+A body over all wheels against the array without a body, in closed form; tipping against the side that is crossed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.bodies.cell_path import CellPath
+from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.contact_rule import CellRule, contact_rule
+from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from tests.conftest import WheelData
+from tests.oracles.small_steps import small_steps
+from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+STEPS_OFF = 6.0  # distance of small steps from the path, in units of a step at speed one
+POSE_ERROR = 1e-9
+RULES = ("nearest", "box")
+STEPS = {"nearest": 600, "box": 150}
+
+
+def followed(scene: Scene, start: tuple[float, float, float], until: float) -> Trajectory:
+    rule = contact_rule(scene.contact.rule)
+    assert isinstance(rule, CellRule)
+    return CellPath(whole(scene), rule).follow(start, until)
+
+
+def carton(rule: str) -> tuple[Scene, Depths]:
+    scene = whole(load_scene("carton-on-6x6", rule=rule))
+    assert scene.body is not None
+    corners = np.array([[float(x) for x in corner] for corner in scene.body.vertices])
+    return scene, partial(polygon_depths, corners)
+
+
+def assert_near_small_steps(scene: Scene, depths: Depths, start: tuple[float, float, float], path: Trajectory) -> None:
+    until, steps = float(path.end.t), STEPS[scene.contact.rule]
+    found = small_steps(scene, depths, np.array(start), until, steps)
+    assert np.abs(found - path.end.state).max() < STEPS_OFF * until / steps
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_wheels_enter_and_leave_as_in_small_steps(rule: str) -> None:
+    (scene, depths), start = carton(rule), (1.436, -0.602, -0.46)
+    path = followed(scene, start, 0.9)
+    assert path.end.reason is EndReason.TIME
+    kinds = [event.kind for event in path.events]
+    assert kinds.count(EventKind.ENTER) > 1
+    assert kinds.count(EventKind.LEAVE) > 0
+    assert_near_small_steps(scene, depths, start, path)
+    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    for event in path.events:
+        if event.kind in (EventKind.ENTER, EventKind.LEAVE):
+            wheel = int(event.surface.split()[1]) - 1
+            assert abs(depths(places[[wheel]], np.array(event.state))[0]) < POSE_ERROR
+            beside = depths(places[[wheel]], np.array(path.at(event.t + 1e-5)))[0]
+            assert (beside > 0) == (event.kind is EventKind.ENTER)
+
+
+def test_two_wheels_enter_at_once_where_all_is_symmetric() -> None:
+    scene, _ = carton("nearest")
+    path = followed(scene, (1.3, 0.0, 0.0), 0.5)
+    assert [event.surface for event in path.events if event.kind is EventKind.LEAVE] == ["wheel 18, 24 beside the body"]
+    assert [event.surface for event in path.events if event.kind is EventKind.ENTER] == ["wheel 15, 21 under the body"]
+    assert path.end.state[1:] == pytest.approx((0.0, 0.0), abs=POSE_ERROR)
+
+
+# ---- sliding along the edge over a wheel ---------------------------------------------------------
+
+
+def pushed_up(arrays: Arrays) -> tuple[Scene, Depths]:
+    """Three wheels carry a plate down onto a fourth, which is nearer then than all others and pushes it up."""
+    wheels = [
+        WheelData((-1, 1), (-1, -4), Fraction(1, 2)),
+        WheelData((-1, -1), (1, -5), Fraction(1, 2)),
+        WheelData((Fraction(3, 2), Fraction(1, 2)), (1, -3), Fraction(1, 2)),
+        WheelData((Fraction(2, 5), Fraction(-4, 5)), (1, 6), 1),
+    ]
+    corners: list[Pair] = [(-2, Fraction(-3, 2)), (Fraction(-1, 2), Fraction(-3, 2)), (2, 0), (2, 2), (-2, 2)]
+    scene = arrays.scene(wheels)
+    plate = on(scene, polygon_of(scene, corners), rule="nearest")
+    return plate, partial(polygon_depths, np.array(corners, float))
+
+
+def pushed_left(arrays: Arrays) -> tuple[Scene, Depths]:
+    """Four wheels carry a plate to the right, onto a fifth of more grip that runs to the left."""
+    ways = [(10, 3), (10, 4), (12, 3), (11, 5)]
+    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    wheels = [WheelData(at, way, Fraction(1, 2)) for at, way in zip(corners, ways, strict=True)]
+    scene = arrays.scene([*wheels, WheelData((2, Fraction(3, 10)), (-10, 1), 2, (8, 4))])
+    half, high = Fraction(8, 5), Fraction(9, 5)
+    plate: list[Pair] = [(-half, -high), (half, -high), (half, high), (-half, high)]
+    return on(scene, polygon_of(scene, plate), rule="box"), partial(polygon_depths, np.array(plate, float))
+
+
+SLIDES = {"nearest": (pushed_up, (0.0, 0.3, 0.0), 4), "box": (pushed_left, (0.3, -0.2, 0.0), 5)}
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(rule: str, arrays: Arrays) -> None:
+    build, start, wheel = SLIDES[rule]
+    scene, depths = build(arrays)
+    path = followed(scene, start, 0.8)
+    slide = path.events[-1]
+    assert (slide.kind, slide.surface) == (EventKind.SLIDE, f"wheel {wheel} under the edge")
+    assert sum(weight for _, weight in slide.weights) == pytest.approx(1)
+    places = np.array([[float(x) for x in one.position] for one in scene.wheels])
+    for time in np.linspace(slide.t, 0.8, 5):
+        assert abs(depths(places, np.array(path.at(time)))[wheel - 1]) < POSE_ERROR
+    assert np.abs(np.subtract(path.at(0.8), path.at(slide.t))).max() > 0.05
+    assert_near_small_steps(scene, depths, start, path)
+
+
+# ---- all wheels under the body, and none enough --------------------------------------------------
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_body_over_all_wheels_moves_as_without_an_outline(rule: str, arrays: Arrays) -> None:
+    scene = replace(arrays.four_wheel(turn=(Fraction(4, 5), Fraction(3, 5))), contact=Contact(rule))
+    start = (0.35, 0.2, 0.4)
+    path = followed(on(scene, Disc(scene.field(9)), rule=rule), start, 1.0)
+    expected = simulate(array_field(build_partition(scene), Kinematics.EXACT), start, 1.0)
+    assert [event.kind for event in path.events] == [event.kind for event in expected.events]
+    for time in np.linspace(0, 1.0, 9):
+        assert np.abs(np.subtract(path.at(time), expected.at(time))).max() < POSE_ERROR
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_body_tips_over_the_side_its_centre_crosses(rule: str, arrays: Arrays) -> None:
+    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    scene = arrays.scene([WheelData(at, (20, 1), 1) for at in corners])
+    path = followed(on(scene, Disc(scene.field(9)), rule=rule), (0.1, 0.05, 0.0), 5.0)
+    assert path.end.reason is EndReason.TIPS
+    assert path.end.state[0] == pytest.approx(1, abs=POSE_ERROR)
+    assert (path.events[-1].kind, path.events[-1].surface) == (EventKind.TIPS, "over the line through wheels 4 and 1")
+
+
+def test_a_body_whose_wheel_leaves_tips_over_what_is_left(arrays: Arrays) -> None:
+    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    scene = arrays.scene([WheelData(at, (-20, 19), 1) for at in corners])
+    slanted: list[Pair] = [(-3, -3), (Fraction(-3, 2), -3), (3, Fraction(3, 2)), (3, 3), (-3, 3)]
+    path = followed(on(scene, polygon_of(scene, slanted), rule="box"), (0.6, -0.2, 0.0), 5.0)
+    assert path.end.reason is EndReason.TIPS
+    x, y, _ = path.end.state
+    assert x - y == pytest.approx(0.5, abs=POSE_ERROR)
+    assert path.events[-1].surface == "over the line through wheels 3 and 1"
+
+
+def test_a_start_that_tips_is_refused_in_one_line() -> None:
+    scene, _ = carton("nearest")
+    with pytest.raises(ValueError, match="stands on its wheels, received one where it tips"):
+        followed(scene, (2.9, 2.9, 0.0), 1.0)
+
+
+def test_a_table_of_loads_is_refused_where_loads_decide(arrays: Arrays) -> None:
+    scene = arrays.four_wheel()
+    quarter, zero = scene.field(Fraction(1, 4)), scene.field.zero
+    table = LoadTable(tuple((quarter, zero, zero) for _ in scene.wheels))
+    outlined = on(scene, Disc(scene.field(9)), rule="box")
+    outlined = replace(outlined, contact=replace(outlined.contact, loads=table))
+    with pytest.raises(SceneError, match="elastic loads"):
+        followed(outlined, (0.1, 0.1, 0.0), 1.0)
+
+
+# ---- the derivative of the depths ----------------------------------------------------------------
+
+
+def test_gradients_of_depths_are_their_differences(arrays: Arrays) -> None:
+    scene = arrays.scene([WheelData((x, y), (1, 0)) for x in range(4) for y in range(3)])
+    shield: list[Pair] = [(-2, -1), (1, Fraction(-3, 2)), (2, 0), (Fraction(1, 2), Fraction(3, 2)), (-2, 1)]
+    polygon = on(scene, polygon_of(scene, shield))
+    disc = on(scene, Disc(scene.field(Fraction(8, 5))), (Fraction(1, 5), Fraction(-1, 10)))
+    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    pose, step = np.array([0.83, 1.21, 0.7]), 1e-6
+    centre = np.array([0.2, -0.1])
+    shapes = (
+        (polygon, partial(polygon_depths, np.array(shield, float))),
+        (disc, partial(disc_depths, 1.6, centre)),
+    )
+    for outlined, depths in shapes:
+        assert outlined.body is not None
+        outline = MovingOutline(outlined.body, places)
+        for wheel in range(len(places)):
+            moves = [
+                (depths(places, pose + way)[wheel] - depths(places, pose - way)[wheel]) / (2 * step)
+                for way in step * np.eye(3)
+            ]
+            assert outline.gradient(pose, wheel) == pytest.approx(moves, abs=1e-7)
