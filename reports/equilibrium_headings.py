@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.proofs.answers.contact import numbers_text
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record
 from nonsmooth.reports.terminal import header_table
-from nonsmooth.symbolic.number_text import float_text, lower_text, place_text, upper_text
+from nonsmooth.symbolic.number_text import float_text, lower_text, numbers_text, place_text, upper_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 if TYPE_CHECKING:
