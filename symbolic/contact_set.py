@@ -98,7 +98,7 @@ def standing(scene: Scene) -> Scene:
     wheels = whole(scene).wheels
     carrying = tuple(wheel for wheel in wheels if _carries(scene, scene.body, wheel, point))
     idle = tuple(wheel for wheel in wheels if wheel not in carrying)
-    _require_standing(scene, carrying, point)
+    require_standing(scene, carrying, point)
     if idle and isinstance(scene.contact.loads, LoadTable):
         expected = "elastic loads, or a body that covers every wheel"
         raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
@@ -164,7 +164,17 @@ def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:
     raise SceneError(scene.origin, "body", "a pose with every wheel under the body or beside it", found)
 
 
-def _require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> None:
+def require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> None:
+    """Refuse a pose at which a body does not stand on these wheels.
+
+    Args:
+        scene: the array, for messages.
+        carrying: the wheels under the body.
+        point: where its centre of mass is.
+
+    Raises:
+        TipsError: where fewer than three wheels carry, or the centre of mass is not strictly inside their hull.
+    """
     numbers = tuple(wheel.index for wheel in carrying)
     if len(carrying) < 3:
         which = " and ".join(map(str, numbers))
