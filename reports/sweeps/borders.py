@@ -93,7 +93,7 @@ def find_borders(plan: Plan, outcomes: Sequence[Outcome], ask: Ask) -> tuple[Bor
     while open_gaps:
         halves = [gap.below.between(gap.above, Fraction(1, 2)) for gap in open_gaps]
         found = ask([gap.at(half) for gap, half in zip(open_gaps, halves, strict=True)])
-        narrower = []
+        narrower: list[_Gap] = []
         for gap, half, outcome in zip(open_gaps, halves, found, strict=True):
             narrower += _halved(gap, half, said(outcome), per_edge)
         open_gaps = [gap for gap in narrower if gap.width > WITHIN]

@@ -8,13 +8,14 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.answers.failures import Failure, failures_of, worst_failure
+from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import exact_texts, floats
+from nonsmooth.reports.records import failure_records
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.contact_set import TipsError
@@ -39,7 +40,6 @@ NUMBERS = {
     "kappa": ("pose", "rate"),
     "worst_rate": ("translation", "worst_rate"),
 }
-FAILURE = ("position", "heading", "pose", "theorem4")  # what is kept of each failure, beside wheel, kind and why
 
 
 def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, failures: bool = False) -> Outcome:
@@ -69,30 +69,15 @@ def refused(why: str) -> Outcome:
     return _record(REFUSED, REFUSED, REFUSED, REFUSED, one_line(why))
 
 
-def failure_records(failures: Sequence[Failure]) -> list[dict[str, Any]]:
-    """Failures wheel by wheel as JSON; exactly one of them is the worst."""
-    worst = worst_failure(tuple(failures))
-    return [
-        {
-            "wheel": failure.wheel,
-            "failure": str(failure.kind),
-            **{name: str(getattr(failure, name)) for name in FAILURE},
-            "why": failure.why or None,
-            "worst": failure is worst,
-        }
-        for failure in failures
-    ]
-
-
 def _checked(scene: Scene) -> Outcome:
     check = verified(check_theorem4(scene, beside=False))
     answers = {answer.name: answer for answer in answers_of(check)}
-    said = [answers[name].verdict for name in QUESTIONS[:3]]
+    position, heading, pose = (str(answers[name].verdict) for name in QUESTIONS[:3])
     verdicts = {name: str(check.results[name].verdict) for name in CLAUSES}
     numbers = {name: _number(check, answers, *place) for name, place in NUMBERS.items()}
     exact = {name: exact_texts(value) for name, value in numbers.items()}
     return {
-        **_record(*said, check.verdict, None),
+        **_record(position, heading, pose, check.verdict, None),
         **verdicts,
         **{name: floats(value) for name, value in numbers.items()},
         "exact": {name: text for name, text in exact.items() if text is not None},
