@@ -28,7 +28,7 @@ COLORS = {
 }
 TITLES = {"position": "position", "heading": "heading", "pose": "pose", "theorem4": "Theorem 4"}
 REFUSED_HATCH = "////"
-SEAM = 0.4  # points by which a piece overlaps its neighbours, so that no ground shows between equal ones
+SEAM = 0.7  # points by which a piece overlaps its neighbours, so that no ground shows between equal ones
 
 
 def look(answer: str) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def _draw(values: Values, source: random.Random) -> Value | Formula:
 
 
 def read_plan(
-    vary: Mapping[str, str], document: Mapping[str, Any], file: str, *, draws: int | None = None, seed: int = 0
+    vary: Mapping[str, str], document: Mapping[str, Any], file: str, draws: int | None = None, seed: int = 0
 ) -> Plan:
     """The plan of what a user wrote.
 
