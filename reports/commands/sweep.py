@@ -54,6 +54,14 @@ WorkersOption = Annotated[
     int | None,
     typer.Option("--workers", metavar="N", help="Processes that check; as many as there are processors unless given."),
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Check on the Dask cluster of this scheduler, such as tcp://host:8786 (needs nonsmooth[cluster]).",
+    ),
+]
 Yes = Annotated[bool, typer.Option("--yes", help="Run more than a million scenes.")]
 
 
@@ -67,6 +75,7 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     fail: Fail = None,
     store: StoreFile = None,
     workers: WorkersOption = None,
+    scheduler: Scheduler = None,
     yes: Yes = False,
     rule: RuleOption = None,
     radius: Radius = None,
@@ -97,6 +106,7 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
         _require_picture(plan, draws_picture)
         means = Means(
             workers=workers if workers is not None else processors(),
+            scheduler=scheduler,
             store=None if store is None else Path(store),
             failures=failures,
             borders=borders or draws_picture,

@@ -16,7 +16,7 @@ from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point
 from nonsmooth.reports.sweeps.run import Runner
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_error import SweepError
-from nonsmooth.reports.sweeps.workers import Work, local_workers
+from nonsmooth.reports.sweeps.workers import Work, Workers, local_workers
 
 SAMPLES = 4  # scenes by which the time of a large sweep is estimated; the first one is not counted
 MAX_WORKERS = 1024
@@ -47,6 +47,7 @@ class Means:
 
     Attributes:
         workers: processes; 1 for this one.
+        scheduler: address of a Dask scheduler whose workers check instead; None for none.
         store: file of results; None for none.
         failures: also ask what happens when any one wheel fails.
         borders: also look for borders between answers.
@@ -54,6 +55,7 @@ class Means:
     """
 
     workers: int = 1
+    scheduler: str | None = None
     store: Path | None = None
     failures: bool = False
     borders: bool = False
@@ -85,7 +87,7 @@ def _runner(work: Work, means: Means, report: Report) -> Iterator[Runner]:
     """Workers and store, closed in the end whatever happens."""
     store = None if means.store is None else Store(means.store)
     try:
-        workers = local_workers(work, means.workers)
+        workers = _workers(work, means)
         try:
             yield Runner(work, workers, store, report)
         finally:
@@ -93,6 +95,15 @@ def _runner(work: Work, means: Means, report: Report) -> Iterator[Runner]:
     finally:
         if store is not None:
             store.close()
+
+
+def _workers(work: Work, means: Means) -> Workers:
+    """A cluster where one is named, else this machine."""
+    if means.scheduler is None:
+        return local_workers(work, means.workers)
+    from nonsmooth.reports.sweeps.cluster import Cluster
+
+    return Cluster(work, means.scheduler)
 
 
 def _borders(plan: Plan, outcomes: Sequence[Outcome], runner: Runner) -> tuple[Border, ...]:
