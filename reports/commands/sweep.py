@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, write, write_json, write_views
+from nonsmooth.reports.console import RefusedError, broken_pipes_raised, write, write_json, write_views
 from nonsmooth.reports.options import AllowOutside, At, Fail, Json, Radius, RuleOption, SceneText, asks_for_failures
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _run(base: Base, plan: Plan, means: Means) -> Sweep:
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.sweeps.sweep import run_sweep
 
-    with progress("checked") as report:
+    with progress("checked") as report, broken_pipes_raised():
         return run_sweep(base, plan, means, report)
 
 

@@ -40,7 +40,8 @@ class Cluster:
             required = "the package distributed (pip install nonsmooth[cluster])"
             raise SweepError(f"scheduler: required {required}, received a Python without it") from None
         self._address = address
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is wrong is said in one line
+        for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what is wrong is said in one line
         # A client that failed to connect would try to say goodbye for many seconds when it is deleted.
         client = type("SweepClient", (self._dask.Client,), {"__del__": _say_nothing})
         try:

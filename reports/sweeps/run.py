@@ -74,12 +74,10 @@ class Runner:
                 if self._store is not None and finished.lasting:
                     self._store.put(finished.task.key, finished.outcome)
                 yield from ((k, finished.outcome) for k in wanted.pop(finished.task.key))
-            if self._store is not None:
-                self._store.sign_of_life()
-                if elsewhere and not waiting:  # ask again for what other sweeps are working on
-                    if len(wanted) == len(elsewhere):
-                        time.sleep(POLL)
-                    waiting, elsewhere = elsewhere, deque()
+            if elsewhere and not waiting:  # ask again for what other sweeps are working on
+                if len(wanted) == len(elsewhere):
+                    time.sleep(POLL)
+                waiting, elsewhere = elsewhere, deque()
 
     def _look_up(self, some: Sequence[tuple[int, Task]], wanted: dict[str, list[int]], waiting: deque[Task]) -> Found:
         """Hand out what the store knows, and queue the rest, equal scenes once."""

@@ -11,9 +11,10 @@ from __future__ import annotations
 import json
 import secrets
 import sqlite3
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -44,11 +45,14 @@ class Store:
         """
         self.path = path
         self._owner = secrets.token_hex(8)
-        self._seen = 0.0
         self._database = self._sound(self._open)
+        self._heart = Heart(path, self._owner)
+        self._sound(lambda: self._heart.beat(self._database))
+        self._heart.start()
 
     def close(self) -> None:
         """Give back what is claimed, and close the file."""
+        self._heart.stop()
         try:
             with self._database:
                 self._database.execute("DELETE FROM claims WHERE owner = ?", (self._owner,))
@@ -88,23 +92,6 @@ class Store:
 
         self._sound(write)
 
-    def sign_of_life(self) -> None:
-        """Renew our claims; to be called at least every few seconds.
-
-        Raises:
-            SweepError: where the file cannot be written.
-        """
-        now = time.time()
-        if now - self._seen < LEASE / 5:
-            return
-
-        def write() -> None:
-            with self._database:
-                self._database.execute("INSERT OR REPLACE INTO sweeps VALUES (?, ?)", (self._owner, now))
-
-        self._sound(write)
-        self._seen = now
-
     def __len__(self) -> int:
         """How many outcomes there are."""
         count: int = self._sound(lambda: self._database.execute("SELECT count(*) FROM outcomes").fetchone()[0])
@@ -136,7 +123,6 @@ class Store:
             yield from ((key, json.loads(text)) for key, text in rows)
 
     def _claimed(self, keys: Sequence[str]) -> set[str]:
-        self.sign_of_life()
         with self._transaction():
             dead = "owner NOT IN (SELECT owner FROM sweeps WHERE seen > ?)"
             self._database.execute(f"DELETE FROM claims WHERE {dead}", (time.time() - LEASE,))
@@ -168,6 +154,35 @@ class Store:
 
     def _error(self, required: str, received: str) -> SweepError:
         return SweepError(f"store: {self.path}: required {required}, received {received}")
+
+
+class Heart:
+    """A thread that renews the claims of a sweep, whatever the sweep is busy with."""
+
+    def __init__(self, path: Path, owner: str) -> None:
+        self._path, self._owner = path, owner
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End; the claims lapse, or are given back."""
+        self._ended.set()
+        self._thread.join()
+
+    def beat(self, database: sqlite3.Connection) -> None:
+        """One sign of life."""
+        with database:
+            database.execute("INSERT OR REPLACE INTO sweeps VALUES (?, ?)", (self._owner, time.time()))
+
+    def _run(self) -> None:
+        """A sign of life again and again, over a connection of its own; what is wrong shows where outcomes are put."""
+        while not self._ended.wait(LEASE / 5):
+            with suppress(sqlite3.Error), closing(sqlite3.connect(self._path, timeout=LEASE)) as database:
+                self.beat(database)
 
 
 def _portions(keys: Iterable[str]) -> Iterator[list[str]]:

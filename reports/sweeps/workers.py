@@ -6,15 +6,16 @@ worker dies again and again is tried alone, so that it is known which one it is,
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import threading
-import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context, parent_process
+from multiprocessing.context import BaseContext
 from typing import NamedTuple, Protocol
 
 from nonsmooth.reports.sweeps.base import Base
@@ -24,7 +25,6 @@ from nonsmooth.symbolic.files.key_paths import Path
 
 AHEAD = 2  # scenes under way for each worker, so that none waits for the next
 TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
-ORPHAN_TICK = 0.5  # seconds between two looks of a worker whether its sweep still lives
 TOGETHER, ALONE = 2, 3  # deaths of workers before a scene is tried alone, and before it is refused
 DIED = "its worker was killed again and again: it takes more memory or time than the machine allows"
 GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
@@ -151,9 +151,7 @@ class Pool:
 
     def _new(self) -> ProcessPoolExecutor:
         """A pool of fresh processes: neither our threads nor our locks are copied into them."""
-        return ProcessPoolExecutor(
-            self._count, mp_context=get_context("spawn"), initializer=_begin, initargs=(self._work, os.getpid())
-        )
+        return ProcessPoolExecutor(self._count, mp_context=_start_method(), initializer=_begin, initargs=(self._work,))
 
     def _start(self, task: Task) -> None:
         try:
@@ -206,25 +204,33 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def _start_method() -> BaseContext:
+    """A server that has imported what checks need and forks workers, where there is one: a new worker costs little."""
+    if "forkserver" not in get_all_start_methods():
+        return get_context("spawn")
+    context = get_context("forkserver")
+    context.set_forkserver_preload([__name__])
+    return context
+
+
 # ---- in a worker ---------------------------------------------------------------------------------
 
 _works: list[Work] = []  # one entry in a worker, none elsewhere
 
 
-def _begin(work: Work, sweep: int) -> None:
-    """Get ready: leave interrupts to the sweep, end with it, and import what a check needs."""
-    import gc
-
+def _begin(work: Work) -> None:
+    """Get ready: leave interrupts to the sweep, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.set_threshold(GARBAGE_THRESHOLD)
-    threading.Thread(target=_end_with, args=(sweep,), daemon=True).start()
+    threading.Thread(target=_end_with_sweep, daemon=True).start()
     _works[:] = [work]
 
 
-def _end_with(sweep: int) -> None:
+def _end_with_sweep() -> None:
     """End this process once the sweep is gone: it may have been killed, and then tells nobody."""
-    while os.getppid() == sweep:
-        time.sleep(ORPHAN_TICK)
+    sweep = parent_process()
+    if sweep is not None:
+        sweep.join()
     os._exit(0)
 
 

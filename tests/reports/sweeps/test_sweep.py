@@ -16,8 +16,8 @@ import nonsmooth as ns
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
-from nonsmooth.reports.sweeps.plan import Plan, Point, read_plan
-from nonsmooth.reports.sweeps.sweep import LARGE, Means, Sweep, run_sweep
+from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point, read_plan
+from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.symbolic.files.scene_file import read_document
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -22,8 +23,8 @@ def entries(text: str) -> list[int | str]:
     return [values.value(k).entry for k in range(values.count or 0)]
 
 
-def plan_of(scene: str = "four-wheel", draws: int | None = None, seed: int = 0, **vary: str) -> Plan:
-    document, file, _ = read_document(scene)
+def plan_of(vary: dict[str, str], draws: int | None = None, seed: int = 0) -> Plan:
+    document, file, _ = read_document("four-wheel")
     return read_plan(vary, document, file, draws, seed)
 
 
@@ -47,7 +48,7 @@ def test_ranges_ascend_in_equal_steps(a: Fraction, b: Fraction, count: int) -> N
     assert isinstance(values, Range)
     numbers = [values.value(k).constant for k in range(count)]
     assert (numbers[0], numbers[-1]) == (min(a, b), max(a, b))
-    assert {y - x for x, y in zip(numbers, numbers[1:], strict=False)} == {(numbers[-1] - numbers[0]) / (count - 1)}
+    assert {y - x for x, y in pairwise(numbers)} == {(numbers[-1] - numbers[0]) / (count - 1)}
 
 
 @pytest.mark.parametrize(
@@ -82,7 +83,7 @@ def test_what_is_no_value_is_refused_in_one_line(text: str) -> None:
 
 
 def test_a_grid_holds_every_combination_with_the_last_number_fastest() -> None:
-    plan = plan_of(mu_side="1:2:2", mu_roll="3,4,5")
+    plan = plan_of({"mu_side": "1:2:2", "mu_roll": "3,4,5"})
     assert plan.size == 6
     assert [tuple(value.entry for value in plan.point(k)) for k in range(6)] == [
         (1, 3), (1, 4), (1, 5), (2, 3), (2, 4), (2, 5)
@@ -91,17 +92,18 @@ def test_a_grid_holds_every_combination_with_the_last_number_fastest() -> None:
 
 
 def test_draws_are_exact_within_their_range_and_reproducible() -> None:
-    short, long = (plan_of(draws=n, seed=7, mu_side="1/3:2/3", mu_roll="1,2") for n in (20, 50))
+    vary = {"mu_side": "1/3:2/3", "mu_roll": "1,2"}
+    short, long = (plan_of(vary, n, seed=7) for n in (20, 50))
     drawn = [short.point(k) for k in range(20)]
     assert drawn == [long.point(k) for k in range(20)]
     assert len({point[0].entry for point in drawn}) == 20
     assert all(1 / 3 <= (point[0].number or 0) <= 2 / 3 for point in drawn)
     assert {point[1].entry for point in drawn} == {1, 2}
-    assert drawn != [plan_of(draws=20, seed=8, mu_side="1/3:2/3", mu_roll="1,2").point(k) for k in range(20)]
+    assert drawn != [plan_of(vary, 20, seed=8).point(k) for k in range(20)]
 
 
 def test_a_plan_of_any_size_costs_nothing() -> None:
-    plan = plan_of(**{"mu_side": "1:2:1000000", "mu_roll": "1:2:1000000", "check.radius": "1:2:1000000"})
+    plan = plan_of({"mu_side": "1:2:1000000", "mu_roll": "1:2:1000000", "check.radius": "1:2:1000000"})
     assert plan.size == 10**18
     assert plan.places(plan.size - 1) == (999_999,) * 3
 
@@ -163,4 +165,6 @@ def test_the_simplest_fraction_has_the_smallest_denominator(low: Fraction, width
     found = simplest_fraction(low, low + width)
     assert low <= found <= low + width
     for denominator in range(1, found.denominator):
-        assert -(-low * denominator // 1) > (low + width) * denominator  # no whole multiple of 1/denominator lies between
+        assert (
+            -(-low * denominator // 1) > (low + width) * denominator
+        )  # no whole multiple of 1/denominator lies between
