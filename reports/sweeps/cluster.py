@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
@@ -20,6 +21,7 @@ from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.reports.sweeps.workers import AHEAD, DIED, TICK, Finished, Task, Work
 
+GOODBYE = 3  # seconds to leave the scheduler in order
 ANSWER = 6  # seconds within which the scheduler must answer
 FEWEST = 4  # scenes under way while there is no worker: clusters that adapt start workers for waiting work
 RECOUNT = 5.0  # seconds between two counts of the workers
@@ -57,13 +59,15 @@ class Cluster:
         """Twice the threads of the cluster, less what is under way."""
         now = time.monotonic()
         if now - self._counted > RECOUNT:
-            self._threads, self._counted = sum(self._client.nthreads().values()), now
+            with self._connected():
+                self._threads, self._counted = sum(self._client.nthreads().values()), now
         return max(FEWEST, self._threads * AHEAD) - len(self._running)
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`nonsmooth.reports.sweeps.workers.Workers`."""
-        for task in tasks:
-            self._running[self._client.submit(check_there, self._work, task.entries, pure=False)] = task
+        with self._connected():
+            for task in tasks:
+                self._running[self._client.submit(check_there, self._work, task.entries, pure=False)] = task
 
     def finished(self) -> Iterator[Finished]:
         """See :class:`nonsmooth.reports.sweeps.workers.Workers`.
@@ -71,25 +75,43 @@ class Cluster:
         Raises:
             SweepError: where the scheduler is lost, and for workers with another version of this program.
         """
-        try:
-            with self._client.as_current():
-                done, _ = self._dask.wait(list(self._running), timeout=TICK, return_when="FIRST_COMPLETED")
-        except CancelledError:
-            raise self._lost("a scheduler that stays", "a lost connection") from None
-        except TimeoutError:
-            done = ()
-            if self._client.status != "running":
-                raise self._lost("a scheduler that stays", "a lost connection") from None
+        with self._connected():
+            done = self._some_done()
         for future in done:
             task = self._running.pop(future)
             yield self._collected(future, task)
 
     def close(self) -> None:
         """See :class:`nonsmooth.reports.sweeps.workers.Workers`."""
-        if self._client.status == "running":
-            self._client.cancel(list(self._running))
+        running = list(self._running)
         self._running.clear()
-        self._client.close()
+        with suppress(OSError, CancelledError):  # it may be lost
+            if self._client.status == "running":
+                self._client.cancel(running)
+            self._client.close(timeout=GOODBYE)
+
+    def _some_done(self) -> set[Any]:
+        """What is finished after ``TICK`` seconds or less."""
+        try:
+            with self._client.as_current():
+                done: set[Any] = self._dask.wait(list(self._running), timeout=TICK, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            if self._client.status != "running":
+                raise
+            return set()
+        return done
+
+    @contextmanager
+    def _connected(self) -> Iterator[None]:
+        """Work that needs the scheduler.
+
+        Raises:
+            SweepError: where it is lost.
+        """
+        try:
+            yield
+        except (OSError, CancelledError):
+            raise self._lost("a scheduler that stays", "a lost connection") from None
 
     def _collected(self, future: Any, task: Task) -> Finished:
         """The outcome of one scene."""
