@@ -141,16 +141,24 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 def _answers_table(sweep: Sweep) -> Table:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
     shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
-    header = [*shorts, "position", "heading", "pose", "Theorem 4", *SHOWN_NUMBERS, *["worst failure"] * failures]
+    beside = ["worst failure"] if failures else list(SHOWN_NUMBERS)
+    header = [*shorts, "position", "heading", "pose", "Theorem 4", *beside]
     table = header_table(*header, widest="pose")
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [Text(str(value.entry)) for value in sweep.plan.point(k)]
         answers = [verdict_text(outcome[name]) for name in QUESTIONS]
-        numbers = [Text("" if outcome[name] is None else float_text(outcome[name], 4)) for name in SHOWN_NUMBERS]
-        worst = _worst(outcome)
-        said = [] if not failures else [Text(f"{worst['worst failure']}: {worst['worst failure position']}")]
-        table.add_row(*entries, *answers, *numbers, *said)
+        table.add_row(*entries, *answers, *(_failure_text(outcome) if failures else _number_texts(outcome)))
     return table
+
+
+def _number_texts(outcome: Outcome) -> list[Text]:
+    return [Text("" if outcome[name] is None else float_text(outcome[name], 4)) for name in SHOWN_NUMBERS]
+
+
+def _failure_text(outcome: Outcome) -> list[Text]:
+    worst = _worst(outcome)
+    name, position = worst["worst failure"], worst["worst failure position"]
+    return [Text("" if name is None else f"{name}: {position}")]
 
 
 def _borders_view(sweep: Sweep) -> RenderableType:
