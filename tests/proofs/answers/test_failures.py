@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 PLACES = [*CORNERS, (2, 0), (0, 2)]
 
 
-def array(places: list[tuple[int, int]], rule: str, stopped: int | None = None, **more: str) -> ns.Array:
+def array(places: list[tuple[int, int]], rule: str, stopped: int | None = None, **more: Any) -> ns.Array:
     wheels = [ns.Wheel(place, heading="inward", speed=0 if k == stopped else 1) for k, place in enumerate(places, 1)]
     return ns.Array(wheels, mu_roll=1, mu_side="1/2", rule=rule, **more)
 
