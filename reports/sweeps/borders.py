@@ -1,12 +1,14 @@
 """Borders between answers, along the edges of a grid of scenes: found by bisection, in exact rational numbers.
 
 Where two neighbours answer differently, the scene half-way decides on which side the answer changes, until the two are
-nearer than ``WITHIN``.  A third answer half-way makes two borders of one.  Between neighbours that agree nothing is
-looked for: what lies there is sampled.
+nearer than ``WITHIN``.  Borders are often simple fractions, so now and then two scenes close to the simplest one of the
+gap are asked as well, which ends the search at once where it is there.  A third answer makes two borders of one.
+Between neighbours that agree nothing is looked for: what lies there is sampled.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,6 +21,7 @@ from nonsmooth.reports.sweeps.values import Formula, Range, Value, Values
 
 WITHIN = Fraction(1, 10**9)  # of the axis: how near the two sides of a border come
 MOST = 4  # borders that one edge of the grid is searched for
+GUESSES = (2, 8, 16)  # rounds in which the simplest fraction is tried too
 
 Said: TypeAlias = tuple[str, ...]  # the answers to QUESTIONS
 Ask: TypeAlias = Callable[[Sequence[Point]], Sequence[Outcome]]
@@ -69,15 +72,38 @@ class _Gap:
     @property
     def width(self) -> Fraction:
         """Distance of the two sides along the axis."""
-        return (
-            Fraction(self.above.number - self.below.number)
-            if self.below.multiple != self.above.multiple
-            else (self.above.constant - self.below.constant)
-        )
+        return _distance(self.below, self.above)
+
+    @property
+    def half(self) -> Value:
+        """The value half-way."""
+        return self.below.between(self.above, Fraction(1, 2))
+
+    @property
+    def guesses(self) -> tuple[Value, ...]:
+        """Two values on both sides of the simplest fraction between, less than ``WITHIN`` apart."""
+        guess = _simplest_between(self.below, self.above)
+        sides = (end for end in (self.below, self.above) if _distance(guess, end) > WITHIN)
+        return tuple(guess.between(end, WITHIN / 2 / _distance(guess, end)) for end in sides)
 
     def at(self, value: Value) -> Point:
         """The scene of the edge with this value."""
         return (*self.others[: self.axis], value, *self.others[self.axis + 1 :])
+
+    def parts(self, answers: Sequence[tuple[Value, Said]]) -> Iterator[_Gap]:
+        """The parts between the given scenes in which the answers change."""
+        known = [*answers, (self.below, self.before), (self.above, self.after)]
+        known.sort(key=lambda answered: _distance(self.below, answered[0]))
+        for (below, before), (above, after) in pairwise(known):
+            if before != after:
+                yield _Gap(self.axis, self.places, self.others, below, above, before, after)
+
+
+def _distance(a: Value, b: Value) -> Fraction:
+    """Distance of two values along their axis."""
+    if a.multiple != b.multiple:
+        return abs(Fraction(a.number) - Fraction(b.number))
+    return abs(a.constant - b.constant)
 
 
 def find_borders(plan: Plan, outcomes: Sequence[Outcome], ask: Ask) -> tuple[Border, ...]:
@@ -88,16 +114,17 @@ def find_borders(plan: Plan, outcomes: Sequence[Outcome], ask: Ask) -> tuple[Bor
         outcomes: of its scenes, in their order.
         ask: checks more scenes.
     """
-    open_gaps, closed = list(_gaps(plan, outcomes)), []
-    per_edge: dict[tuple[int, tuple[int, ...]], int] = {}
+    open_gaps, closed, turn = list(_gaps(plan, outcomes)), list[_Gap](), 0
     while open_gaps:
-        halves = [gap.below.between(gap.above, Fraction(1, 2)) for gap in open_gaps]
-        found = ask([gap.at(half) for gap, half in zip(open_gaps, halves, strict=True)])
+        turn += 1
+        asked = [(*(gap.guesses if turn in GUESSES else ()), gap.half) for gap in open_gaps]
+        answers = iter(ask([gap.at(value) for gap, values in zip(open_gaps, asked, strict=True) for value in values]))
         narrower: list[_Gap] = []
-        for gap, half, outcome in zip(open_gaps, halves, found, strict=True):
-            narrower += _halved(gap, half, said(outcome), per_edge)
-        open_gaps = [gap for gap in narrower if gap.width > WITHIN]
-        closed += [gap for gap in narrower if gap.width <= WITHIN]
+        for gap, values in zip(open_gaps, asked, strict=True):
+            narrower += gap.parts([(value, said(next(answers))) for value in values])
+        kept = _few_on_each_edge(narrower, closed)
+        open_gaps = [gap for gap in kept if gap.width > WITHIN]
+        closed += [gap for gap in kept if gap.width <= WITHIN]
     return _borders(closed, ask)
 
 
@@ -133,20 +160,15 @@ def _gaps(plan: Plan, outcomes: Sequence[Outcome]) -> Iterator[_Gap]:
                 yield _Gap(axis, places, plan.at(places), below, above, before, after)
 
 
-def _halved(gap: _Gap, half: Value, found: Said, per_edge: dict[tuple[int, tuple[int, ...]], int]) -> Iterator[_Gap]:
-    """The half, or halves, of a gap in which the answers change."""
-    lower = _Gap(gap.axis, gap.places, gap.others, gap.below, half, gap.before, found)
-    upper = _Gap(gap.axis, gap.places, gap.others, half, gap.above, found, gap.after)
-    if found == gap.before:
-        yield upper
-    elif found == gap.after:
-        yield lower
-    else:
-        edge = gap.axis, gap.places
-        per_edge[edge] = per_edge.get(edge, 1) + 1
-        yield lower
-        if per_edge[edge] <= MOST:
-            yield upper
+def _few_on_each_edge(narrower: Sequence[_Gap], closed: Sequence[_Gap]) -> list[_Gap]:
+    """The gaps without those beyond :data:`MOST` on one edge of the grid."""
+    counts = Counter((gap.axis, gap.places) for gap in closed)
+    kept = []
+    for gap in narrower:
+        counts[gap.axis, gap.places] += 1
+        if counts[gap.axis, gap.places] <= MOST:
+            kept.append(gap)
+    return kept
 
 
 def _borders(gaps: Sequence[_Gap], ask: Ask) -> tuple[Border, ...]:
@@ -170,7 +192,7 @@ def _simplest_between(below: Value, above: Value) -> Value:
 
 
 def simplest_fraction(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction with the smallest denominator in ``[low, high]``, by continued fractions (Stern 1858)."""
+    """The fraction with the smallest denominator in ``[low, high]``, by continued fractions."""
     if low <= 0 <= high:
         return Fraction(0)
     if high < 0:
