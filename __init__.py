@@ -30,9 +30,11 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.mass_result import MassResult as MassResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
+    from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
+    from nonsmooth.reports.sweeps.sweep import Means as Means
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.scene_error import SceneError as SceneError
 
@@ -47,12 +49,14 @@ _MODULES = {
     "LawResult": "reports.interface.law_result",
     "MapResult": "reports.interface.map_result",
     "MassResult": "reports.interface.mass_result",
+    "Means": "reports.sweeps.sweep",
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
     "RefusalError": "analysis.cells.partition",
     "ReportResult": "reports.interface.report_result",
     "SceneError": "symbolic.scene_error",
+    "SweepResult": "reports.interface.sweep_result",
     "System": "reports.interface.system",
     "SystemCheckResult": "reports.interface.system_result",
     "Wheel": "reports.interface.wheel",

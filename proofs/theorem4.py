@@ -28,12 +28,13 @@ CHECK_UNITS = 15_000_000  # of exact arithmetic in a whole check: a minute or so
 SEARCH_UNITS = 4_000_000  # in the search for other equilibria, which no clause needs
 
 
-def check_theorem4(scene: Scene, *, prune: bool = True, announce: Announce = unheard) -> Check:
+def check_theorem4(scene: Scene, *, prune: bool = True, beside: bool = True, announce: Announce = unheard) -> Check:
     """Check Theorem 4 for an array under the contact rule of its scene.
 
     Args:
         scene: the array; the point ``scene.check.equilibrium`` is checked in the square around it.
         prune: leave out what no verdict needs; without, everything is computed, with the same verdicts.
+        beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
         announce: hears the name of each step before it begins.
 
     With a body the array is that of the wheels that carry it at the checked pose.
@@ -45,7 +46,7 @@ def check_theorem4(scene: Scene, *, prune: bool = True, announce: Announce = unh
     """
     scene = standing(scene)
     with affordable(scene, CHECK_UNITS, "all clauses"):
-        return _check(Workspace(scene, prune=prune, announce=announce))
+        return _check(Workspace(scene, prune=prune, sample=beside, announce=announce), beside=beside)
 
 
 def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
@@ -72,13 +73,13 @@ def _of_kind(kind: type[Kind], result: Check) -> Kind:
     return result
 
 
-def _check(work: Workspace) -> Check:
+def _check(work: Workspace, *, beside: bool) -> Check:
     with work.timed("partition"):
         partition = work.partition
     with work.timed("contact states"):
-        census = _census(work)
+        census = _census(work) if beside else ContactCensus(triples_with_friction(work.scene))
     with work.timed("other equilibria"):
-        others = _equilibria(work)
+        others = _equilibria(work) if beside else None
     for clause in registry.CLAUSES:
         with work.timed(clause.name):
             work.earlier[clause.name] = clause.decide(work)

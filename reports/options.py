@@ -35,6 +35,17 @@ def required_answers(text: str | None) -> tuple[str, ...]:
     return names
 
 
+def asks_for_failures(fail: int | None) -> bool:
+    """Whether ``--fail`` is given.
+
+    Raises:
+        RefusedError: for another number of wheels than one.
+    """
+    if fail not in (None, 1):
+        raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {fail}")
+    return fail is not None
+
+
 def _rule_option(*more: str) -> Any:
     """``--rule``, which takes the name of a registered contact rule or one of the words ``more``."""
 
@@ -131,6 +142,14 @@ Require = Annotated[
         "--require",
         metavar="NAME,...",
         help=f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home, keeps or returns, can be held, holds.",
+    ),
+]
+Fail = Annotated[
+    int | None,
+    typer.Option(
+        "--fail",
+        metavar="1",
+        help="Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named.",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]

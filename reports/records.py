@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contact import contact_facts
+from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.answers import answers_record, robust_record
@@ -22,15 +23,22 @@ CHECK_SCHEMA = "nonsmooth-check/1"
 CHECKS_SCHEMA = "nonsmooth-checks/1"
 PARTITION_SCHEMA = "nonsmooth-partition/1"
 SCENES_SCHEMA = "nonsmooth-scenes/1"
+FAILURE = ("position", "heading", "pose", "theorem4")  # the answers of a failure, beside wheel, kind and why
 
 
-def check_record(result: Check, answered: Answers | None = None, continuum: Record | None = None) -> Record:
+def check_record(
+    result: Check,
+    answered: Answers | None = None,
+    continuum: Record | None = None,
+    failures: Sequence[Failure] | None = None,
+) -> Record:
     """The verdicts of one check; points and twists are measured from ``equilibrium.at``.
 
     Args:
         result: the verdicts.
         answered: where bodies go and what the other rules say, where that was asked.
         continuum: the record of the continuous idealization, where it is asked for.
+        failures: the answers with any one wheel failed, where they are asked for.
     """
     scene = result.scene
     return {
@@ -46,6 +54,7 @@ def check_record(result: Check, answered: Answers | None = None, continuum: Reco
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
         "continuum": continuum,
+        "failures": None if failures is None else failure_records(failures),
         "notes": [*angle_notes(scene.field), *filter(None, [rule_of(scene).remark(scene)])],
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
         "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
@@ -55,6 +64,21 @@ def check_record(result: Check, answered: Answers | None = None, continuum: Reco
 def checks_record(records: Iterable[Record]) -> Record:
     """Checks of one scene under several rules, by their records."""
     return {"schema": CHECKS_SCHEMA, "checks": list(records)}
+
+
+def failure_records(failures: Sequence[Failure]) -> list[Record]:
+    """Failures wheel by wheel as JSON; exactly one of them is the worst."""
+    worst = worst_failure(tuple(failures))
+    return [
+        {
+            "wheel": failure.wheel,
+            "failure": str(failure.kind),
+            **{name: str(getattr(failure, name)) for name in FAILURE},
+            "why": failure.why or None,
+            "worst": failure is worst,
+        }
+        for failure in failures
+    ]
 
 
 def partition_record(partition: Partition) -> Record:

@@ -31,6 +31,7 @@ _STYLES = {
     "stays near": "yellow",
     "drifts": "yellow",
     "leaves": "red",
+    "tips": "red",
     "cannot be held": "red",
     "holds": "green",
     "asymptotically stable": "green",

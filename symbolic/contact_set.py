@@ -98,7 +98,7 @@ def standing(scene: Scene) -> Scene:
     wheels = whole(scene).wheels
     carrying = tuple(wheel for wheel in wheels if _carries(scene, scene.body, wheel, point))
     idle = tuple(wheel for wheel in wheels if wheel not in carrying)
-    _require_standing(scene, carrying, point)
+    require_standing(scene, carrying, point)
     if idle:
         _require_no_table(scene)
     positions = [wheel.position for wheel in carrying]
@@ -168,7 +168,7 @@ def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
     """
     wheels, point, check = whole(scene).wheels, scene.check.equilibrium, scene.check
     carrying = tuple(wheel for wheel in wheels if wheel.index in numbers)
-    _require_standing(scene, carrying, point)
+    require_standing(scene, carrying, point)
     if len(carrying) < len(wheels):
         _require_no_table(scene)
     inner = default_radius([wheel.position for wheel in carrying], point)
@@ -200,7 +200,17 @@ def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:
     raise SceneError(scene.origin, "body", "a pose with every wheel under the body or beside it", found)
 
 
-def _require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> None:
+def require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> None:
+    """Refuse a pose at which a body does not stand on these wheels.
+
+    Args:
+        scene: the array, for messages.
+        carrying: the wheels under the body.
+        point: where its centre of mass is.
+
+    Raises:
+        TipsError: where fewer than three wheels carry, or the centre of mass is not strictly inside their hull.
+    """
     numbers = tuple(wheel.index for wheel in carrying)
     if len(carrying) < 3:
         which = " and ".join(map(str, numbers))

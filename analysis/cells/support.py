@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 from flint import arb
@@ -88,6 +88,7 @@ def _squared_distance(start: Vector, end: Vector) -> Number:
     return area * area / dot(along, along)
 
 
+@lru_cache(maxsize=4)  # several clauses of one check ask for it
 def build_support(scene: Scene) -> Support:
     """The support polygon of all wheels of a centred scene."""
     corners = tuple(support_polygon(outer_positions([wheel.position for wheel in scene.wheels])))

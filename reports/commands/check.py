@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from nonsmooth.reports.check_files import CheckFiles
+from nonsmooth.reports.check_output import failed_wheels, write_check_views, write_records
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
 from nonsmooth.reports.options import (
     AUTO,
@@ -12,6 +13,7 @@ from nonsmooth.reports.options import (
     AtOrAuto,
     CertificateFile,
     Continuum,
+    Fail,
     Headings,
     Json,
     LawFile,
@@ -20,6 +22,7 @@ from nonsmooth.reports.options import (
     Require,
     RulesOption,
     SceneTexts,
+    asks_for_failures,
     chosen_rules,
     required_answers,
 )
@@ -27,14 +30,18 @@ from nonsmooth.reports.options import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rich.console import RenderableType
-
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.clauses.workspace import Announce
-    from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.symbolic.contact_set import TipsError
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+class Beside(NamedTuple):
+    """What is asked beside the answers and clauses."""
+
+    continuum: bool
+    failures: bool
 
 
 def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -49,6 +56,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     require: Require = None,
     continuum: Continuum = False,
     headings: Headings = False,
+    fail: Fail = None,
     json: Json = False,
 ) -> int:
     """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table.
@@ -60,7 +68,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
     rules, required = chosen_rules(rule), required_answers(require)
-    files = CheckFiles.asked(certificate, law, len(rules))
+    files, failures = CheckFiles.asked(certificate, law, len(rules)), asks_for_failures(fail)
     fixed_at = None if at == AUTO else at
     loaded = [
         load_any(scene, rule=name, radius=radius, at=fixed_at, allow_outside=allow_outside)
@@ -73,16 +81,17 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     if len(scenes) > 1:
         loaded = [_at_best_point(scene) if best else scene for scene in loaded]
         asked = {"--certificate": files.certificate is not None, "--law": files.law is not None}
-        _require_one_scene({**asked, "--continuum": continuum, "--headings": headings}, len(scenes))
+        _require_one_scene({**asked, "--continuum": continuum, "--headings": headings, "--fail": failures}, len(scenes))
         return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
         asked = {"a certificate": files.certificate is not None, "--law": files.law is not None}
-        _require_array(loaded[0], {**asked, "--continuum": continuum, "--headings": headings})
+        _require_array(loaded[0], {**asked, "--continuum": continuum, "--headings": headings, "--fail": failures})
         return _check_system(loaded[0], json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
     options = {"best": best, "prune": not no_prune, "around": headings}
     try:
-        return _check_array(arrays, files, options, required=required, continuum=continuum, json=json)
+        beside = Beside(continuum, failures)
+        return _check_array(arrays, files, options, required=required, beside=beside, json=json)
     except TipsError as tipping:
         return _answer_tipping(arrays[0], tipping, required, json=json)
 
@@ -141,14 +150,14 @@ def _check_array(  # one keyword for each option
     options: dict[str, bool],
     *,
     required: Sequence[str],
-    continuum: bool,
+    beside: Beside,
     json: bool,
 ) -> int:
     """One array, under one contact rule or all."""
     from nonsmooth.reports.interface.check_result import check_scene
     from nonsmooth.reports.progress import steps
 
-    found = _predictions(scenes[0]) if continuum else None
+    found = _predictions(scenes[0]) if beside.continuum else None
     results, alone = [], len(scenes) == 1
     with steps("check") as announce:
         for scene in scenes:
@@ -158,11 +167,12 @@ def _check_array(  # one keyword for each option
         announce("where bodies go, headings of rest, and the other rules")
         for result in results:
             _ = result.answers
+        failures = [failed_wheels(result, announce) for result in results] if beside.failures else None
     files.write(results[0])
     if json:
-        _write_records(results, found)
+        write_records(results, found, failures)
     else:
-        _write_views(results, found)
+        write_check_views(results, found, failures)
     statuses = [result.exit_status(required) for result in results]
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
@@ -170,42 +180,6 @@ def _check_array(  # one keyword for each option
 def _with_rule(scene: Scene, announce: Announce) -> Announce:
     """Steps of one rule among several."""
     return lambda step: announce(f"rule {scene.contact.rule}: {step}")
-
-
-def _write_records(results: list[CheckResult], found: tuple[Prediction, ...] | None) -> None:
-    from nonsmooth.reports.records import check_record, checks_record
-
-    if found is None:
-        records = [result.to_dict() for result in results]
-    else:
-        from nonsmooth.reports.continuum import continuum_record
-
-        records = [
-            check_record(result.evidence, result.answers, continuum_record(found, result.evidence))
-            for result in results
-        ]
-    write_json(checks_record(records) if len(records) > 1 else records[0])
-
-
-def _write_views(results: list[CheckResult], found: tuple[Prediction, ...] | None) -> None:
-    from nonsmooth.reports.answers import answers_view
-    from nonsmooth.reports.terminal import check_view, headline, legend, notes_lines
-
-    views: list[RenderableType] = []
-    for result in results:
-        check = result.evidence
-        views += [_stacked(headline(check), answers_view(check, result.answers)), check_view(check)]
-    if found is not None:
-        from nonsmooth.reports.continuum import continuum_view
-
-        views.append(continuum_view(found, [result.evidence for result in results]))
-    write_views([*views, *notes_lines(results[0].evidence.scene.field), legend()])
-
-
-def _stacked(*views: RenderableType) -> RenderableType:
-    from rich.console import Group
-
-    return Group(*views)
 
 
 def _predictions(scene: Scene) -> tuple[Prediction, ...]:

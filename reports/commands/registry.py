@@ -35,6 +35,10 @@ COMMANDS = {  # in the order of the help
         "List or draw the cells of the plane, each with its contact state and twist, or a sampled field.",
         "partition four-wheel -o cells.svg",
     ),
+    "sweep": Entry(
+        "Check many scenes that differ in a few numbers: a table, strips or a map of answers, and where they change.",
+        "sweep four-wheel --vary mu_side=0.05:2:40 -o sweep.svg",
+    ),
     "derive": Entry(
         "Write the derivation report; without -o, as Markdown to standard output.",
         "derive four-wheel -o report.html",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.mass_result import MassResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
+    from nonsmooth.reports.interface.sweep_result import SweepResult
+    from nonsmooth.reports.sweeps.sweep import Means
 
 AUTO = "auto"  # the best rest point of the square
 
@@ -173,6 +175,35 @@ class Array(MadeArray):
         from nonsmooth.reports.interface.map_result import map_scene
 
         return map_scene(self.scene, grid, heading, until, kinematics)
+
+    def sweep(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        random: int | None = None,
+        seed: int = 0,
+        means: Means | None = None,
+        **more: Any,
+    ) -> SweepResult:
+        """Check many arrays that differ from this one in a few numbers.
+
+        Args:
+            values: by key path, such as ``{"wheel.1.heading": "40:50:11"}``: a range ``start:stop:count``, a list
+                ``a,b,c``, or any numbers one by one.  Several give every combination.
+            random: how many random draws within ranges ``start:stop``, instead of a grid.
+            seed: of the draws.
+            means: how it is run: workers, store, borders, failures (:class:`nonsmooth.Means`).  More than one worker
+                is a process each: a script then needs ``if __name__ == "__main__":`` around what it does.
+            **more: values of numbers that only one table has, such as ``mu_side="0.05:1:40"``.
+
+        Raises:
+            SceneError: for a key path that names no number of the array.
+            ValueError: for values and means that cannot be used.
+        """
+        from nonsmooth.reports.interface.sweep_result import sweep_array
+        from nonsmooth.reports.sweeps.sweep import Means
+
+        return sweep_array(self, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.

@@ -119,10 +119,16 @@ class MadeArray:
         """The exact array: all numbers in one field."""
         from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused
 
+        label, file = self.origin
+        with deep_nesting_refused(label):
+            return build_scene(dict(self.document), label, file)
+
+    @property
+    def origin(self) -> tuple[str, Path]:
+        """The name of the array in messages, and the scene file that it would have."""
         name = self.document.get("name")
         label = name if isinstance(name, str) and name.strip() else "array"
-        with deep_nesting_refused(label):
-            return build_scene(dict(self.document), label, self.folder / f"{label}.toml")
+        return label, self.folder / f"{label}.toml"
 
     @cached_property
     def partition(self) -> Partition:

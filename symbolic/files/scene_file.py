@@ -7,7 +7,7 @@ in one :class:`SceneError` that names file, key, what was expected and what was 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal
 from difflib import get_close_matches
@@ -45,6 +45,7 @@ __all__ = [
     "deep_nesting_refused",
     "load_scene",
     "read_document",
+    "wheel_table",
 ]
 
 MAX_TOML_BYTES = 1 << 20
@@ -191,10 +192,30 @@ def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: 
     return data
 
 
-def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: bool = False) -> Scene:
+def wheel_table(data: Mapping[str, Any], file: str, path: Path, *, allow_outside: bool = False) -> str | None:
+    """The text of the table of wheels that a document names; None where it names none.
+
+    It is read from outside the scene's folder only with ``allow_outside``.
+
+    Raises:
+        SceneError: for a table that cannot be read.
+    """
+    named = data.get("wheels")
+    name = named.get("file") if isinstance(named, Mapping) else None
+    if not isinstance(name, str):
+        return None
+    key = f"wheels.file {name}"
+    table = path_beside(path, name, file, key, allow_outside=allow_outside)
+    return read_text(table, MAX_CSV_BYTES, file, key, "a file")
+
+
+def build_scene(
+    data: dict[str, Any], file: str, path: Path, *, allow_outside: bool = False, wheels: str | None = None
+) -> Scene:
     """The scene of a document, by the parts that :func:`read_document` returns.
 
-    A table of wheels is read from outside the scene's folder only with ``allow_outside``.
+    A table of wheels is read from outside the scene's folder only with ``allow_outside``; ``wheels`` is its text where
+    that was read before.
 
     Raises:
         SceneError: for whatever cannot be used.
@@ -202,18 +223,18 @@ def build_scene(data: dict[str, Any], file: str, path: Path, *, allow_outside: b
     if "system" in data:
         raise SceneError(file, "system", "an array of wheels", StatedFact("a plain switched system"))
     document = _document(data, file)
-    layout = _layout(document, file, path, allow_outside=allow_outside)
+    layout = _layout(document, file, lambda: wheels or wheel_table(data, file, path, allow_outside=allow_outside) or "")
     numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
-    wheels = WheelBuilder(document, numbers).build(layout.places(numbers))
+    built = WheelBuilder(document, numbers).build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,
-        wheels=wheels,
-        contact=_contact(document, numbers, wheels),
-        check=_check(document, numbers, wheels),
+        wheels=built,
+        contact=_contact(document, numbers, built),
+        check=_check(document, numbers, built),
         source=file,
-        continuum=_continuum(document, numbers, wheels, body),
+        continuum=_continuum(document, numbers, built, body),
         units=document.units.labels,
         body=body,
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
@@ -229,8 +250,8 @@ def _document(data: dict[str, Any], file: str) -> Document:
     return validate(Document, data, file, units.angle)
 
 
-def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -> Layout:
-    """The one layout of the document.
+def _layout(document: Document, file: str, table: Callable[[], str]) -> Layout:
+    """The one layout of the document; ``table`` reads the text of its table of wheels.
 
     Raises:
         SceneError: for none or several.
@@ -241,11 +262,7 @@ def _layout(document: Document, file: str, path: Path, *, allow_outside: bool) -
         key, found = " and ".join(named) or "wheel", StatedFact(f"{len(named)}" if named else "none")
         raise SceneError(file, key, "one of [[wheel]], [ring], [grid], [wheels]", found)
     if document.wheels is not None:
-        name = document.wheels.file
-        key = f"wheels.file {name}"
-        table = path_beside(path, name, file, key, allow_outside=allow_outside)
-        text = read_text(table, MAX_CSV_BYTES, file, key, "a file")
-        return parse_wheels(text, name, file, document.units.angle)
+        return parse_wheels(table(), document.wheels.file, file, document.units.angle)
     return document.ring or document.grid or WheelList(document.wheel or [])
 
 

@@ -67,7 +67,7 @@ class ControlLyapunov:
 
     def slope(self, c: Point) -> Vector:
         """``P c``: half the gradient in c."""
-        return shaped(self.shape, c)
+        return shaped(self.shape, c) if any(self.shape) else c
 
     def coefficients(self, fields: Sequence[Sequence[Any]], c: Point, theta: Any) -> tuple[Any, ...]:
         """Coefficient of each input in ``V'/2 = P c . (v + omega J c) + w theta omega``, from the control fields."""

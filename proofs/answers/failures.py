@@ -1,0 +1,157 @@
+"""What a check answers when any one wheel fails: stopped (its rim stands still, its friction stays) or lifted.
+
+A stopped wheel has speed zero and no drive.  Answers about position and heading are those of that array.  About the
+pose: what holds with every drive to command may fail with one less, so *can be held* becomes *undecided*, while
+*cannot be held* stays.  A lifted wheel carries nothing and touches nothing: the others carry the body, as far as it
+stands on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.answers.answer import Heading, Pose, Position
+from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.verified import verified
+from nonsmooth.symbolic.contact_set import TipsError, require_standing, standing, whole
+from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.support_polygon import default_radius
+
+NO_DRIVE = "a law may need the wheel that is stopped"
+NO_TABLE = "the loads are a table for all wheels: what the others carry without it is not known"
+
+# From the best to the worst, for what is worst; tipping is worse than leaving, since the body falls.
+POSITIONS = (Position.COMES_HOME, Position.STAYS_NEAR, Position.UNDECIDED, Position.LEAVES, Position.TIPS)
+HEADINGS = (Heading.RETURNS, Heading.KEEPS, Heading.UNDECIDED, Heading.DRIFTS)
+POSES = (Pose.CAN_BE_HELD, Pose.UNDECIDED, Pose.CANNOT_BE_HELD)
+
+
+class FailureKind(StrEnum):
+    """What becomes of the wheel."""
+
+    STOPPED = "stopped"
+    LIFTED = "lifted"
+
+
+@dataclass(frozen=True)
+class Failure:
+    """The answers with one wheel failed.
+
+    Attributes:
+        wheel: its number.
+        kind: what became of it.
+        position: where a body goes that starts near the point.
+        heading: what its heading does.
+        pose: whether feedback can hold both with the drives that are left.
+        theorem4: the verdict of Theorem 4; of a stopped wheel undecided where it rests on feedback.
+        why: what is to be said beside it: why the body tips, or why an answer is undecided; empty for nothing.
+    """
+
+    wheel: int
+    kind: FailureKind
+    position: Position
+    heading: Heading
+    pose: Pose
+    theorem4: Theorem4
+    why: str = ""
+
+    @property
+    def badness(self) -> tuple[int, int, int]:
+        """The larger the worse: position before heading before pose."""
+        return POSITIONS.index(self.position), HEADINGS.index(self.heading), POSES.index(self.pose)
+
+    @property
+    def name(self) -> str:
+        """``wheel 2 lifted``."""
+        return f"wheel {self.wheel} {self.kind}"
+
+
+def failures_of(scene: Scene) -> tuple[Failure, ...]:
+    """The answers with each wheel failed that carries at the checked pose, stopped and lifted; wheel by wheel.
+
+    Raises:
+        TipsError: where the body does not stand even on all wheels.
+        SceneError: where a wheel lies exactly under its edge.
+    """
+    carrying = standing(scene).wheels
+    return tuple(_failure(scene, wheel, kind) for wheel in carrying for kind in FailureKind)
+
+
+def worst_failure(failures: tuple[Failure, ...]) -> Failure:
+    """The failure with the worst answers, the first of several."""
+    return max(failures, key=lambda failure: failure.badness)
+
+
+def _failure(scene: Scene, wheel: Wheel, kind: FailureKind) -> Failure:
+    if kind is FailureKind.STOPPED:
+        return _decided(_stopped(scene, wheel), wheel.index, kind)
+    if isinstance(scene.contact.loads, LoadTable):
+        return _undecided(wheel.index, kind, NO_TABLE)
+    try:
+        left = _lifted(scene, wheel)
+    except TipsError as tipping:
+        return Failure(
+            wheel.index,
+            kind,
+            Position.TIPS,
+            Heading.UNDECIDED,
+            Pose.UNDECIDED,
+            Theorem4.HYPOTHESES_NOT_MET,
+            f"the body has {tipping.why}",
+        )
+    return _decided(left, wheel.index, kind)
+
+
+def _stopped(scene: Scene, failed: Wheel) -> Scene:
+    """The array in which the rim of a wheel stands still."""
+    still = replace(failed, given_speed=scene.field.zero)
+    wheels = tuple(still if wheel.index == failed.index else wheel for wheel in whole(scene).wheels)
+    return replace(whole(scene), wheels=wheels)
+
+
+def _lifted(scene: Scene, failed: Wheel) -> Scene:
+    """The array without a wheel, in a square that its support polygon holds.
+
+    Raises:
+        TipsError: where the body does not stand on the others.
+    """
+    every = whole(scene)
+    rest = replace(every, wheels=tuple(wheel for wheel in every.wheels if wheel.index != failed.index))
+    point = scene.check.equilibrium
+    carrying = standing(rest)
+    require_standing(rest, carrying.wheels, point)
+    room = default_radius([wheel.position for wheel in carrying.wheels], point)
+    if (carrying.check.radius - room).sign() <= 0:
+        return rest
+    return replace(rest, check=replace(rest.check, radius=room, has_default_radius=False))
+
+
+def _decided(scene: Scene, number: int, kind: FailureKind) -> Failure:
+    """The answers about what is left; where they are refused, undecided and why."""
+    try:
+        check = verified(check_theorem4(scene, beside=False))
+    except (RefusalError, SceneError) as error:
+        return _undecided(number, kind, str(error))
+    found = {answer.name: answer.verdict for answer in answers_of(check)}
+    position, heading, pose = (found[name] for name in ("position", "heading", "pose"))
+    why = check.reason if position is Position.UNDECIDED else ""
+    failure = Failure(number, kind, Position(position), Heading(heading), Pose(pose), check.verdict, why)
+    return failure if kind is FailureKind.LIFTED else _without_drive(failure)
+
+
+def _without_drive(failure: Failure) -> Failure:
+    """What is left of answers that may use the drive of the stopped wheel."""
+    if failure.pose is not Pose.CAN_BE_HELD and failure.theorem4 is not Theorem4.HOLDS:
+        return failure
+    pose = Pose.UNDECIDED if failure.pose is Pose.CAN_BE_HELD else failure.pose
+    theorem4 = Theorem4.UNDECIDED if failure.theorem4 is Theorem4.HOLDS else failure.theorem4
+    return replace(failure, pose=pose, theorem4=theorem4, why=failure.why or NO_DRIVE)
+
+
+def _undecided(number: int, kind: FailureKind, why: str) -> Failure:
+    return Failure(number, kind, Position.UNDECIDED, Heading.UNDECIDED, Pose.UNDECIDED, Theorem4.UNDECIDED, why)

@@ -1,0 +1,106 @@
+"""What is kept of one scene of a sweep: a flat record of answers, verdicts and rates, which a store holds as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
+from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.failures import failures_of
+from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.verified import verified
+from nonsmooth.reports.exact_record import exact_texts, floats
+from nonsmooth.reports.records import failure_records
+from nonsmooth.reports.sweeps.base import Base
+from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.symbolic.contact_set import TipsError
+from nonsmooth.symbolic.files.key_paths import Path
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, one_line
+
+Outcome: TypeAlias = Mapping[str, Any]
+
+QUESTIONS = ("position", "heading", "pose", "theorem4")
+CLAUSES = ("equilibrium", "translation", "rotation", "feedback")
+REFUSED = "refused"  # the answer of a scene that cannot be checked; why stands beside it
+
+# Numbers of a record, and where they come from: the answer or clause, and the key of its fact.
+NUMBERS = {
+    "within": ("position", "within"),
+    "rate": ("position", "rate"),
+    "seconds_per_distance": ("position", "seconds_per_distance"),
+    "stays_within": ("position", "stays_within"),
+    "largest_rate": ("heading", "largest_rate"),
+    "turn_per_distance": ("heading", "turn_per_distance"),
+    "kappa": ("pose", "rate"),
+    "worst_rate": ("translation", "worst_rate"),
+}
+
+
+def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, failures: bool = False) -> Outcome:
+    """Check one scene of a sweep.
+
+    Args:
+        base: the scene before anything varies.
+        paths: the numbers that vary.
+        entries: their values.
+        failures: also ask what happens when any one wheel fails.
+    """
+    try:
+        scene = base.scene(paths, entries)
+        found = _checked(scene)
+        return {**found, "failures": failure_records(failures_of(scene))} if failures else found
+    except TipsError as tipping:
+        why = f"a body with {tipping.why}"
+        return _record(Position.TIPS, Heading.UNDECIDED, Pose.UNDECIDED, Theorem4.HYPOTHESES_NOT_MET, why)
+    except SceneError as error:
+        return refused(f"{error.key}: {str(error).partition(f'{error.key}: ')[2]}" if error.key else str(error))
+    except RefusalError as error:
+        return refused(str(error))
+
+
+def refused(why: str) -> Outcome:
+    """A scene without answers."""
+    return _record(REFUSED, REFUSED, REFUSED, REFUSED, one_line(why))
+
+
+def _checked(scene: Scene) -> Outcome:
+    check = verified(check_theorem4(scene, beside=False))
+    answers = {answer.name: answer for answer in answers_of(check)}
+    position, heading, pose = (str(answers[name].verdict) for name in QUESTIONS[:3])
+    verdicts = {name: str(check.results[name].verdict) for name in CLAUSES}
+    numbers = {name: _number(check, answers, *place) for name, place in NUMBERS.items()}
+    exact = {name: exact_texts(value) for name, value in numbers.items()}
+    return {
+        **_record(position, heading, pose, check.verdict, None),
+        **verdicts,
+        **{name: floats(value) for name, value in numbers.items()},
+        "exact": {name: text for name, text in exact.items() if text is not None},
+    }
+
+
+def _record(position: str, heading: str, pose: str, theorem4: str, why: str | None) -> dict[str, Any]:
+    """A record without clauses and numbers."""
+    answers = dict(zip(QUESTIONS, map(str, (position, heading, pose, theorem4)), strict=True))
+    return {**answers, **dict.fromkeys(CLAUSES), **dict.fromkeys(NUMBERS), "exact": {}, "why": why}
+
+
+def _number(check: Check, answers: Mapping[str, Answer], place: str, key: str) -> Any:
+    """One number of an answer or a clause; None where it has none, and where it would be sampled."""
+    if place == "translation" and not isinstance(check, CellCheck):
+        return None
+    facts = answers[place].facts if place in answers else tuple(_clause_facts(check, place))
+    value = next((fact.value for fact in facts if fact.key == key), None)
+    return value.value if isinstance(value, Quantity) else value
+
+
+def _clause_facts(check: Check, name: str) -> Iterator[Fact]:
+    """What one clause says."""
+    for clause, _ in check.clauses:
+        if clause.name == name:
+            yield from check.facts(clause)

@@ -1,0 +1,143 @@
+"""A whole sweep: what was varied, what was found, and where the answers change."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from nonsmooth.reports.progress import Report, silent
+from nonsmooth.reports.sweeps.base import Base, entries_of
+from nonsmooth.reports.sweeps.borders import Border, find_borders
+from nonsmooth.reports.sweeps.outcome import QUESTIONS, REFUSED, Outcome, outcome_of
+from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point
+from nonsmooth.reports.sweeps.run import Runner
+from nonsmooth.reports.sweeps.store import Store
+from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.workers import Work, Workers, local_workers
+
+SAMPLES = 4  # scenes by which the time of a large sweep is estimated; the first one is not counted
+MAX_WORKERS = 1024
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep found.
+
+    Attributes:
+        base: the scene before anything varies.
+        plan: what varies.
+        outcomes: of every scene, in the order of the plan.
+        borders: where answers change along the edges of the grid; None where they were not looked for.
+        checked: how many scenes were computed; the others were in the store, or equal to another one.
+    """
+
+    base: Base
+    plan: Plan
+    outcomes: Sequence[Outcome]
+    borders: tuple[Border, ...] | None
+    checked: int
+
+
+@dataclass(frozen=True)
+class Means:
+    """How a sweep is run.
+
+    Attributes:
+        workers: processes; 1 for this one.
+        scheduler: address of a Dask scheduler whose workers check instead; None for none.
+        store: file of results; None for none.
+        failures: also ask what happens when any one wheel fails.
+        borders: also look for borders between answers.
+        yes: run more than ``LARGE`` scenes without asking.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    store: Path | None = None
+    failures: bool = False
+    borders: bool = False
+    yes: bool = False
+
+
+def run_sweep(base: Base, plan: Plan, means: Means, report: Report = silent) -> Sweep:
+    """Check all scenes of a plan.
+
+    Raises:
+        SweepError: for means that cannot be used, and where every scene is refused.
+    """
+    if not 1 <= means.workers <= MAX_WORKERS:
+        raise SweepError(f"workers: required 1 to {MAX_WORKERS}, received {means.workers}")
+    if means.borders and plan.draws is not None:
+        raise SweepError("borders: required a grid of scenes, received random draws")
+    if plan.size > LARGE and not means.yes:
+        raise SweepError(_estimate(base, plan, means))
+    work = Work(base, tuple(axis.path for axis in plan.axes), means.failures)
+    with _runner(work, means, report) as runner:
+        outcomes = runner.outcomes((entries_of(plan, k) for k in range(plan.size)), plan.size)
+        _require_one_answer(outcomes)
+        borders = _borders(plan, outcomes, runner) if means.borders else None
+        return Sweep(base, plan, outcomes, borders, runner.checked)
+
+
+@contextmanager
+def _runner(work: Work, means: Means, report: Report) -> Iterator[Runner]:
+    """Workers and store, closed in the end whatever happens."""
+    store = None if means.store is None else Store(means.store)
+    try:
+        workers = _workers(work, means)
+        try:
+            yield Runner(work, workers, store, report)
+        finally:
+            workers.close()
+    finally:
+        if store is not None:
+            store.close()
+
+
+def _workers(work: Work, means: Means) -> Workers:
+    """A cluster where one is named, else this machine."""
+    if means.scheduler is None:
+        return local_workers(work, means.workers)
+    from nonsmooth.reports.sweeps.cluster import Cluster
+
+    return Cluster(work, means.scheduler)
+
+
+def _borders(plan: Plan, outcomes: Sequence[Outcome], runner: Runner) -> tuple[Border, ...]:
+    def ask(points: Sequence[Point]) -> Sequence[Outcome]:
+        scenes = (tuple(value.entry for value in point) for point in points)
+        return runner.outcomes(scenes, len(points), "borders")
+
+    return find_borders(plan, outcomes, ask)
+
+
+def _require_one_answer(outcomes: Sequence[Outcome]) -> None:
+    """A sweep without any answer is a mistake of its user.
+
+    Raises:
+        SweepError: with the first reason.
+    """
+    if all(outcome[name] == REFUSED for outcome in outcomes for name in QUESTIONS[:1]):
+        raise SweepError(f"vary: required a scene that can be checked, received {outcomes[0]['why']}")
+
+
+def _estimate(base: Base, plan: Plan, means: Means) -> str:
+    """What to say before a large sweep, from a few measured scenes."""
+    paths = tuple(axis.path for axis in plan.axes)
+    seconds = []
+    for k in range(SAMPLES):
+        started = time.perf_counter()
+        outcome_of(base, paths, entries_of(plan, plan.size * k // SAMPLES), failures=means.failures)
+        seconds.append(time.perf_counter() - started)
+    whole = sum(seconds[1:]) / (SAMPLES - 1) * plan.size / means.workers
+    return f"yes: required for more than {LARGE} scenes, received {plan.size}: about {_duration(whole)}"
+
+
+def _duration(seconds: float) -> str:
+    """``3 hours``, in the largest unit that is not longer."""
+    units = (("years", 31_557_600), ("days", 86_400), ("hours", 3_600), ("minutes", 60))
+    name, length = next(((name, length) for name, length in units if seconds >= 2 * length), ("seconds", 1))
+    return f"{seconds / length:.3g} {name}"

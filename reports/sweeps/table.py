@@ -1,0 +1,185 @@
+"""A sweep as rows, JSON, CSV and a view of a terminal."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from nonsmooth.reports.records import FAILURE
+from nonsmooth.reports.sweeps.borders import Border
+from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, Outcome
+from nonsmooth.reports.sweeps.plan import Point
+from nonsmooth.reports.sweeps.sweep import Sweep
+from nonsmooth.reports.terminal import header_table, verdict_text
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.scene_error import one_line
+
+SCHEMA = "nonsmooth-sweep/1"
+MOST_SHOWN = 40  # scenes that a terminal lists
+DIGITS = 6
+SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
+
+
+def sweep_record(sweep: Sweep) -> dict[str, Any]:
+    """JSON with stable keys; equal sweeps give equal records, whatever was in the store."""
+    plan = sweep.plan
+    return {
+        "schema": SCHEMA,
+        "scene": _name(sweep),
+        "rule": _rule(sweep),
+        "vary": [{"path": axis.name, "count": axis.values.count if plan.draws is None else None} for axis in plan.axes],
+        "random": plan.draws,
+        "seed": None if plan.draws is None else plan.seed,
+        "rows": [_row_record(sweep, k, outcome) for k, outcome in enumerate(sweep.outcomes)],
+        "borders": None if sweep.borders is None else [_border_record(sweep, border) for border in sweep.borders],
+    }
+
+
+def flat_rows(sweep: Sweep) -> Iterator[dict[str, Any]]:
+    """One mapping for each scene, as in the CSV file: numbers as floats, and what was varied as exact text too."""
+    has_failures = any("failures" in outcome for outcome in sweep.outcomes)
+    for k, outcome in enumerate(sweep.outcomes):
+        point = sweep.plan.point(k)
+        names = sweep.plan.names
+        yield {
+            **{name: value.number for name, value in zip(names, point, strict=True)},
+            **{f"{name} exact": str(value.entry) for name, value in zip(names, point, strict=True)},
+            **{name: outcome[name] for name in (*QUESTIONS, *CLAUSES, *NUMBERS)},
+            **(_worst(outcome) if has_failures else {}),
+            "why": outcome["why"],
+        }
+
+
+def counted(sweep: Sweep) -> str:
+    """``40 scenes: position 20 comes home, 20 stays near; ...``."""
+    groups = ((name, Counter(outcome[name] for outcome in sweep.outcomes)) for name in QUESTIONS)
+    said = "; ".join(f"{name} {', '.join(f'{n} {word}' for word, n in c.most_common())}" for name, c in groups)
+    return f"{len(sweep.outcomes)} scenes: {said}"
+
+
+def sweep_title(sweep: Sweep) -> str:
+    """What a picture shows."""
+    accuracy = "" if sweep.borders is None else ", borders within 1e-9"
+    return f"{one_line(_name(sweep))}: rule {_rule(sweep)}, {len(sweep.outcomes)} scenes{accuracy}"
+
+
+def sweep_view(sweep: Sweep) -> RenderableType:
+    """The answers as a table, where they change, and how many there are of each."""
+    head = Text(one_line(_name(sweep)), "bold").append(f": rule {_rule(sweep)}", "not bold")
+    parts: list[RenderableType] = [head, _answers_table(sweep)]
+    left = len(sweep.outcomes) - MOST_SHOWN
+    if left > 0:
+        parts.append(Text(f"{left} more scenes (--json and -o list them)"))
+    if sweep.borders is not None:
+        parts.append(_borders_view(sweep))
+    return Group(*parts, Text(counted(sweep)))
+
+
+def border_text(border: Border, name: str) -> str:
+    """``position: comes home below, stays near at 1 and above`` of one question."""
+    k = QUESTIONS.index(name)
+    before, there, after = border.before[k], border.there[k], border.after[k]
+    if there == before:
+        return f"{before}, there too; then {after}"
+    return f"{before}; from there {after}" if there == after else f"{before}; there {there}; then {after}"
+
+
+# ---- JSON ----------------------------------------------------------------------------------------
+
+
+def _name(sweep: Sweep) -> str:
+    return str(sweep.base.document.get("name", sweep.base.path.stem))
+
+
+def _rule(sweep: Sweep) -> str:
+    return sweep.base.scene((), ()).contact.rule
+
+
+def _values(sweep: Sweep, point: Point) -> dict[str, Any]:
+    """What was varied: floats, and the exact texts."""
+    names = sweep.plan.names
+    return {
+        "values": {name: value.number for name, value in zip(names, point, strict=True)},
+        "exact": {"values": {name: str(value.entry) for name, value in zip(names, point, strict=True)}},
+    }
+
+
+def _row_record(sweep: Sweep, k: int, outcome: Outcome) -> dict[str, Any]:
+    values = _values(sweep, sweep.plan.point(k))
+    return {**values, **outcome, "exact": {**values["exact"], **outcome["exact"]}}
+
+
+def _border_record(sweep: Sweep, border: Border) -> dict[str, Any]:
+    said = {"before": border.before, "there": border.there, "after": border.after}
+    return {
+        "path": sweep.plan.names[border.axis],
+        **_values(sweep, border.point),
+        "between": [border.below.number, border.above.number],
+        "changed": list(border.changed),
+        **{when: dict(zip(QUESTIONS, answers, strict=True)) for when, answers in said.items()},
+    }
+
+
+def _worst(outcome: Outcome) -> dict[str, Any]:
+    """The worst failure of a scene, for its row."""
+    worst = next((failure for failure in outcome.get("failures", ()) if failure["worst"]), None)
+    keys = {name: f"worst failure {name}" for name in FAILURE}
+    if worst is None:
+        return {"worst failure": None, **dict.fromkeys(keys.values())}
+    name = f"wheel {worst['wheel']} {worst['failure']}"
+    return {"worst failure": name, **{keys[name]: worst[name] for name in FAILURE}}
+
+
+# ---- terminal ------------------------------------------------------------------------------------
+
+
+def _answers_table(sweep: Sweep) -> Table:
+    failures = any("failures" in outcome for outcome in sweep.outcomes)
+    shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
+    beside = ["worst failure"] if failures else list(SHOWN_NUMBERS)
+    header = [*shorts, "position", "heading", "pose", "Theorem 4", *beside]
+    table = header_table(*header, widest="pose")
+    for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
+        entries = [Text(str(value.entry)) for value in sweep.plan.point(k)]
+        answers = [verdict_text(outcome[name]) for name in QUESTIONS]
+        table.add_row(*entries, *answers, *(_failure_text(outcome) if failures else _number_texts(outcome)))
+    return table
+
+
+def _number_texts(outcome: Outcome) -> list[Text]:
+    return [Text("" if outcome[name] is None else float_text(outcome[name], 4)) for name in SHOWN_NUMBERS]
+
+
+def _failure_text(outcome: Outcome) -> list[Text]:
+    worst = _worst(outcome)
+    name, position = worst["worst failure"], worst["worst failure position"]
+    return [Text("" if name is None else f"{name}: {position}")]
+
+
+def _borders_view(sweep: Sweep) -> RenderableType:
+    """Where the answers change."""
+    borders = sweep.borders or ()
+    if not borders:
+        return Text("no answer changes along the edges of the grid")
+    table = header_table("border", "question", "answer")
+    for border in borders[:MOST_SHOWN]:
+        for name in border.changed:
+            table.add_row(Text(_place(sweep, border)), Text(name), Text(border_text(border, name)))
+    lines: Sequence[RenderableType] = [Text("where the answers change (each border within 1e-9):"), table]
+    left = len(borders) - MOST_SHOWN
+    return Group(*lines, *[Text(f"{left} more borders (--json lists them)")] * (left > 0))
+
+
+def _place(sweep: Sweep, border: Border) -> str:
+    """``friction.mu_side = 1, wheel.1.position.0 = 1/2``; what lies between two long fractions as a decimal."""
+    values = zip(sweep.plan.names, border.point, strict=True)
+    return ", ".join(f"{name} = {_short(str(value.entry), value.number)}" for name, value in values)
+
+
+def _short(text: str, number: float | None) -> str:
+    return text if number is None or len(text) <= 12 else f"{number:.10g}"

@@ -1,0 +1,238 @@
+"""Who checks the scenes of a sweep: this process, or a pool of processes that are warm and may die.
+
+A worker that is killed costs time only: its pool is built anew, and what it worked on is tried again.  A scene whose
+worker dies again and again is tried alone, so that it is known which one it is, and in the end refused.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_all_start_methods, get_context, parent_process
+from multiprocessing.context import BaseContext
+from typing import NamedTuple, Protocol
+
+from nonsmooth.reports.sweeps.base import Base
+from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
+from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.symbolic.files.key_paths import Path
+
+AHEAD = 2  # scenes under way for each worker, so that none waits for the next
+TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
+TOGETHER, ALONE = 2, 3  # deaths of workers before a scene is tried alone, and before it is refused
+DIED = "its worker was killed again and again: it takes more memory or time than the machine allows"
+GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
+
+
+class Task(NamedTuple):
+    """One scene to check."""
+
+    key: str
+    entries: tuple[Entry, ...]
+
+
+class Work(NamedTuple):
+    """What every scene of a sweep shares."""
+
+    base: Base
+    paths: tuple[Path, ...]
+    failures: bool
+
+    def outcome(self, entries: Sequence[Entry]) -> Outcome:
+        """Check one scene."""
+        return outcome_of(self.base, self.paths, entries, failures=self.failures)
+
+
+class Finished(NamedTuple):
+    """A scene that was checked; ``lasting`` where every run would find the same."""
+
+    task: Task
+    outcome: Outcome
+    lasting: bool = True
+
+
+class Workers(Protocol):
+    """Whoever checks scenes."""
+
+    @property
+    def room(self) -> int:
+        """How many more scenes to hand over now, so that no worker waits."""
+        ...
+
+    def submit(self, tasks: Iterable[Task]) -> None:
+        """Hand over scenes."""
+        ...
+
+    def finished(self) -> Iterator[Finished]:
+        """What is finished; comes back within about ``TICK`` seconds where nothing is."""
+        ...
+
+    def close(self) -> None:
+        """Stop, and drop what is under way."""
+        ...
+
+
+class InProcess:
+    """One scene after the other, here."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self._waiting: deque[Task] = deque()
+
+    @property
+    def room(self) -> int:
+        """One at a time, so that other sweeps find the next one free."""
+        return 1 - len(self._waiting)
+
+    def submit(self, tasks: Iterable[Task]) -> None:
+        """See :class:`Workers`."""
+        self._waiting.extend(tasks)
+
+    def finished(self) -> Iterator[Finished]:
+        """See :class:`Workers`."""
+        while self._waiting:
+            task = self._waiting.popleft()
+            yield Finished(task, self._work.outcome(task.entries))
+
+    def close(self) -> None:
+        """See :class:`Workers`."""
+        self._waiting.clear()
+
+
+class Pool:
+    """Processes of this machine."""
+
+    def __init__(self, work: Work, count: int) -> None:
+        self._work, self._count = work, count
+        self._executor = self._new()
+        self._running: dict[Future[Outcome], Task] = {}
+        self._again: deque[Task] = deque()  # to be tried once more, together with others
+        self._suspects: deque[Task] = deque()  # to be tried alone
+        self._deaths: dict[str, int] = {}
+
+    @property
+    def room(self) -> int:
+        """None while a suspect waits to be alone."""
+        if self._suspects:
+            return 0
+        return self._count * AHEAD - len(self._running) - len(self._again)
+
+    def submit(self, tasks: Iterable[Task]) -> None:
+        """See :class:`Workers`."""
+        for task in tasks:
+            self._start(task)
+
+    def finished(self) -> Iterator[Finished]:
+        """See :class:`Workers`."""
+        self._start_waiting()
+        done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
+        died: list[Task] = []
+        for future in done:
+            task = self._running.pop(future)
+            try:
+                yield Finished(task, future.result())
+            except BrokenProcessPool:
+                died.append(task)
+        if died:
+            yield from self._recover(died)
+
+    def close(self) -> None:
+        """See :class:`Workers`."""
+        self._running.clear()
+        for process in list((self._executor._processes or {}).values()):  # no public way to stop what is under way
+            process.kill()
+        self._executor.shutdown(wait=True, cancel_futures=True)
+
+    def _new(self) -> ProcessPoolExecutor:
+        """A pool of fresh processes: neither our threads nor our locks are copied into them."""
+        return ProcessPoolExecutor(self._count, mp_context=_start_method(), initializer=_begin, initargs=(self._work,))
+
+    def _start(self, task: Task) -> None:
+        try:
+            self._running[self._executor.submit(_check, task.entries)] = task
+        except BrokenProcessPool:  # it broke since we last looked: the task has done nothing yet
+            self._again.append(task)
+
+    def _start_waiting(self) -> None:
+        """Begin what must be tried again; a suspect only where nothing else runs."""
+        while self._again:
+            task = self._again.popleft()
+            before = len(self._running)
+            self._start(task)
+            if len(self._running) == before:
+                self._renew()
+                return
+        if self._suspects and not self._running:
+            self._start(self._suspects.popleft())
+
+    def _recover(self, died: list[Task]) -> Iterator[Finished]:
+        """Build the pool anew, and try again what was under way: any of it may have killed the worker."""
+        for future in list(self._running):
+            task = self._running.pop(future)
+            if future.done() and future.exception() is None:
+                yield Finished(task, future.result())
+            else:
+                died.append(task)
+        self._renew()
+        for task in died:
+            deaths = self._deaths[task.key] = self._deaths.get(task.key, 0) + 1
+            if deaths >= TOGETHER + ALONE:
+                yield Finished(task, refused(DIED), lasting=False)
+            elif deaths >= TOGETHER:
+                self._suspects.append(task)
+            else:
+                self._again.append(task)
+
+    def _renew(self) -> None:
+        self._executor.shutdown(wait=False, cancel_futures=True)
+        self._executor = self._new()
+
+
+def local_workers(work: Work, count: int) -> Workers:
+    """This process for a count of 1, else a pool."""
+    return InProcess(work) if count == 1 else Pool(work, count)
+
+
+def processors() -> int:
+    """How many processes may run at once."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _start_method() -> BaseContext:
+    """A server that has imported what checks need and forks workers, where there is one: a new worker costs little."""
+    if "forkserver" not in get_all_start_methods():
+        return get_context("spawn")
+    context = get_context("forkserver")
+    context.set_forkserver_preload([__name__])
+    return context
+
+
+# ---- in a worker ---------------------------------------------------------------------------------
+
+_works: list[Work] = []  # one entry in a worker, none elsewhere
+
+
+def _begin(work: Work) -> None:
+    """Get ready: leave interrupts to the sweep, and end with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    gc.set_threshold(GARBAGE_THRESHOLD)
+    threading.Thread(target=_end_with_sweep, daemon=True).start()
+    _works[:] = [work]
+
+
+def _end_with_sweep() -> None:
+    """End this process once the sweep is gone: it may have been killed, and then tells nobody."""
+    sweep = parent_process()
+    if sweep is not None:
+        sweep.join()
+    os._exit(0)
+
+
+def _check(entries: tuple[Entry, ...]) -> Outcome:
+    return _works[0].outcome(entries)

@@ -1,0 +1,158 @@
+"""Key paths of scene files: ``friction.mu_side``, ``wheel.1.heading``, ``wheel.2.position.0``.
+
+A path names one number of a document.  Tables and keys are joined by dots; wheels and other tables of a list are
+counted from 1 as in messages, the two or three numbers of one entry (a position, a row of loads) from 0.  A key that
+only one table has may stand alone: ``mu_side`` is ``friction.mu_side``.  Which numbers there are is read from the
+tables of :mod:`nonsmooth.symbolic.files.scene_document`, and from the document where it holds lists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from fractions import Fraction
+from types import UnionType
+from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
+
+from nonsmooth.symbolic.expression import Expression
+from nonsmooth.symbolic.files.scene_document import Document
+from nonsmooth.symbolic.files.scene_values import Angle, Table
+from nonsmooth.symbolic.files.velocity_fields import Uniform
+from nonsmooth.symbolic.scene_error import MAX_SHOWN, SceneError
+
+Step: TypeAlias = str | int  # a key, or the place in a list counted from 0
+Path: TypeAlias = tuple[Step, ...]
+
+MATCHES, LIKENESS, LISTED = 3, 0.5, 6  # near matches of an unknown path, how near (difflib), else so many examples
+
+
+def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
+    """The place in a document that a key path names.
+
+    Args:
+        text: such as ``friction.mu_side`` or ``mu_side``.
+        document: the tables of a scene file.
+        file: the scene, for messages.
+
+    Raises:
+        SceneError: for a path that names no number of this scene; the message lists near ones.
+    """
+    known = {path_text(path): path for path in numeric_paths(document)}
+    if text in known:
+        return known[text]
+    alone = {name: name.partition(".")[2] for name, path in known.items() if not isinstance(path[1], int)}
+    ends = [name for name, key in alone.items() if key == text]
+    if len(ends) == 1:
+        return known[ends[0]]
+    near = ends or get_close_matches(text[:MAX_SHOWN], [*known, *alone.values()], MATCHES, LIKENESS)
+    near = list(dict.fromkeys(near)) or list(known)[:LISTED]
+    raise SceneError(file, "", f"the key path of a number, such as {' or '.join(near)}", text)
+
+
+def path_text(path: Path) -> str:
+    """``wheel.2.position.0``: tables of a list are counted from 1, the numbers of one entry from 0."""
+    last = len(path) - 1
+    return ".".join(str(step + 1 if isinstance(step, int) and k < last else step) for k, step in enumerate(path))
+
+
+def with_value(document: Mapping[str, Any], path: Path, value: object) -> dict[str, Any]:
+    """The document with another value at a path; the other entries are shared with the first.
+
+    Args:
+        document: the tables of a scene file.
+        path: what :func:`find_path` returned.
+        value: as a scene file would hold it.
+    """
+    changed: dict[str, Any] = _replaced(document, path, value)
+    return changed
+
+
+def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
+    """Every number of a scene that can be set: those of its tables, whether it states them or not."""
+    for name, field in Document.model_fields.items():
+        tables = list(_tables(field.annotation))
+        value = document.get(name)
+        if isinstance(value, list):
+            for k, entry in enumerate(value):
+                yield from _of_table(tables, entry, (name, k))
+        elif tables and (value is not None or field.default is not None):
+            yield from _of_table(tables, value or {}, (name,))
+
+
+# ---- which numbers there are ---------------------------------------------------------------------
+
+
+def _of_table(tables: Sequence[type[Table]], given: object, path: Path) -> Iterator[Path]:
+    """The numbers of one table; of several kinds, of the one that it names."""
+    if not isinstance(given, Mapping):
+        return
+    table = _of_kind(tables, given)
+    for key, field in table.model_fields.items():
+        place, value = (*path, key), given.get(key)
+        if isinstance(value, list | Mapping):
+            yield from _inside(value, place)
+        elif _is_pair(field.annotation):
+            yield from ((*place, k) for k in (0, 1) if value is not None or field.default is not None)
+        elif _holds_number(field.annotation):
+            yield place
+
+
+def _of_kind(tables: Sequence[type[Table]], given: Mapping[str, object]) -> type[Table]:
+    """The table whose ``kind`` is the given one."""
+    kinds = {table.model_fields["kind"].default: table for table in tables if "kind" in table.model_fields}
+    return kinds.get(given.get("kind"), tables[0])
+
+
+def _inside(value: object, path: Path) -> Iterator[Path]:
+    """The numbers inside a list or an inner table that the document states."""
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            if key != "kind":
+                yield from _inside(entry, (*path, str(key)))
+    elif isinstance(value, list):
+        for k, entry in enumerate(value):
+            yield from _inside(entry, (*path, k))
+    else:
+        yield path
+
+
+def _tables(annotation: Any) -> Iterator[type[Table]]:
+    """The tables inside an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _tables(inner)
+
+
+def _holds_number(annotation: Any) -> bool:
+    """Whether a number may stand there: a formula, an angle, a direction by its angle, or an integer."""
+    return any(kind in (Fraction, Expression, Angle, Uniform, int) for kind in _kinds(annotation))
+
+
+def _is_pair(annotation: Any) -> bool:
+    """Whether two numbers stand there."""
+    return any(get_origin(kind) is tuple and len(get_args(kind)) == 2 for kind in _kinds(annotation))
+
+
+def _kinds(annotation: Any) -> Iterator[Any]:
+    """The annotation itself and, through unions and notes, the kinds of values that it joins."""
+    yield annotation
+    if get_origin(annotation) in (Annotated, Union, UnionType):
+        for inner in get_args(annotation):
+            yield from _kinds(inner)
+
+
+# ---- setting one ---------------------------------------------------------------------------------
+
+
+def _replaced(value: Any, path: Path, new: object) -> Any:
+    if not path:
+        return new
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        entries = list(value) if value is not None else [0, 0]
+        entries[step] = _replaced(entries[step], rest, new)
+        return entries
+    table = dict(value or {})
+    table[step] = _replaced(table.get(step), rest, new)
+    return table

@@ -1,0 +1,79 @@
+"""Sweeps: a warm worker against the same check in this process, and ten thousand scenes on two processors."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.reports.sweeps.base import base_of
+from nonsmooth.reports.sweeps.plan import read_plan
+from nonsmooth.reports.sweeps.sweep import Means, run_sweep
+from nonsmooth.reports.sweeps.workers import Pool, Task, Work
+from nonsmooth.symbolic.files.scene_file import read_document
+
+if TYPE_CHECKING:
+    from tests.benchmarks.conftest import Stopwatch
+
+pytestmark = pytest.mark.benchmark
+
+SCENES = 40  # of each of the two that are compared
+RATIO = 1.5  # of a check in a warm worker to one in this process
+MEASURED, WHOLE = 500, 10_000  # scenes that are run, and that are asked about
+SECONDS = 120  # for the whole, on two processors
+
+
+def work() -> Work:
+    return Work(base_of(*read_document("four-wheel")), (("friction", "mu_side"),), False)
+
+
+def tasks(first: int) -> list[Task]:
+    """Scenes that no cache knows."""
+    return [Task(f"{k}", (f"{k}/1009",)) for k in range(first, first + SCENES)]
+
+
+def run_all(pool: Pool, waiting: list[Task]) -> None:
+    done = 0
+    while done < SCENES:
+        room = max(pool.room, 0)
+        pool.submit(waiting[:room])
+        waiting = waiting[room:]
+        done += sum(1 for _ in pool.finished())
+
+
+def test_a_warm_worker_takes_little_longer_than_this_process(stopwatch: Stopwatch) -> None:
+    shared, pool = work(), Pool(work(), 1)
+    try:
+        run_all(pool, tasks(1))  # warm
+        starts = iter(range(100, 1000, SCENES))
+
+        def here() -> None:
+            for task in tasks(next(starts)):
+                shared.outcome(task.entries)
+
+        here()
+        alone = stopwatch.best(here)
+        there = stopwatch.best(lambda: run_all(pool, tasks(next(starts))))
+    finally:
+        pool.close()
+    stopwatch.report(
+        f"a check of four wheels: here {1e3 * alone / SCENES:.1f} ms, in a warm worker {1e3 * there / SCENES:.1f} ms, "
+        f"ratio {there / alone:.2f} (asked <= {RATIO})"
+    )
+    assert there <= RATIO * alone
+
+
+def test_ten_thousand_scenes_on_two_processors(stopwatch: Stopwatch) -> None:
+    base = base_of(*read_document("four-wheel"))
+    plan = read_plan({"mu_side": f"0.05:2:{MEASURED}"}, base.document, base.file)
+    start = time.perf_counter()
+    found = run_sweep(base, plan, Means(workers=2))
+    seconds = time.perf_counter() - start
+    whole = seconds * WHOLE / MEASURED
+    stopwatch.report(
+        f"{MEASURED} scenes of four wheels on two workers: {seconds:.1f} s with their start, "
+        f"so {WHOLE} take about {whole:.0f} s (asked <= {SECONDS})"
+    )
+    assert found.checked == MEASURED
+    assert whole <= SECONDS

@@ -1,0 +1,304 @@
+"""The store and the workers: killed at any moment, shared, full, read-only, or no store at all."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from functools import cache
+from multiprocessing import active_children, get_context
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import pytest
+
+from nonsmooth.reports.interface.sweep_result import SweepResult
+from nonsmooth.reports.progress import Report, silent
+from nonsmooth.reports.sweeps import store as store_module
+from nonsmooth.reports.sweeps.base import base_of
+from nonsmooth.reports.sweeps.outcome import Outcome
+from nonsmooth.reports.sweeps.plan import read_plan
+from nonsmooth.reports.sweeps.run import Runner
+from nonsmooth.reports.sweeps.store import Store
+from nonsmooth.reports.sweeps.sweep import Means, run_sweep
+from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.reports.sweeps.workers import ALONE, DIED, TOGETHER, InProcess, Pool, Task, Work
+from nonsmooth.symbolic.files.scene_file import read_document
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+COUNT = 20
+VARY = {"mu_side": f"1/10:2:{COUNT}"}
+COMMAND = [sys.executable, "-m", "nonsmooth", "sweep", "four-wheel", "--vary", f"mu_side={VARY['mu_side']}"]
+
+
+def work() -> Work:
+    return Work(base_of(*read_document("four-wheel")), (("friction", "mu_side"),), False)
+
+
+def rows(store: Path) -> int:
+    if not store.exists():
+        return 0
+    with closing(sqlite3.connect(store, timeout=60)) as database:
+        tables = database.execute("SELECT count(*) FROM sqlite_master WHERE name = 'outcomes'").fetchone()[0]
+        return int(database.execute("SELECT count(*) FROM outcomes").fetchone()[0]) if tables else 0
+
+
+def result(means: Means, report: Report = silent) -> SweepResult:
+    base = base_of(*read_document("four-wheel"))
+    return SweepResult(run_sweep(base, read_plan(VARY, base.document, base.file), means, report))
+
+
+@cache
+def table() -> bytes:
+    with TemporaryDirectory() as folder:
+        return result(Means()).to_csv(Path(folder, "undisturbed.csv")).read_bytes()
+
+
+# ---- killed --------------------------------------------------------------------------------------
+
+
+def begun(means: Means) -> BaseProcess:
+    """A sweep in a process of its own."""
+    base = base_of(*read_document("four-wheel"))
+    processes = get_context("forkserver")
+    processes.set_forkserver_preload(["nonsmooth.reports.sweeps.sweep"])
+    process = processes.Process(target=run_sweep, args=(base, read_plan(VARY, base.document, base.file), means))
+    process.start()
+    return process
+
+
+def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Killed five times at random moments, each time a little further; then its table is the undisturbed one."""
+    monkeypatch.setattr(store_module, "LEASE", 1.0)  # what the killed ones had claimed is free after a second
+    moments, store, done = random.Random(5), tmp_path / "r.sqlite", 0
+    for _ in range(5):
+        process = begun(Means(store=store))
+        target, end = done + moments.randint(1, 3), time.monotonic() + 60
+        while rows(store) < target and time.monotonic() < end:
+            time.sleep(moments.uniform(0, 0.03))
+        process.kill()
+        process.join()
+        assert process.exitcode == -signal.SIGKILL
+        assert rows(store) >= target  # nothing is lost
+        done = rows(store)
+    assert result(Means(store=store)).to_csv(tmp_path / "r.csv").read_bytes() == table()
+    assert rows(store) == COUNT
+
+
+def test_what_is_in_the_store_is_not_computed(tmp_path: Path) -> None:
+    base = base_of(*read_document("four-wheel"))
+    few, more = (read_plan({"mu_side": text}, base.document, base.file) for text in ("1/4,1/2", "1/4,1/2,3/4,0.5"))
+    means = Means(store=tmp_path / "r.sqlite")
+    assert [run_sweep(base, plan, means).checked for plan in (few, few, more)] == [2, 0, 1]
+    assert run_sweep(base, few, Means(store=means.store, failures=True)).checked == 2  # another question
+    assert run_sweep(base_of(*read_document("four-wheel", rule="box")), few, means).checked == 2
+
+
+def test_killed_workers_cost_time_only(tmp_path: Path) -> None:
+    killed: list[int] = []
+
+    def kill(done: int, total: int, what: str | None = None) -> None:
+        if done in (3, 9, 15):
+            worker = active_children()[0]
+            worker.kill()
+            killed.append(done)
+
+    found = result(Means(workers=2), kill)
+    assert len(killed) == 3
+    assert found.to_csv(tmp_path / "r.csv").read_bytes() == table()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="processes are listed in /proc")
+def test_the_command_outlives_its_workers_and_they_end_with_it(tmp_path: Path) -> None:
+    """A pipe to a dead worker does not end the command as one to a dead reader does."""
+    store, end = tmp_path / "r.sqlite", time.monotonic() + 60
+    command = [*COMMAND, "--vary", "mu_roll=1:9:999", "--workers", "2", "--store", str(store)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    try:
+        for target in (1, 4, 8):
+            while rows(store) < target and process.poll() is None and time.monotonic() < end:
+                time.sleep(0.02)
+            assert process.poll() is None
+            workers = [worker for child in children(process.pid) for worker in children(child)]
+            os.kill(workers[0], signal.SIGKILL)
+        while rows(store) < 12 and time.monotonic() < end:
+            time.sleep(0.02)
+        assert process.poll() is None
+        family = [*children(process.pid), *(w for child in children(process.pid) for w in children(child))]
+    finally:
+        process.kill()
+        process.wait()
+    while any(map(is_running, family)) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert len(family) >= 3
+    assert not any(map(is_running, family))
+
+
+def children(parent: int) -> list[int]:
+    try:
+        texts = [file.read_text(encoding="utf-8") for file in Path(f"/proc/{parent}/task").glob("*/children")]
+    except OSError:
+        return []
+    return [int(word) for text in texts for word in text.split()]
+
+
+def is_running(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+class Deadly(Work):
+    """Work of which one scene kills its worker."""
+
+    def outcome(self, entries: tuple[Entry, ...]) -> Outcome:  # type: ignore[override]
+        if entries == ("deadly",):
+            os._exit(1)
+        return {"position": str(entries[0])}
+
+
+def test_a_scene_that_kills_its_workers_is_refused_and_no_other() -> None:
+    pool = Pool(Deadly(*work()), 2)
+    try:
+        waiting = [Task(f"key {name}", (name,)) for name in ("a", "deadly", "b", "c", "d")]
+        found: dict[str, tuple[str, bool]] = {}
+        end = time.monotonic() + 120
+        while len(found) < 5 and time.monotonic() < end:
+            some, waiting = waiting[: max(pool.room, 0)], waiting[max(pool.room, 0) :]
+            pool.submit(some)
+            for done in pool.finished():
+                found[done.task.key] = done.outcome["position"], done.lasting
+                if not done.lasting:
+                    assert done.outcome["why"] == DIED
+        assert found == {**{f"key {name}": (name, True) for name in "abcd"}, "key deadly": ("refused", False)}
+        assert pool._deaths["key deadly"] == TOGETHER + ALONE
+    finally:
+        pool.close()
+
+
+# ---- shared --------------------------------------------------------------------------------------
+
+
+def test_two_sweeps_share_a_store_and_compute_nothing_twice(tmp_path: Path) -> None:
+    other = begun(Means(store=tmp_path / "r.sqlite"))
+    while not rows(tmp_path / "r.sqlite") and other.is_alive():
+        time.sleep(0.005)
+    found = result(Means(store=tmp_path / "r.sqlite"))
+    other.join(60)
+    assert other.exitcode == 0
+    assert found.checked < COUNT
+    assert found.to_csv(tmp_path / "r.csv").read_bytes() == table()
+    assert rows(tmp_path / "r.sqlite") == COUNT
+
+
+def test_claims_part_the_work_and_lapse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with closing(Store(tmp_path / "r.sqlite")) as one, closing(Store(tmp_path / "r.sqlite")) as two:
+        assert one.claim(["a", "b"]) == {"a", "b"}
+        assert two.claim(["b", "c"]) == {"c"}
+        one.put("a", {"position": "tips"})
+        assert two.known(["a", "b"]) == {"a": {"position": "tips"}}
+        assert two.claim(["a"]) == set()  # finished: nothing to do
+        now = time.time()
+        monkeypatch.setattr(time, "time", lambda: now + 2 * store_module.LEASE)
+        assert two.claim(["b"]) == {"b"}  # the other one has been silent for too long
+        two.put("b", {"position": "first"})
+        one.put("b", {"position": "second"})
+        assert two.known(["b"]) == {"b": {"position": "first"}}
+
+
+def test_a_long_check_keeps_its_claim(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store_module, "LEASE", 0.3)
+    with closing(Store(tmp_path / "r.sqlite")) as one, closing(Store(tmp_path / "r.sqlite")) as two:
+        assert one.claim(["a"]) == {"a"}
+        time.sleep(0.9)
+        assert two.claim(["a"]) == set()
+
+
+def test_a_scene_of_another_sweep_that_died_is_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store_module, "LEASE", 0.3)
+    shared = work()
+    key = shared.base.key(shared.paths, ("1/2",), "answers")
+    dead = Store(tmp_path / "r.sqlite")
+    assert dead.claim([key]) == {key}
+    dead._heart.stop()  # and is never heard of again
+    with closing(Store(tmp_path / "r.sqlite")) as store:
+        runner = Runner(shared, InProcess(shared), store)
+        started = time.monotonic()
+        (outcome,) = runner.outcomes([("1/2",)], 1)
+        assert outcome["position"] == "comes home"
+        assert time.monotonic() - started > 0.2
+    dead.close()
+
+
+# ---- files that cannot be used -------------------------------------------------------------------
+
+
+def test_what_is_no_store_is_refused_and_left_alone(invoke: Invoke, tmp_path: Path) -> None:
+    text, other, folder = tmp_path / "text", tmp_path / "other.sqlite", tmp_path / "folder"
+    text.write_text("no database at all, but quite a long text" * 50, encoding="utf-8")
+    with closing(sqlite3.connect(other)) as database:
+        database.execute("CREATE TABLE outcomes (mine TEXT)")
+    folder.mkdir()
+    for path in (text, other, folder, tmp_path / "missing" / "r.sqlite", Path("/proc/r.sqlite")):
+        before = path.read_bytes() if path.is_file() else None
+        done = invoke("sweep", "four-wheel", "--vary", "mu_side=0.1:1:2", "--workers", "1", "--store", str(path))
+        assert (done.status, done.out, done.err.count("\n")) == (2, "", 1)
+        assert f"--store: {path}: required " in done.err
+        assert (path.read_bytes() if path.is_file() else None) == before
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["folder", "other.sqlite", "text"]
+
+
+def fill(store: Store, keys: list[str]) -> None:
+    while len(keys) < 10_000:
+        keys.append(f"key {len(keys)}")
+        store.put(keys[-1], {"position": "x" * 500})
+
+
+def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
+    """SQLite is told that the disk has room for a few pages more."""
+    store = Store(tmp_path / "r.sqlite")
+    pages = store._database.execute("PRAGMA page_count").fetchone()[0]
+    store._database.execute(f"PRAGMA max_page_count = {pages + 3}")
+    store._heart.stop()
+    keys: list[str] = []
+    with pytest.raises(SweepError, match=r"store: .*: required .*, received database or disk is full"):
+        fill(store, keys)
+    kept = len(keys) - 1  # the last one did not fit
+    assert kept
+    store.close()
+    with closing(Store(tmp_path / "r.sqlite")) as again:
+        assert len(again) == kept
+        assert set(again.known(keys)) == set(keys[:kept])
+
+
+def test_a_store_that_fails_in_the_middle_is_one_line(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    put = Store.put
+
+    def full(store: Store, key: str, outcome: Outcome) -> None:
+        if len(store) == 2:
+            raise sqlite3_full(store)
+        put(store, key, outcome)
+
+    def sqlite3_full(store: Store) -> SweepError:
+        return SweepError(f"store: {store.path}: required a file that can be written, received a full disk")
+
+    monkeypatch.setattr(Store, "put", full)
+    options = ("sweep", "four-wheel", "--vary", "mu_side=0.1:1:4", "--workers", "1", "--store", "r.sqlite")
+    done = invoke(*options, "-o", "t.csv")
+    assert (done.status, done.out, done.err.count("\n")) == (2, "", 1)
+    assert rows(Path("r.sqlite")) == 2
+    assert not Path("t.csv").exists()
+    monkeypatch.setattr(Store, "put", put)
+    assert invoke(*options, "-o", "t.csv").status == 0
+    assert rows(Path("r.sqlite")) == 4

@@ -1,0 +1,290 @@
+"""Sweeps against checks one by one, and borders against closed forms."""
+
+from __future__ import annotations
+
+import csv
+import json
+from fractions import Fraction
+from importlib.util import find_spec
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.reports.sweeps.base import Base, base_of
+from nonsmooth.reports.sweeps.borders import Border, find_borders, said
+from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
+from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point, read_plan
+from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
+from nonsmooth.symbolic.files.scene_file import read_document
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from tests.reports.conftest import Invoke
+
+WITHIN = Fraction(1, 10**9)
+
+
+def based(scene: str, vary: dict[str, str], **given: str) -> tuple[Base, Plan]:
+    base = base_of(*read_document(scene, **given))
+    return base, read_plan(vary, base.document, base.file)
+
+
+def swept(scene: str, vary: dict[str, str], means: Means | None = None, **given: str) -> Sweep:
+    return run_sweep(*based(scene, vary, **given), means or Means())
+
+
+def values(border: Border) -> list[Any]:
+    return [value.entry for value in border.point]
+
+
+# ---- answers -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
+def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
+    found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.0": "0:1/4:2"}, rule=rule)
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    scenes = product(("1/2", "3/2"), (0, "1/4"))
+    for outcome, (side, x) in zip(found.outcomes, scenes, strict=True):
+        one = array.with_(mu_side=side, at=(x, 0), rule=rule).check()
+        record = one.to_dict()
+        assert said(outcome) == (one.position.verdict, one.heading.verdict, one.pose.verdict, one.theorem4)
+        for clause in ("equilibrium", "translation", "rotation", "feedback"):
+            assert outcome[clause] == record[clause]["verdict"]
+        for name, place in {"within": "position", "rate": "position", "largest_rate": "heading"}.items():
+            assert outcome[name] == record["answers"][place][name]
+        assert outcome["kappa"] == record["answers"]["pose"]["rate"]
+        if rule != "ellipse":
+            assert outcome["worst_rate"] == record["translation"]["worst_rate"]
+            assert outcome["exact"]["worst_rate"] == record["translation"]["exact"]["worst_rate"]
+
+
+def test_sampled_rates_are_left_out() -> None:
+    (outcome,) = swept("four-wheel", {"mu_side": "1/2"}, rule="ellipse").outcomes
+    assert outcome["worst_rate"] is None
+
+
+def test_scenes_that_tip_or_are_refused_have_rows() -> None:
+    rows = swept("carton-on-6x6", {"body.width": "1/2,13/5", "mu_side": "1/2"}).outcomes
+    assert [row["position"] for row in rows] == ["tips", "comes home"]
+    rows = swept("four-wheel", {"mu_side": "-1,1/2"}).outcomes
+    assert [row["position"] for row in rows] == ["refused", "comes home"]
+    assert rows[0]["why"] == "friction.mu_side: required a number of at least 0, received -1"
+
+
+def test_whole_numbers_and_angles_vary_too() -> None:
+    assert [row["position"] for row in swept("ring-6", {"ring.count": "5:6:2"}).outcomes] == ["comes home"] * 2
+    rows = swept("four-wheel", {"wheel.1.heading": "225,225 deg,5*pi/4,sqrt(2)"}).outcomes
+    assert said(rows[0]) == said(rows[1]) == said(rows[2])
+    assert rows[3]["position"] == "refused"
+
+
+def test_a_table_of_wheels_is_read_once(tmp_path: Path) -> None:
+    table = tmp_path / "w.csv"
+    table.write_text("x,y,heading\n1,1,inward\n-1,1,inward\n-1,-1,inward\n1,-1,inward\n", encoding="utf-8")
+    scene = tmp_path / "s.toml"
+    scene.write_text('[friction]\nmu_roll = 1\nmu_side = 0.5\n[wheels]\nfile = "w.csv"\n', encoding="utf-8")
+    base, plan = based(str(scene), {"mu_side": "1/2,2"})
+    key = base.key((), (), "")
+    table.unlink()
+    assert [row["position"] for row in run_sweep(base, plan, Means()).outcomes] == ["comes home", "stays near"]
+    table.write_text("x,y,heading\n2,1,inward\n-1,1,inward\n-1,-1,inward\n1,-1,inward\n", encoding="utf-8")
+    assert based(str(scene), {"mu_side": "1/2"})[0].key((), (), "") != key
+
+
+def test_keys_of_scenes_follow_their_numbers_and_nothing_else() -> None:
+    base, plan = based("four-wheel", {"mu_side": "1/2,3/4"})
+    paths = tuple(axis.path for axis in plan.axes)
+    keys = [base.key(paths, (entry,), "answers") for entry in ("1/2", "0.50", "3/4")]
+    assert keys[0] == keys[1] != keys[2]
+    assert keys[0] == base.key((), (), "answers") != base.key((), (), "answers, failures of one wheel")
+    renamed = base_of({**base.document, "name": "other", "description": "another"}, base.file, base.path)
+    assert renamed.key((), (), "answers") == keys[0]
+    other = base_of(*read_document("four-wheel", rule="box"))
+    assert other.key((), (), "answers") != keys[0]
+
+
+# ---- borders -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("rule", "question"), [("nearest", "position"), ("nearest", "pose"), ("box", "pose")])
+def test_answers_change_where_friction_is_equal(rule: str, question: str) -> None:
+    """Four wheels: with ``mu_side >= mu_roll`` the side rows win (nearest), and no speeds move the body (box)."""
+    found = swept("four-wheel", {"mu_roll": "2", "mu_side": "1/3:4:3"}, Means(borders=True), rule=rule)
+    changed = [border for border in found.borders or () if question in border.changed]
+    assert changed
+    for border in changed:
+        assert values(border) == [2, 2]
+        assert border.above.constant - border.below.constant <= WITHIN
+        assert border.below.constant <= 2 <= border.above.constant
+
+
+def test_rest_ends_where_the_theory_says() -> None:
+    """Rule box: the point (x, y) is an equilibrium iff ``|x| + |y| <= mu_S/mu_R``."""
+    vary = {"equilibrium.0": "-7/10:3/5:2", "equilibrium.1": "1/10", "mu_side": "1/2"}
+    found = swept("four-wheel", vary, Means(borders=True), rule="box", radius="1/20")
+    assert [outcome["equilibrium"] for outcome in found.outcomes] == ["fails", "fails"]
+    assert found.borders == ()  # both ends answer alike: what lies between them is not looked for
+    found = swept("four-wheel", {**vary, "equilibrium.0": "0:3/5:2"}, Means(borders=True), rule="box", radius="1/20")
+    (border,) = found.borders or ()
+    assert values(border) == ["2/5", "1/10", "1/2"]
+    assert border.before[0] == border.there[0] == "stays near"
+    assert border.after[0] == "leaves"
+
+
+def answered(law: Any, point: Point) -> Outcome:
+    numbers = [value.number for value in point]
+    return dict(zip(QUESTIONS, law(*numbers), strict=True))
+
+
+def bordered(law: Any, vary: dict[str, str]) -> tuple[Border, ...]:
+    """Borders of made-up answers."""
+    _, plan = based("four-wheel", vary)
+
+    def ask(points: Sequence[Point]) -> list[Outcome]:
+        return [answered(law, point) for point in points]
+
+    return find_borders(plan, ask([plan.point(k) for k in range(plan.size)]), ask)
+
+
+def test_a_third_answer_between_makes_two_borders() -> None:
+    def law(x: float) -> tuple[str, ...]:
+        return ("a" if x < 1 / 3 else "b" if x <= 0.7 else "c", "", "", "")
+
+    first, second = bordered(law, {"mu_side": "0:1:2"})
+    assert (first.before[0], first.there[0], first.after[0]) == ("a", "b", "b")
+    assert abs((first.point[0].number or 0) - 1 / 3) < 1e-9
+    assert (second.before[0], second.there[0], second.after[0]) == ("b", "b", "c")
+    assert values(second) == ["7/10"]
+
+
+def test_an_answer_at_one_point_alone_is_found_on_the_grid() -> None:
+    borders = bordered(lambda x: ("here" if x == 1 else "a" if x < 1 else "b", "", "", ""), {"mu_side": "0:2:3"})
+    assert [(border.before[0], border.after[0]) for border in borders] == [("a", "here"), ("here", "b")]
+    assert all(values(border) == [1] for border in borders)
+
+
+def test_answers_like_noise_end() -> None:
+    borders = bordered(lambda x: (str(hash(x)), "", "", ""), {"mu_side": "0:1:2"})
+    assert 1 <= len(borders) <= 4
+
+
+def test_borders_follow_a_curve_along_both_edges() -> None:
+    def inside(x: float, y: float) -> tuple[str, ...]:
+        return ("in" if x * x + y * y < 1 else "out", "", "", "")
+
+    borders = bordered(inside, {"mu_roll": "0:2:6", "mu_side": "0:2:6"})
+    assert len(borders) == 6
+    for border in borders:
+        x, y = (value.number or 0.0 for value in border.point)
+        assert abs(x * x + y * y - 1) < 4e-9
+
+
+# ---- the command ---------------------------------------------------------------------------------
+
+
+def test_tables_files_and_python_say_the_same(invoke: Invoke, tmp_path: Path) -> None:
+    command = ("sweep", "four-wheel", "--vary", "mu_side=0.05:2:4", "--workers", "1", "--borders")
+    out = invoke(*command).out
+    assert "friction.mu_side = 1" in out
+    assert "4 scenes: position 2 comes home, 2 stays near" in out
+    record = invoke(*command, "--json").record
+    assert [row["values"]["friction.mu_side"] for row in record["rows"]] == [0.05, 0.7, 1.35, 2.0]
+    assert record["borders"][0]["exact"]["values"] == {"friction.mu_side": "1"}
+    assert invoke(*command, "-o", "t.csv").status == 0
+    with (tmp_path / "t.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["position"] for row in rows] == [row["position"] for row in record["rows"]]
+    assert [row["friction.mu_side exact"] for row in rows] == ["1/20", "7/10", "27/20", "2"]
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    result = array.sweep(mu_side=["1/20", 0.7, Fraction(27, 20), 2], means=ns.Means(borders=True))
+    assert [row["position"] for row in result.rows()] == [row["position"] for row in rows]
+    assert result.to_dict()["borders"] == record["borders"]
+    assert result.to_csv(tmp_path / "same").read_bytes() == (tmp_path / "t.csv").read_bytes()
+    assert json.loads(result.save(tmp_path / "t.json").read_text(encoding="utf-8"))["rows"] == record["rows"]
+
+
+def test_pictures_hold_strips_and_maps(invoke: Invoke, tmp_path: Path) -> None:
+    store = ("--store", "r.sqlite", "--workers", "1")
+    assert invoke("sweep", "four-wheel", "--vary", "mu_side=1/2:3/2:2", "-o", "a.svg", *store).status == 0
+    two = ("--vary", "equilibrium.0=0:1/4:2", "--vary", "mu_side=0.1:0.3:2", "--rule", "box", "--radius", "1/20")
+    assert invoke("sweep", "four-wheel", *two, "-o", "b.svg", *store).status == 0
+    before = (tmp_path / "b.svg").read_bytes()
+    assert invoke("sweep", "four-wheel", *two, "-o", "b.svg", *store).status == 0  # all from the store
+    assert (tmp_path / "b.svg").read_bytes() == before
+    for name, colors in {"a.svg": ("#009e73", "#f0e442"), "b.svg": ("#f0e442", "#d55e00", "#cc79a7")}.items():
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        assert all(color in text for color in colors)
+
+
+@pytest.mark.skipif(find_spec("pyarrow") is None, reason="pyarrow is optional")
+def test_parquet_holds_the_rows_of_the_csv_file(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    result = array.sweep(mu_side="1/2,2")
+    assert parquet.read_table(result.save(tmp_path / "t.parquet")).to_pylist() == result.rows()
+
+
+def test_parquet_without_its_library_is_refused(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow.parquet", None)
+    done = invoke("sweep", "four-wheel", "--vary", "mu_side=0:1:2", "-o", "t.parquet")
+    assert (done.status, done.out) == (2, "")
+    assert "required the package pyarrow" in done.err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ((), "--vary: required a number to vary"),
+        (("--vary", "mu_side"), "--vary: required KEY=VALUES"),
+        (("--vary", "mu_side=1:1:3"), "--vary mu_side: required start < stop"),
+        (("--vary", "mu_side=0:1:0"), "--vary mu_side: required a count of 2 to"),
+        (("--vary", "mu_side=0:1"), "required start:stop:count, or random draws"),
+        (("--vary", "mu_side=1", "--vary", "mu_side=2"), "required each number once"),
+        (("--vary", "mu_side=1", "--vary", "friction.mu_side=2"), "required each number once"),
+        (("--vary", "mu_side=-2,-1"), "required a scene that can be checked, received friction.mu_side: required"),
+        (("--vary", "mu_side=0:1", "--random", "0"), "--random: required 1 to"),
+        (("--vary", "mu_side=0:1:2", "--random", "3"), "required start:stop for random draws"),
+        (("--vary", "mu_side=0:1", "--random", "3", "--borders"), "--borders: required a grid"),
+        (("--vary", "mu_side=0:1", "--random", "3", "-o", "x.svg"), "for random draws, received a picture"),
+        (("--vary", "mu_side=1,1/2", "-o", "x.svg"), "values that ascend for a picture"),
+        (("--vary", "mu_side=0:1:2", "--workers", "0"), "--workers: required 1 to"),
+        (("--vary", "mu_side=0:1:2", "--fail", "2"), "--fail: required 1"),
+        (("--vary", "mu_side=0:1:2", "-o", "x.txt"), "x.txt: required a file name that ends in"),
+        (("--vary", "mu_sid=0:1:2"), "such as mu_side or"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(
+    invoke: Invoke, tmp_path: Path, options: tuple[str, ...], said: str
+) -> None:
+    done = invoke("sweep", "four-wheel", *options)
+    assert (done.status, done.out) == (2, "")
+    assert said in done.err
+    assert done.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_large_plans_ask_first_and_say_how_long(invoke: Invoke) -> None:
+    done = invoke("sweep", "four-wheel", "--vary", "mu_side=0:1:1000000", "--vary", "mu_roll=1:2:1000000")
+    assert done.status == 2
+    assert f"--yes: required for more than {LARGE} scenes, received 1000000000000: about" in done.err
+    assert "years" in done.err
+
+
+def test_a_plain_system_is_refused(invoke: Invoke) -> None:
+    done = invoke("sweep", "eq-3", "--vary", "mu_side=0:1:2")
+    assert (done.status, done.out) == (2, "")
+    assert "required an array of wheels" in done.err
+
+
+def test_a_record_may_be_made_twice() -> None:
+    base, plan = based("four-wheel", {"mu_side": "1/2"})
+    paths = tuple(axis.path for axis in plan.axes)
+    assert outcome_of(base, paths, ("1/2",)) == outcome_of(base, paths, ("1/2",))

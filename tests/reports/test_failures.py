@@ -1,0 +1,49 @@
+"""``--fail 1`` on check and sweep."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+
+def test_check_lists_failures_and_names_the_worst(invoke: Invoke) -> None:
+    done = invoke("check", "four-wheel", "--fail", "1")
+    assert done.status == 0
+    assert "the worst: wheel 1 lifted: position tips" in done.out
+    record = invoke("check", "four-wheel", "--fail", "1", "--json").record
+    assert len(record["failures"]) == 8
+    assert [failure["wheel"] for failure in record["failures"] if failure["worst"]] == [1]
+    assert invoke("check", "four-wheel", "--json").record["failures"] is None
+
+
+def test_every_rule_has_its_own_failures(invoke: Invoke) -> None:
+    checks = invoke("check", "four-wheel", "--rule", "all", "--fail", "1", "--json").record["checks"]
+    assert [len(check["failures"]) for check in checks] == [8] * 4
+
+
+def test_a_sweep_has_the_failures_of_every_scene(invoke: Invoke) -> None:
+    command = ("sweep", "four-wheel", "--vary", "mu_side=1/2,2", "--fail", "1", "--workers", "1")
+    rows = invoke(*command, "--json").record["rows"]
+    one = invoke("check", "four-wheel", "--fail", "1", "--json").record
+    assert rows[0]["failures"] == one["failures"]
+    out = invoke(*command).out
+    assert "worst failure" in out
+    assert out.count("tips") == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("check", "four-wheel", "--fail", "2"), "--fail: required 1, the number of wheels that fail, received 2"),
+        (("check", "four-wheel", "ring-6", "--fail", "1"), "--fail: required one scene, received 2"),
+        (("check", "eq-3", "--fail", "1"), "required an array of wheels for --fail"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(invoke: Invoke, arguments: tuple[str, ...], said: str) -> None:
+    done = invoke(*arguments)
+    assert (done.status, done.out) == (2, "")
+    assert said in done.err
