@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 SIZE = (9.0, 8.2)  # inches
 MOST_COLUMNS = 5  # of the legend
 MANY = 900  # scenes beyond which they are not marked one by one
+THIN = 1e-6  # of its length: a piece so narrow is drawn as a line
 
 XY: TypeAlias = tuple[float, float]
 Cut: TypeAlias = tuple[XY, str]  # a point of a side, and the answer that follows it
@@ -95,9 +96,17 @@ def _draw_square(axes: Axes, way: list[Cut]) -> None:
     for first, last in zip(cuts, [*cuts[1:], cuts[0] + len(way)], strict=True):
         arc = [way[k % len(way)][0] for k in range(first, last + 1)]
         axes.fill(*zip(*arc, middle, strict=True), **look(way[first][1]))
+        if _is_thin([*arc, middle]):  # the answer holds along a line alone
+            axes.plot(*zip(*arc, strict=True), color=look(way[first][1])["facecolor"], linewidth=2.5, zorder=4)
     for k in cuts:
         (x, y), (u, v) = way[k][0], middle
         axes.plot([x, u], [y, v], color=INK, linewidth=1, solid_capstyle="round", zorder=3)
+
+
+def _is_thin(polygon: list[XY]) -> bool:
+    """Whether a polygon is a line, within the width to which borders are known."""
+    (xs, ys) = zip(*polygon, strict=True)
+    return bool(min(max(xs) - min(xs), max(ys) - min(ys)) <= THIN * max(max(xs) - min(xs), max(ys) - min(ys)))
 
 
 def _middle(points: list[XY]) -> XY:

@@ -90,10 +90,16 @@ def _draw_strips(axes: Axes, sweep: Sweep) -> None:
 
 def _draw_curve(axes: Axes, sweep: Sweep, name: str) -> None:
     """One rate where it is known; the curve ends at borders, where it may jump."""
-    known = [(place, outcome[name]) for place, outcome in zip(positions(sweep), sweep.outcomes, strict=True)]
-    known += [(place_of(border), None) for border in sweep.borders or ()]
-    places, values = zip(*sorted(known, key=lambda pair: pair[0]), strict=True)
-    axes.plot(places, [float("nan") if v is None else v for v in values], ".-", color=INK, linewidth=1)
+    cut_after = {border.places[0] for border in sweep.borders or ()}
+    places: list[float] = []
+    values: list[float] = []
+    for k, (place, outcome) in enumerate(zip(positions(sweep), sweep.outcomes, strict=True)):
+        places.append(place)
+        values.append(float("nan") if outcome[name] is None else outcome[name])
+        if k in cut_after:
+            places.append(place)
+            values.append(float("nan"))
+    axes.plot(places, values, ".-", color=INK, linewidth=1)
     axes.set_ylabel(CURVES[name], fontsize="small")
     for border in sweep.borders or ():
         axes.axvline(place_of(border), color="0.7", linewidth=0.8, zorder=0)
