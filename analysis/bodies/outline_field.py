@@ -146,8 +146,8 @@ class OutlineField:
             around = [full[p] for p in full if _refines(p, pattern)]
             if not any(around) or None in around or not _divides(pattern, full):
                 continue
-            members = dict.fromkeys(cell for cells in around for cell in cells or ())
-            face = self._face(surfaces, pattern, list(members))
+            members = {cell for cells in around for cell in cells or ()}
+            face = self._face(surfaces, pattern, sorted(members, key=lambda one: (sorted(one.wheels), one.cell.number)))
             faces.setdefault((face.keep, face.members, frozenset(face.bounds)), face)
         return _Around(list(faces.values()), None in full.values())
 
