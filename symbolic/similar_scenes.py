@@ -15,6 +15,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.continuum import Disc, Footprint
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.support_polygon import extent, outer_positions, support_polygon
@@ -43,14 +45,40 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
         lyapunov=None,
         length=scene.check.length * factor,
     )
+    body = None if scene.body is None else _scaled_body(scene.body, factor)
     box = None if scene.tolerances is None else scene.tolerances.scaled(factor)
-    changed = replace(with_wheels(scene, larger), contact=replace(scene.contact, loads=loads), check=check)
-    return replace(changed, tolerances=box)
+    contact = replace(scene.contact, loads=loads)
+    return replace(with_wheels(scene, larger), contact=contact, check=check, body=body, tolerances=box)
+
+
+def _scaled_body(body: Body, factor: Fraction) -> Body:
+    x, y = body.centre
+    outline = body.outline
+    if isinstance(outline, Disc):
+        larger: Footprint = replace(outline, radius=outline.radius * factor)
+    else:
+        larger = replace(outline, vertices=tuple((a * factor, b * factor) for a, b in outline.vertices))
+    return replace(body, outline=larger, centre=(x * factor, y * factor))
 
 
 def in_own_length(scene: Scene) -> Scene:
     """The same array with its length l for the unit: there ``V = |c|^2 + l^2 theta^2`` is ``|c|^2 + theta^2``."""
     return scene if scene.check.length == 1 else scaled(scene, 1 / scene.check.length)
+
+
+def counted_in_own_length(scene: Scene) -> Scene:
+    """The same array in another unit of length, its length l; times stay, so speeds are counted in it too."""
+    if scene.check.length == 1:
+        return scene
+    factor = 1 / scene.check.length
+
+    def slower(wheel: Wheel) -> Wheel:
+        if wheel.given_speed is not None:
+            return replace(wheel, given_speed=wheel.given_speed * factor)
+        x, y = wheel.direction
+        return replace(wheel, direction=(x * factor, y * factor))
+
+    return with_wheels(scaled(scene, factor), slower)
 
 
 def covering(scene: Scene) -> Scene:

@@ -4,7 +4,7 @@ It is a solution of a switched field of poses (:mod:`nonsmooth.analysis.bodies.o
 other one (:mod:`nonsmooth.analysis.trajectories.smooth`): through the cells of the wheels that carry, along borders of
 cells and along edges over wheels, where Filippov's construction mixes motions.  Here its switches are
 told apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body slides along (``slide``), and where
-it ``tips``.
+it ``tips``.  All is counted in the scene's length l, so that a path is the same in every unit of length.
 """
 
 from __future__ import annotations
@@ -20,10 +20,12 @@ from nonsmooth.analysis.bodies.outline_field import OutlineField, Wheels
 from nonsmooth.analysis.bodies.set_cells import CellsBySet
 from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import CellRule
+from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.symbolic.contact_set import require_elastic
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import counted_in_own_length
 
 
 class CellPath:
@@ -40,14 +42,16 @@ class CellPath:
             raise ValueError("required a scene with a body")
         if rule.needs_loads:
             require_elastic(scene)
-        self._scene = scene
-        names = [str(wheel.index) for wheel in scene.wheels]
-        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        self._field = OutlineField(CellsBySet(scene, rule), MovingOutline(scene.body, places), names)
+        self._length = float(scene.check.length)
+        self._scene = own = counted_in_own_length(scene)
+        names = [str(wheel.index) for wheel in own.wheels]
+        places = np.array([[float(x) for x in wheel.position] for wheel in own.wheels])
+        outline = MovingOutline(own.body or scene.body, places)
+        self._field = OutlineField(CellsBySet(own, rule), outline, names, self._length)
 
     def stands(self, pose: Sequence[float]) -> bool:
         """Whether the body stands at a pose ``(x, y, theta)``."""
-        return bool(self._field.faces_at(np.array(pose, float)))
+        return bool(self._field.faces_at(self._own(pose)))
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
         """The path from ``(x, y, theta)``, theta measured from the checked heading.
@@ -61,9 +65,13 @@ class CellPath:
         pose = np.array(start, float)
         if not (np.isfinite(pose).all() and 0 < until < math.inf):
             raise ValueError(f"required a finite start and a positive last time, received {pose.tolist()} and {until}")
-        if not self.stands(pose.tolist()):
+        if not self.stands(start):
             raise ValueError("required a start where the body stands on its wheels, received one where it tips")
-        return self._told(follow_smooth(self._field, pose.tolist(), until))
+        return self._told(follow_smooth(self._field, self._own(pose).tolist(), until)).in_lengths(self._length)
+
+    def _own(self, pose: Sequence[float] | Floats) -> Floats:
+        """A pose with the scene's length l for the unit."""
+        return np.array(pose, float) / [self._length, self._length, 1.0]
 
     def _told(self, path: Trajectory) -> Trajectory:
         """The same path with events of wheels, and tipping where it leaves the field."""

@@ -56,11 +56,11 @@ class OutlineField:
 
     states: tuple[str, ...] = ("x", "y", "theta")
     kinematics: str = Kinematics.EXACT.value
-    unit: float = 1.0
     heading: int | None = 2
 
-    def __init__(self, sets: CellsBySet, outline: MovingOutline, names: Sequence[str]) -> None:
-        """For an array and a body; ``names`` are those of the wheels."""
+    def __init__(self, sets: CellsBySet, outline: MovingOutline, names: Sequence[str], unit: float) -> None:
+        """For an array and a body; ``names`` are those of the wheels, and the unit of length is that of a scene's."""
+        self.unit = unit
         self._sets, self._outline, self._names = sets, outline, names
         self.size = sets.size + outline.size
         self._slack = SURFACE_SLACK * self.size
@@ -146,8 +146,8 @@ class OutlineField:
             around = [full[p] for p in full if _refines(p, pattern)]
             if not any(around) or None in around or not _divides(pattern, full):
                 continue
-            members = dict.fromkeys(cell for cells in around for cell in cells or ())
-            face = self._face(surfaces, pattern, list(members))
+            members = {cell for cells in around for cell in cells or ()}
+            face = self._face(surfaces, pattern, sorted(members, key=lambda one: (sorted(one.wheels), one.cell.number)))
             faces.setdefault((face.keep, face.members, frozenset(face.bounds)), face)
         return _Around(list(faces.values()), None in full.values())
 

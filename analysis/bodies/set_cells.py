@@ -55,13 +55,15 @@ class SetCell:
     """One cell of one set.
 
     Attributes:
-        name: what it is called among the cells of its set.
+        number: its place among the cells of its set.
+        name: what it is called among them.
         member: its motion, under a name among all cells of all sets.
         twist: ``(v_x, v_y, omega)``.
         sides: what bounds it.
         tied: whether several motions tie in it; the first is drawn.
     """
 
+    number: int
     name: str
     member: Member
     twist: tuple[float, float, float]
@@ -106,7 +108,7 @@ class SetCells:
             sides = tuple(self._lines.side(np.array(side.normal), float(side.offset)) for side in polygon.sides)
             flow, member = field.flows[k][0], Member(name, field.velocity(k))
             twist = (float(flow.vx), float(flow.vy), float(flow.omega))
-            found.append(SetCell(field.names[k], member, twist, sides, field.tied(k)))
+            found.append(SetCell(k, field.names[k], member, twist, sides, field.tied(k)))
         return tuple(found)
 
     def stands(self, pose: Floats, slack: float) -> bool:

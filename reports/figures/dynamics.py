@@ -12,7 +12,7 @@ from nonsmooth.analysis.contact_rule import smooth_rules
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, length_label, pose_labels, time_label, wrapped
 from nonsmooth.reports.figures.outline import outline_of, placed
@@ -39,16 +39,24 @@ def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
     """x, y and theta over time, and the path between the wheels; ``suffix`` as for the cell map."""
     model = contact_model(scene)
     start, last = path.trajectory.states[0], float(path.trajectory.end.t)
-    limit = next(rule for rule in smooth_rules() if rule.is_massless_limit)
-    rule = limit.path(scene, start, last)
+    paths = (path.trajectory, *_massless(scene, start, last))
     title = f"{one_line(scene.name)}: full dynamics, mass {path.body.mass:.6g}, inertia {path.body.inertia:.6g}"
 
     def build() -> Figure:
-        figure = build_path_figure(title, model, (path.trajectory, rule), scene.units)
+        figure = build_path_figure(title, model, paths, scene.units, (BODY, RULE)[: len(paths)])
         _draw_outlines(figure.axes[-1], scene, path.trajectory)
         return figure
 
     return figure_bytes(build, suffix)
+
+
+def _massless(scene: Scene, start: Sequence[float], until: float) -> tuple[Trajectory, ...]:
+    """The path of the rule that is the limit without mass; none where it cannot be followed."""
+    limit = next(rule for rule in smooth_rules() if rule.is_massless_limit)
+    try:
+        return (limit.path(scene, start, until),)
+    except TrajectoryError:
+        return ()
 
 
 def rule_path_figure(scene: Scene, path: Trajectory, suffix: str) -> bytes:

@@ -165,6 +165,34 @@ def test_a_body_whose_wheel_leaves_tips_over_what_is_left(arrays: Arrays) -> Non
     assert path.events[-1].surface == "over the line through wheels 3 and 1"
 
 
+def in_unit(arrays: Arrays, length: Fraction, rule: str) -> Scene:
+    """Wheels and a plate, all lengths and speeds times a number, which is also the length l of the scene."""
+    wheels = [
+        WheelData(
+            (length * x + length * (x * y % 3) / 10, length * y),
+            ((7 * x + 3 * y) % 5 - 2 or 1, (2 * x + 5 * y) % 7 - 3 or 2),
+            length * (1 + (x + y) % 3) / 2,
+        )
+        for x in range(5)
+        for y in range(5)
+    ]
+    scene = arrays.scene(wheels)
+    scene = replace(scene, check=replace(scene.check, length=length))
+    a, b = Fraction(7, 5) * length, Fraction(11, 10) * length
+    return on(scene, polygon_of(scene, [(-a, -b), (a / 2, -b * 5 / 4), (a, b / 3), (0, b), (-a, b)]), rule=rule)
+
+
+def test_a_path_is_the_same_in_every_unit_of_length(arrays: Arrays) -> None:
+    expected = followed(in_unit(arrays, Fraction(1), "nearest"), (1.7, 2.1, 0.4), 1.0)
+    assert len(expected.events) > 5
+    for length in (Fraction(1000), Fraction(1, 1000)):
+        size = float(length)
+        path = followed(in_unit(arrays, length, "nearest"), (1.7 * size, 2.1 * size, 0.4), 1.0)
+        assert [event.surface for event in path.events] == [event.surface for event in expected.events]
+        x, y, theta = path.end.state
+        assert (x / size, y / size, theta) == pytest.approx(expected.end.state, abs=POSE_ERROR)
+
+
 def test_a_start_that_tips_is_refused_in_one_line() -> None:
     scene, _ = carton("nearest")
     with pytest.raises(ValueError, match="stands on its wheels, received one where it tips"):
