@@ -16,10 +16,12 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_all_start_methods, get_context, parent_process
 from multiprocessing.context import BaseContext
+from multiprocessing.synchronize import Event
 from typing import NamedTuple, Protocol
 
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
+from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.files.key_paths import Path
 
@@ -27,6 +29,10 @@ AHEAD = 2  # scenes under way for each worker, so that none waits for the next
 TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
 TOGETHER, ALONE = 2, 3  # deaths of workers before a scene is tried alone, and before it is refused
 DIED = "its worker was killed again and again: it takes more memory or time than the machine allows"
+FALSE_STARTS = 3  # pools that end before any worker is ready
+NEVER_READY = (
+    'required processes that start (a script needs if __name__ == "__main__":), received ones that end at once'
+)
 GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
 
 
@@ -110,6 +116,9 @@ class Pool:
 
     def __init__(self, work: Work, count: int) -> None:
         self._work, self._count = work, count
+        self._context = _start_method()
+        self._began = self._context.Event()  # set by every worker that is ready
+        self._false_starts = 0
         self._executor = self._new()
         self._running: dict[Future[Outcome], Task] = {}
         self._again: deque[Task] = deque()  # to be tried once more, together with others
@@ -151,7 +160,8 @@ class Pool:
 
     def _new(self) -> ProcessPoolExecutor:
         """A pool of fresh processes: neither our threads nor our locks are copied into them."""
-        return ProcessPoolExecutor(self._count, mp_context=_start_method(), initializer=_begin, initargs=(self._work,))
+        shared = (self._work, self._began)
+        return ProcessPoolExecutor(self._count, mp_context=self._context, initializer=_begin, initargs=shared)
 
     def _start(self, task: Task) -> None:
         try:
@@ -190,6 +200,14 @@ class Pool:
                 self._again.append(task)
 
     def _renew(self) -> None:
+        """Build the pool anew.
+
+        Raises:
+            SweepError: where no worker ever gets ready.
+        """
+        self._false_starts += not self._began.is_set()
+        if self._false_starts >= FALSE_STARTS:
+            raise SweepError(f"workers: {NEVER_READY}")
         self._executor.shutdown(wait=False, cancel_futures=True)
         self._executor = self._new()
 
@@ -218,12 +236,13 @@ def _start_method() -> BaseContext:
 _works: list[Work] = []  # one entry in a worker, none elsewhere
 
 
-def _begin(work: Work) -> None:
+def _begin(work: Work, began: Event) -> None:
     """Get ready: leave interrupts to the sweep, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.set_threshold(GARBAGE_THRESHOLD)
     threading.Thread(target=_end_with_sweep, daemon=True).start()
     _works[:] = [work]
+    began.set()
 
 
 def _end_with_sweep() -> None:

@@ -104,6 +104,21 @@ class Number(ExactReal):
                 del terms[mask]
         return Number(self.field, terms)
 
+    def __sub__(self, value: Any) -> Number:
+        other = self._operand(value)
+        if other is None:
+            return NotImplemented
+        if not other.terms:
+            return self
+        terms = dict(self.terms)
+        for mask, c in other.terms.items():
+            total = terms[mask] - c if mask in terms else -c
+            if total:
+                terms[mask] = total
+            else:
+                del terms[mask]
+        return Number(self.field, terms)
+
     def __neg__(self) -> Number:
         return Number(self.field, {mask: -c for mask, c in self.terms.items()})
 

@@ -187,6 +187,15 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other() -> None:
         pool.close()
 
 
+def test_a_script_without_its_guard_is_told(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    call = 'ns.load("four-wheel").sweep(mu_side="1/2,2", means=ns.Means(workers=2))'
+    script.write_text(f"import nonsmooth as ns\n\n{call}\n", encoding="utf-8")
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 1
+    assert "SweepError: workers: required processes that start" in done.stderr
+
+
 # ---- shared --------------------------------------------------------------------------------------
 
 
