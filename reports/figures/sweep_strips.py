@@ -26,6 +26,7 @@ CURVES = {  # rates of an outcome, and what they are called
     "rate": "rate of return",
     "kappa": "kappa of the law",
     "within": "home from within",
+    "tolerance_factor": "tolerances, times",
 }
 
 

@@ -9,6 +9,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.failures import failures_of
+from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
@@ -39,6 +40,8 @@ NUMBERS = {
     "turn_per_distance": ("heading", "turn_per_distance"),
     "kappa": ("pose", "rate"),
     "worst_rate": ("translation", "worst_rate"),
+    "ends_within": (TOLERANCES, "radius"),
+    "tolerance_factor": (TOLERANCES, "factor"),
 }
 
 
@@ -72,6 +75,9 @@ def refused(why: str) -> Outcome:
 def _checked(scene: Scene) -> Outcome:
     check = verified(check_theorem4(scene, beside=False))
     answers = {answer.name: answer for answer in answers_of(check)}
+    robust = robust_answer(check.scene)
+    if robust is not None:
+        answers[TOLERANCES] = robust
     position, heading, pose = (str(answers[name].verdict) for name in QUESTIONS[:3])
     verdicts = {name: str(check.results[name].verdict) for name in CLAUSES}
     numbers = {name: _number(check, answers, *place) for name, place in NUMBERS.items()}

@@ -23,6 +23,7 @@ from nonsmooth.symbolic.scene_error import MAX_SHOWN, SceneError
 Step: TypeAlias = str | int  # a key, or the place in a list counted from 0
 Path: TypeAlias = tuple[Step, ...]
 
+NEVER_ALONE = ("tolerance",)  # tables whose keys other tables have: they are always named
 MATCHES, LIKENESS, LISTED = 3, 0.5, 6  # near matches of an unknown path, how near (difflib), else so many examples
 
 
@@ -40,7 +41,11 @@ def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
     known = {path_text(path): path for path in numeric_paths(document)}
     if text in known:
         return known[text]
-    alone = {name: name.partition(".")[2] for name, path in known.items() if not isinstance(path[1], int)}
+    alone = {
+        name: name.partition(".")[2]
+        for name, path in known.items()
+        if not isinstance(path[1], int) and path[0] not in NEVER_ALONE
+    }
     ends = [name for name, key in alone.items() if key == text]
     if len(ends) == 1:
         return known[ends[0]]
@@ -69,8 +74,8 @@ def with_value(document: Mapping[str, Any], path: Path, value: object) -> dict[s
 
 def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
     """Every number of a scene that can be set: those of its tables, whether it states them or not."""
-    for name, field in Document.model_fields.items():
-        tables = list(_tables(field.annotation))
+    for attribute, field in Document.model_fields.items():
+        name, tables = field.alias or attribute, list(_tables(field.annotation))
         value = document.get(name)
         if isinstance(value, list):
             for k, entry in enumerate(value):

@@ -64,6 +64,24 @@ def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
             assert outcome["exact"]["worst_rate"] == record["translation"]["exact"]["worst_rate"]
 
 
+def test_tolerances_vary_and_say_what_is_left_of_them(tmp_path: Path) -> None:
+    """Twice the tolerances have half the factor, and bodies end farther away."""
+    file = tmp_path / "table.toml"
+    built_in = Path(__file__).parents[3] / "symbolic" / "scenes" / "four-wheel.toml"
+    box = '\n[tolerance]\nposition = "1/50"\n'
+    file.write_text(built_in.read_text(encoding="utf-8") + box, encoding="utf-8")
+    one, two = swept(str(file), {"tolerance.position": "1/50,1/25"}).outcomes
+    array = ns.load(file)
+    assert isinstance(array, ns.Array)
+    robust = array.check().tolerances
+    assert robust is not None
+    assert one["tolerance_factor"] == float(robust["factor"])
+    assert one["ends_within"] == float(robust["radius"])
+    assert one["ends_within"] < two["ends_within"]
+    assert one["tolerance_factor"] == pytest.approx(2 * two["tolerance_factor"], rel=0.05)
+    assert swept("four-wheel", {"mu_side": "1/2"}).outcomes[0]["tolerance_factor"] is None
+
+
 def test_sampled_rates_are_left_out() -> None:
     (outcome,) = swept("four-wheel", {"mu_side": "1/2"}, rule="ellipse").outcomes
     assert outcome["worst_rate"] is None
