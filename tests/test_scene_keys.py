@@ -18,6 +18,7 @@ from nonsmooth.symbolic.files.scene_document import (
     UnitsTable,
     WheelFile,
 )
+from nonsmooth.symbolic.files.scene_values import keys_of
 from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.wheel_csv import COLUMNS
 
@@ -48,7 +49,7 @@ def test_every_key_of_a_table_is_named(table: str) -> None:
 
 
 def test_every_table_is_named() -> None:
-    for name in (field.alias or key for key, field in Document.model_fields.items()):
+    for name in keys_of(Document):
         assert f"`[{name}]`" in PAGE or f"`[[{name}]]`" in PAGE or f"`{name}`" in PAGE, name
 
 

@@ -16,7 +16,7 @@ from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
 from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.files.scene_document import Document
-from nonsmooth.symbolic.files.scene_values import Angle, Table
+from nonsmooth.symbolic.files.scene_values import Angle, Table, keys_of
 from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.scene_error import MAX_SHOWN, SceneError
 
@@ -74,8 +74,8 @@ def with_value(document: Mapping[str, Any], path: Path, value: object) -> dict[s
 
 def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
     """Every number of a scene that can be set: those of its tables, whether it states them or not."""
-    for attribute, field in Document.model_fields.items():
-        name, tables = field.alias or attribute, list(_tables(field.annotation))
+    for name, field in keys_of(Document).items():
+        tables = list(_tables(field.annotation))
         value = document.get(name)
         if isinstance(value, list):
             for k, entry in enumerate(value):

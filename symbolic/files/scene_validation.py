@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
-from nonsmooth.symbolic.files.scene_values import AngleUnit, Table
+from nonsmooth.symbolic.files.scene_values import AngleUnit, Table, keys_of
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
 Model = TypeVar("Model", bound=Table)
@@ -87,8 +87,8 @@ def _expected(model: type[Table], detail: Any) -> str:
 def _keys(model: type[Table], location: tuple[int | str, ...]) -> list[str]:
     """Keys of the table that holds the unknown key."""
     if len(location) == 1:
-        return list(model.model_fields)
-    tables = list(_tables(model.model_fields[str(location[0])].annotation))
+        return list(keys_of(model))
+    tables = list(_tables(keys_of(model)[str(location[0])].annotation))
     tagged = (t for t in tables if "kind" in t.model_fields and t.model_fields["kind"].default == location[1])
     return list(next(tagged, tables[0]).model_fields)
 

@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import Annotated, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo
+from pydantic.fields import FieldInfo
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError, decimal_value, parse
 from nonsmooth.symbolic.number_text import short_text
@@ -38,6 +39,11 @@ class Table(BaseModel):
     """One TOML table: unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
+
+
+def keys_of(table: type[Table]) -> dict[str, FieldInfo]:
+    """The keys of a table as a file writes them."""
+    return {field.alias or name: field for name, field in table.model_fields.items()}
 
 
 class AngleUnit(StrEnum):
