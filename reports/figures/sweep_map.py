@@ -8,7 +8,7 @@ straight between them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from nonsmooth.reports.figures.answer_colors import TITLES, legend_entries, look
 from nonsmooth.reports.figures.labels import WIDE_TITLE, wrapped
@@ -30,8 +30,21 @@ MANY = 900  # scenes beyond which they are not marked one by one
 THIN = 1e-6  # of its length: a piece so narrow is drawn as a line
 
 XY: TypeAlias = tuple[float, float]
-Cut: TypeAlias = tuple[XY, str]  # a point of a side, and the answer that follows it
 Sides: TypeAlias = dict[tuple[int, tuple[int, ...]], list[Border]]
+
+
+class Cut(NamedTuple):
+    """A corner of a square, or a border on its side.
+
+    Attributes:
+        place: where it is.
+        answer: what follows it, counterclockwise.
+        axis: of the side that a border cuts, 0 across and 1 along; None at a corner.
+    """
+
+    place: XY
+    answer: str
+    axis: int | None = None
 
 
 def build_map(sweep: Sweep) -> Figure:
@@ -76,38 +89,49 @@ def _way_round(
     around = (((i, j), 0, False), ((i + 1, j), 1, False), ((i + 1, j + 1), 0, True), ((i, j + 1), 1, True))
     name = QUESTIONS[question]
     for (a, b), axis, backward in around:
-        yield (xs[a], ys[b]), sweep.outcomes[sweep.plan.index((a, b))][name]
+        yield Cut((xs[a], ys[b]), sweep.outcomes[sweep.plan.index((a, b))][name])
         low = ((a - 1, b) if axis == 0 else (a, b - 1)) if backward else (a, b)
         found = sides.get((axis, low), [])
         for border in reversed(found) if backward else found:
             before, after = border.before[question], border.after[question]
             if before != after:
                 place = place_of(border)
-                yield ((place, ys[b]) if axis == 0 else (xs[a], place)), before if backward else after
+                at = (place, ys[b]) if axis == 0 else (xs[a], place)
+                yield Cut(at, before if backward else after, axis)
 
 
 def _draw_square(axes: Axes, way: list[Cut]) -> None:
     """The pieces of one square, and the borders between them."""
-    cuts = [k for k, (_, answer) in enumerate(way) if answer != way[k - 1][1]]
-    if not cuts:
-        axes.fill(*zip(*(place for place, _ in way), strict=True), **look(way[0][1]))
+    changes = [k for k, cut in enumerate(way) if cut.answer != way[k - 1].answer]
+    if not changes:
+        axes.fill(*zip(*(cut.place for cut in way), strict=True), **look(way[0].answer))
         return
-    middle = _middle([way[k][0] for k in cuts])
-    for first, last in zip(cuts, [*cuts[1:], cuts[0] + len(way)], strict=True):
-        arc = [way[k % len(way)][0] for k in range(first, last + 1)]
-        axes.fill(*zip(*arc, middle, strict=True), **look(way[first][1]))
+    middle = _meeting([way[k] for k in changes])
+    for first, last in zip(changes, [*changes[1:], changes[0] + len(way)], strict=True):
+        arc = [way[k % len(way)].place for k in range(first, last + 1)]
+        axes.fill(*zip(*arc, middle, strict=True), **look(way[first].answer))
         if _is_thin([*arc, middle]):  # the answer holds along a line alone
-            axes.plot(*zip(*arc, strict=True), color=look(way[first][1])["facecolor"], linewidth=2.5, zorder=4)
-    for k in cuts:
-        (x, y), (u, v) = way[k][0], middle
+            axes.plot(*zip(*arc, strict=True), color=look(way[first].answer)["facecolor"], linewidth=2.5, zorder=4)
+    for k in changes:
+        (x, y), (u, v) = way[k].place, middle
         axes.plot([x, u], [y, v], color=INK, linewidth=1, solid_capstyle="round", zorder=3)
 
 
 def _is_thin(polygon: list[XY]) -> bool:
     """Whether a polygon is a line, within the width to which borders are known."""
     (xs, ys) = zip(*polygon, strict=True)
-    return bool(min(max(xs) - min(xs), max(ys) - min(ys)) <= THIN * max(max(xs) - min(xs), max(ys) - min(ys)))
+    width, height = max(xs) - min(xs), max(ys) - min(ys)
+    return bool(min(width, height) <= THIN * max(width, height))
 
 
-def _middle(points: list[XY]) -> XY:
-    return sum(x for x, _ in points) / len(points), sum(y for _, y in points) / len(points)
+def _meeting(cuts: list[Cut]) -> XY:
+    """Where the borders of a square meet: half-way between two; of more where those across and along cross."""
+    across = [cut.place[0] for cut in cuts if cut.axis == 0]
+    along = [cut.place[1] for cut in cuts if cut.axis == 1]
+    if len(cuts) > 2 and across and along:
+        return _mean(across), _mean(along)
+    return _mean([cut.place[0] for cut in cuts]), _mean([cut.place[1] for cut in cuts])
+
+
+def _mean(values: list[float]) -> float:
+    return sum(values) / len(values)

@@ -21,7 +21,6 @@ from nonsmooth.symbolic.scene_error import one_line
 
 SCHEMA = "nonsmooth-sweep/1"
 MOST_SHOWN = 40  # scenes that a terminal lists
-DIGITS = 6
 SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
 
 
@@ -141,18 +140,19 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 def _answers_table(sweep: Sweep) -> Table:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
     shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
-    beside = ["worst failure"] if failures else list(SHOWN_NUMBERS)
+    rates = SHOWN_NUMBERS if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
+    beside = ["worst failure"] if failures else list(rates)
     header = [*shorts, "position", "heading", "pose", "Theorem 4", *beside]
     table = header_table(*header, widest="pose")
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [Text(str(value.entry)) for value in sweep.plan.point(k)]
         answers = [verdict_text(outcome[name]) for name in QUESTIONS]
-        table.add_row(*entries, *answers, *(_failure_text(outcome) if failures else _number_texts(outcome)))
+        table.add_row(*entries, *answers, *(_failure_text(outcome) if failures else _number_texts(outcome, rates)))
     return table
 
 
-def _number_texts(outcome: Outcome) -> list[Text]:
-    return [Text("" if outcome[name] is None else float_text(outcome[name], 4)) for name in SHOWN_NUMBERS]
+def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[Text]:
+    return [Text("" if outcome[name] is None else float_text(outcome[name], 4)) for name in names]
 
 
 def _failure_text(outcome: Outcome) -> list[Text]:
