@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 HALF_ROOT = 0.7071067811865476
 COLUMNS = 80  # width of the output where there is no terminal
 CHECK_KEYS = [
-    "schema", "scene", "wheels", "rule", "radius", "length", "exact", "contact_set", "answers", "contact_states",
-    "equilibrium", "translation", "rotation", "feedback", "theorem4", "continuum", "failures", "notes", "skipped",
-    "seconds",
+    "schema", "scene", "wheels", "rule", "radius", "length", "exact", "contact_set", "answers", "robust",
+    "contact_states", "equilibrium", "translation", "rotation", "feedback", "theorem4", "continuum", "failures", "notes",
+    "skipped", "seconds",
 ]  # fmt: skip
 
 
