@@ -35,8 +35,8 @@ HALF_ROOT = 0.7071067811865476
 COLUMNS = 80  # width of the output where there is no terminal
 CHECK_KEYS = [
     "schema", "scene", "wheels", "rule", "radius", "length", "exact", "contact_set", "answers", "robust",
-    "contact_states", "equilibrium", "translation", "rotation", "feedback", "theorem4", "continuum", "failures", "notes",
-    "skipped", "seconds",
+    "contact_states", "equilibrium", "translation", "rotation", "feedback", "theorem4", "continuum", "failures",
+    "notes", "skipped", "seconds",
 ]  # fmt: skip
 
 
