@@ -4,28 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.basins import MAX_GRID, GridRun
-from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.argument_error import ArgumentError
-from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.interface.shown_result import ShownResult
 from nonsmooth.reports.settle_maps import ShownMap, build_map
-from nonsmooth.reports.shown import file_bytes
 
 if TYPE_CHECKING:
     from nonsmooth.reports.body_maps import ShownBodyMap
     from nonsmooth.symbolic.scene import Scene
 
-MAP_FORMATS = (".csv", ".json", *PICTURES)
-
 
 @dataclass(frozen=True, repr=False)
-class MapResult(Tabular):
+class MapResult(ShownResult):
     """Where, when and at which heading the bodies of a grid of starts end; shares are sampled.
 
     Attributes:
@@ -33,25 +28,6 @@ class MapResult(Tabular):
     """
 
     shown: ShownMap | ShownBodyMap
-
-    def to_dict(self) -> dict[str, Any]:
-        """The JSON record of ``nonsmooth simulate --grid --json``."""
-        return self.shown.record()
-
-    def rows(self) -> list[dict[str, Any]]:
-        """One row for each start, as in the CSV file of the command."""
-        names, *lines = (tuple(line) for line in self.shown.lines())
-        return [dict(zip(names, line, strict=True)) for line in lines]
-
-    def save(self, file: str | Path) -> Path:
-        """Write it: .csv, .json or a picture (.svg, .png, .pdf).
-
-        Raises:
-            OutputError: for another ending, and for a file that cannot be written.
-        """
-        path = output_path(str(file), MAP_FORMATS)
-        write_whole(path, file_bytes(self.shown, path.suffix.lower()))
-        return path
 
     def __repr__(self) -> str:
         return short_lines(f"{self.shown.title}: {self.shown.summary()} (sampled)", self.shown.shares)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from nonsmooth.analysis.bodies.mass_path import MassPath
@@ -11,21 +10,17 @@ from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
 from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.reports.dynamics import ShownMasses, ShownPath, chosen_body
-from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.argument_error import ArgumentError
-from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
-from nonsmooth.reports.shown import file_bytes
+from nonsmooth.reports.interface.shown_result import ShownResult
 from nonsmooth.reports.simulate import PathRun
 from nonsmooth.symbolic.contact_set import require_no_outline, whole
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
-MASS_FORMATS = (".csv", ".json", *PICTURES)
-
 
 @dataclass(frozen=True, repr=False)
-class MassResult(Tabular):
+class MassResult(ShownResult):
     """Distances of bodies under full dynamics from the path of every contact rule, by mass.
 
     Attributes:
@@ -33,25 +28,6 @@ class MassResult(Tabular):
     """
 
     shown: ShownMasses
-
-    def to_dict(self) -> dict[str, Any]:
-        """The JSON record of the command."""
-        return self.shown.record()
-
-    def rows(self) -> list[dict[str, Any]]:
-        """One row for each mass and rule, as in the CSV file; mass 0 is the path of rule ellipse itself."""
-        names, *lines = (tuple(line) for line in self.shown.lines())
-        return [dict(zip(names, line, strict=True)) for line in lines]
-
-    def save(self, file: str | Path) -> Path:
-        """Write it: .csv, .json or a picture (.svg, .png, .pdf).
-
-        Raises:
-            OutputError: for another ending, and for a file that cannot be written.
-        """
-        path = output_path(str(file), MASS_FORMATS)
-        write_whole(path, file_bytes(self.shown, path.suffix.lower()))
-        return path
 
     def __repr__(self) -> str:
         head = f"full dynamics over {self.shown.scene.name}, by mass: {self.shown.summary()}"
