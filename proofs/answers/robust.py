@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.bounds import at_least, at_most
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.robust.decide import decide_robust
-from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.robust.robust import Robust
 
 TOLERANCES = "tolerances"
 KEYS = ("radius", "from", "within", "turning", "drift")
@@ -28,6 +29,10 @@ WORDS = {
 
 def robust_answer(scene: Scene) -> Answer | None:
     """The answer for every array within the scene's tolerances; None for a scene that states none."""
+    if scene.tolerances is None:
+        return None
+    from nonsmooth.proofs.robust.decide import decide_robust  # only a scene that states tolerances needs it
+
     found = decide_robust(scene)
     return None if found is None else Answer(TOLERANCES, found.verdict, tuple(_facts(scene, found)))
 
