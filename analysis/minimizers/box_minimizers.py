@@ -21,6 +21,7 @@ from nonsmooth.analysis.minimizers.force_balance import balance_forces
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, SAME_VERTEX, distinct
 
+TOGETHER = 40  # points in one linear program: beyond, the time of the simplex method grows faster than their number
 HIGHS_FEASIBILITY = 1e-10  # smallest feasibility tolerance of HiGHS, on rows and limits of order 1
 REGULAR = 1e-10  # volume of three unit rows below which they count as dependent
 ZERO_SLIP = 1e-9  # relative to the largest speed: a smaller slip is rounding of a satisfied row
@@ -29,7 +30,7 @@ MAX_WHEELS = 40  # 82,160 triples: about a second and 20 MB for each
 
 @dataclass(frozen=True)
 class BoxHighs:
-    """The dual linear program, by HiGHS (dual simplex), point by point; exact to rounding.
+    """The dual linear program, by HiGHS (dual simplex), some points at a time; exact to rounding.
 
     Attributes:
         tolerance: feasibility tolerance, on rows and limits of order 1.
@@ -45,33 +46,65 @@ class BoxHighs:
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
         """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
         normal = model.checked_loads(loads)
-        scale, speed = _units(model)
-        rows, targets = (model.rows / scale).T, model.targets / speed
-        twists, forces = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
-        for k, limits in enumerate(model.limits(normal)):
-            most = float(limits.max()) or 1.0
-            shares, multipliers = _most_power(rows, targets, limits.reshape(-1) / most, self.tolerance)
-            forces[k] = most * shares.reshape(-1, 2)
-            twists[k] = speed * multipliers / scale
-        return Minima.certified(self.functional, model, normal, twists, forces)
+        scale, speeds = _column_sizes(model), _speeds(model, len(normal))
+        targets, limits = model.targets / speeds, model.limits(normal).reshape(len(normal), -1)
+        most = limits.max(axis=1, keepdims=True)
+        most[most == 0] = 1.0
+        shares, multipliers = _most_power((model.rows / scale).T, targets, limits / most, self.tolerance)
+        forces = (most * shares).reshape(*normal.shape, 2)
+        return Minima.certified(self.functional, model, normal, speeds * multipliers / scale, forces)
 
 
 def _most_power(rows: Floats, targets: Floats, limits: Floats, tolerance: float) -> tuple[Floats, Floats]:
-    """``max targets . f`` subject to ``rows f = 0, |f| <= limits``: f and the multipliers of the equations."""
-    from scipy.optimize import linprog
+    """``max targets . f`` subject to ``rows f = 0, |f| <= limits`` at every point.
 
-    bounds = np.column_stack([-limits, limits])
+    Programs that share nothing are solved as one, whose matrix is block diagonal: that spares the solver's start.
+
+    Args:
+        rows: (3, k).
+        targets: (m, k).
+        limits: (m, k).
+        tolerance: feasibility tolerance of primal and dual.
+
+    Returns:
+        f (m, k) and the multipliers (m, 3) of the equations.
+    """
+    blocks = range(0, len(limits), TOGETHER)
+    solved = [_most_power_of(rows, targets[k : k + TOGETHER], limits[k : k + TOGETHER], tolerance) for k in blocks]
+    forces, multipliers = zip(*solved, strict=True)
+    return np.concatenate(forces), np.concatenate(multipliers)
+
+
+def _most_power_of(rows: Floats, targets: Floats, limits: Floats, tolerance: float) -> tuple[Floats, Floats]:
+    from scipy.optimize import linprog
+    from scipy.sparse import block_diag
+
+    count, bound = len(limits), limits.ravel()
+    balances = block_diag([rows] * count, format="csc") if count > 1 else rows
     options = {"primal_feasibility_tolerance": tolerance, "dual_feasibility_tolerance": tolerance}
-    result = linprog(-targets, A_eq=rows, b_eq=np.zeros(3), bounds=bounds, method="highs-ds", options=options)
+    result = linprog(
+        -targets.ravel(),
+        A_eq=balances,
+        b_eq=np.zeros(3 * count),
+        bounds=np.column_stack([-bound, bound]),
+        method="highs-ds",
+        options=options,
+    )
     if not result.success:
         raise RuntimeError(f"required an optimal linear program, received: {result.message}")
-    return np.asarray(result.x), -np.asarray(result.eqlin.marginals)
+    return np.asarray(result.x).reshape(limits.shape), -np.asarray(result.eqlin.marginals).reshape(count, 3)
 
 
-def _units(model: ContactRows) -> tuple[Floats, float]:
-    """Column scales of the rows and a speed, so that the linear program has entries of order 1."""
+def _column_sizes(model: ContactRows) -> Floats:
+    """Column scales of the rows, so that the linear program has entries of order 1."""
     columns = np.abs(model.rows).max(axis=0)
-    return np.where(columns > 0, columns, 1.0), float(np.abs(model.targets).max()) or 1.0
+    return np.where(columns > 0, columns, 1.0)
+
+
+def _speeds(model: ContactRows, count: int) -> Floats:
+    """The largest speed of the wheels at every point, 1 where all stand still; shape (m, 1)."""
+    largest = np.abs(model.targets).max(axis=-1, keepdims=True)
+    return np.broadcast_to(np.where(largest > 0, largest, 1.0), (count, 1))
 
 
 @dataclass(frozen=True)
@@ -113,7 +146,7 @@ def regular_triples(model: ContactRows) -> tuple[NDArray[np.int_], Floats]:
     """
     if model.wheels > MAX_WHEELS:
         raise ValueError(f"required at most {MAX_WHEELS} wheels to try all triples, received {model.wheels}")
-    scale, _ = _units(model)
+    scale = _column_sizes(model)
     triples = np.array(list(combinations(range(len(model.rows)), 3)))
     matrices = (model.rows / scale)[triples]
     sizes = np.linalg.norm(matrices, axis=2).prod(axis=1)
@@ -137,10 +170,10 @@ def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
     from scipy.optimize import lsq_linear
 
     limits, slips = model.limits(loads).reshape(-1), model.slips(twist).reshape(-1)
-    free = (np.abs(slips) <= ZERO_SLIP * _units(model)[1]) & (limits > 0)
+    free = (np.abs(slips) <= ZERO_SLIP * _speeds(model, 1).item()) & (limits > 0)
     forces = np.where(free, 0.0, -limits * np.sign(slips))
     if free.any():  # without unknowns, SciPy 1.13 raises an error
-        rows = model.rows / _units(model)[0]
+        rows = model.rows / _column_sizes(model)
         bounds = (-limits[free], limits[free])
         forces[free] = lsq_linear(rows[free].T, -rows.T @ forces, bounds, method="bvls").x
     return np.asarray(forces.reshape(-1, 2))

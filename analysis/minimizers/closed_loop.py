@@ -15,7 +15,6 @@ A few rounds of random search around the worst states look between the samples.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -23,6 +22,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -122,14 +122,11 @@ def relative_rates(model: ContactModel, functional: Functional, law: SampledLaw,
     Since ``c . (v + omega J c) = c . v``, that is twice the product of state and twist; the largest of all minimizers.
     """
     speeds = _LAWS[law](model, states)
-    rates = np.empty(len(states))
-    for block, minima in _minimizers(model, functional, states[:, :2], speeds):
-        own = states[block]
-        products = (minima.twists * own).sum(axis=1)
-        for k, face in minima.faces.items():
-            products[k] = (face @ own[k]).max()
-        rates[block] = np.where(proved(minima), 2 * products / (own**2).sum(axis=1), np.nan)
-    return rates
+    minima = _minimizers(model, functional, states[:, :2], speeds)
+    products = (minima.twists * states).sum(axis=1)
+    for k, face in minima.faces.items():
+        products[k] = (face @ states[k]).max()
+    return np.where(proved(minima), 2 * products / (states**2).sum(axis=1), np.nan)
 
 
 def paper_speeds(model: ContactModel, states: Floats) -> Floats:
@@ -157,14 +154,7 @@ def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
 _LAWS = {SampledLaw.PAPER: paper_speeds, SampledLaw.TRACKING: tracking_speeds}
 
 
-def _minimizers(
-    model: ContactModel, functional: Functional, points: Floats, speeds: Floats
-) -> Iterator[tuple[slice, Minima]]:
-    """Minimizers for points with their own speeds, in blocks."""
-    targets = model.targets_of(speeds)
-    loads = loads_at(model, points)
-    if functional is Functional.ELLIPSE:
-        yield slice(None), EllipseInterior().minimize(model.with_targets(targets), loads)
-        return
-    for k, (row, load) in enumerate(zip(targets, loads, strict=True)):
-        yield slice(k, k + 1), BoxHighs().minimize(replace(model, targets=row), load[None])
+def _minimizers(model: ContactModel, functional: Functional, points: Floats, speeds: Floats) -> Minima:
+    """Minimizers at points with their own speeds."""
+    minimizer: Minimizer = BoxHighs() if functional is Functional.BOX else EllipseInterior()
+    return minimizer.minimize(model.with_targets(model.targets_of(speeds)), loads_at(model, points))

@@ -11,6 +11,8 @@ polygon (its boundary included); outside no loads exist, and for collinear wheel
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,6 +26,7 @@ REGULAR = 1e-13  # multiple of the identity (the Hessian of all wheels): slows t
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
 ROUNDING = 1e-14  # relative: energies closer than this are equal in doubles
+HULLS = 16  # arrays whose support polygons are remembered
 BELOW_ZERO = -1e-12  # table loads down to here are rounding of 0; relative to the table's largest entry
 
 
@@ -94,10 +97,19 @@ def _affine(points: Floats) -> Floats:
 
 def _outside(corners: Floats, points: Floats) -> NDArray[np.bool_]:
     """Whether points (m, 2) lie outside the convex hull of the corners (n, 2)."""
+    sides = _hull_sides(np.ascontiguousarray(corners).tobytes())
+    return np.asarray((points @ sides[:, :2].T + sides[:, 2] > ON_HULL).any(axis=1))
+
+
+@lru_cache(maxsize=HULLS)
+def _hull_sides(corners: bytes) -> Floats:
+    """Rows ``(n_x, n_y, offset)`` with ``n . p + offset <= 0`` in the hull of corners (n, 2) of doubles.
+
+    A path asks for the loads of one array at thousands of places.
+    """
     from scipy.spatial import ConvexHull
 
-    sides = ConvexHull(corners).equations
-    return np.asarray((points @ sides[:, :2].T + sides[:, 2] > ON_HULL).any(axis=1))
+    return np.asarray(ConvexHull(np.frombuffer(corners).reshape(-1, 2)).equations)
 
 
 def _multipliers(moments: Floats, goals: Floats) -> Floats:

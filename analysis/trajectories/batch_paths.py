@@ -251,7 +251,8 @@ class BatchPaths:
     def _one_by_one(self, own: Numbers) -> None:
         """Follow starts by the scalar integrator from where they are."""
         for k in own:
-            path = follow_constant(self.field, (*self.points[k].tolist(), float(self.theta[k])), None, None)
+            start = (*self.points[k].tolist(), float(self.theta[k]))
+            path = follow_constant(self.field, start, None, None, sampled=False)
             last = path.pieces[-1] if path.pieces else None
             name = last.place if last else self._place_of(self.points[k])
             self.time[k] += float(path.end.t)

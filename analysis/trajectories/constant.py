@@ -62,6 +62,8 @@ def follow_constant(
     start: Sequence[Any],
     until: Any | None,
     watch: LyapunovWatch | None,
+    *,
+    sampled: bool = True,
 ) -> Trajectory:
     """Follow a Filippov solution from ``(x, y, theta)``.
 
@@ -70,6 +72,7 @@ def follow_constant(
         start: initial pose.
         until: last time; None follows the path to its rest, however long that takes.
         watch: bound on V' to check every piece against.
+        sampled: list states along the path, not its end alone.
 
     Raises:
         ValueError: for a start outside the domain.
@@ -81,16 +84,23 @@ def follow_constant(
         place = field.cells.locate((x, y))
     if place is None:
         raise ValueError(f"required a start inside the domain of the cells, received ({start[0]}, {start[1]})")
-    return _Path(field, (x, y), theta, until, watch).follow(place)
+    return _Path(field, (x, y), theta, until, watch, sampled=sampled).follow(place)
 
 
 class _Path:
     """A path while it is being followed; ``moved`` are the cells of the last motion."""
 
     def __init__(
-        self, field: ConstantField, point: Point, theta: Any, until: Any | None, watch: LyapunovWatch | None
+        self,
+        field: ConstantField,
+        point: Point,
+        theta: Any,
+        until: Any | None,
+        watch: LyapunovWatch | None,
+        *,
+        sampled: bool,
     ) -> None:
-        self.field, self.watch = field, watch
+        self.field, self.watch, self.sampled = field, watch, sampled
         self.signs = signs_of(field)
         self.turns = Turns(field, self.signs)
         self.log = EventLog(field, self.turns.lead_outward)
@@ -263,6 +273,6 @@ class _Path:
 
     def _result(self, reason: EndReason) -> Trajectory:
         end = End(self.time, self.state, reason)
-        times, states = samples(self.pieces, end)
+        times, states = samples(self.pieces, end) if self.sampled else ((end.t,), (end.state,))
         events, pieces = tuple(self.log.events), tuple(self.pieces)
         return Trajectory(self.field.kinematics.value, "events", times, states, events, end, self.log.unique, pieces)
