@@ -22,7 +22,7 @@ from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.number_text import float_text
 
 METHODS = ("events, closed form", "DOP853 with events", "hysteresis", "smoothed", "RK45", "DOP853")
-SETTINGS = 4  # of each method, the easy ones first: together below a second
+SETTINGS = 3  # of each method, the easy ones first: enough for a slope, and together about a second
 ONCE = Limits(runs=1, seconds=math.inf)
 CASES = (LOADS, COLLINEAR)  # hundredths of a second; verdicts, paths and feedback take some seconds
 
