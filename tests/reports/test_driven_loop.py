@@ -85,10 +85,10 @@ def stepped(scene: Scene, speeds: Speeds, start: Any, until: float, minimizer: A
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5"])
 def test_small_steps_with_a_minimizer_lead_the_same_way(name: str, rule: str, minimizer: Any, tmp_path: Path) -> None:
     loop = loop_of(name, rule)
-    start = start_of(loop, (0.4, 0.8, 0.3), 0.9)
+    start, until = start_of(loop, (0.4, 0.8, 0.3), 0.9), 0.6
     law = runpy.run_path(str(certified_law_of(check_theorem4(loop.scene)).save(tmp_path / "law.py")))
-    found = stepped(loop.scene, law["speeds"], start, 1.5, minimizer)
-    path = loop.follow(start, 1.5)
+    found = stepped(loop.scene, law["speeds"], start, until, minimizer)
+    path = loop.follow(start, until)
     assert np.abs(found - np.array(path.end.state, dtype=float)).max() <= CHATTERED * np.abs(start).max()
 
 

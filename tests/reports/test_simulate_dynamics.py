@@ -56,10 +56,10 @@ def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[s
 
 
 def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = (*DYNAMICS, "--until", "0.5", "--mass", "0.01", "--compare-masses")
+    arguments = (*DYNAMICS, "--until", "0.1", "--mass", "0.01", "--compare-masses")
     record = json.loads(invoke(capsys, *arguments, "--json"))
     assert list(record) == ["schema", "scene", "start", "until", "rows", "limits", "skipped"]
-    assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.5)
+    assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.1)
     assert [row["mass"] for row in record["rows"]] == pytest.approx([10.0**-k for k in range(2, 7)])
     assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [
         {"nearest", "box", "ellipse", "roller"}
@@ -69,7 +69,8 @@ def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixt
     text = invoke(capsys, *arguments)
     for row in record["rows"]:
         for own in row["distances"]:
-            assert f"{own['position']:.3g}, {own['rotation']:.3g}" in text
+            assert f"{own['position']:.3g}," in text  # a cell may be broken after the comma
+            assert f"{own['rotation']:.3g} " in text
 
 
 def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,7 +95,7 @@ def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
 
 
 def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    arguments = (*DYNAMICS, "--until", "0.3", "--compare-masses", "-o")
+    arguments = (*DYNAMICS, "--until", "0.02", "--compare-masses", "-o")
     table, picture = tmp_path / "masses.csv", tmp_path / "masses.svg"
     assert "from rule ellipse at mass 1e-05" in invoke(capsys, *arguments, str(table))
     invoke(capsys, *arguments, str(picture))
