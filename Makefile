@@ -21,6 +21,10 @@ LOWEST_TESTS := tests/symbolic tests/analysis/test_minimizers.py tests/analysis/
     tests/proofs/test_driven_feedback.py tests/reports/interface tests/reports/test_cli.py \
     tests/reports/test_derivation.py tests/reports/test_html.py tests/reports/test_report_commands.py tests/test_api.py
 
+# Bytecode is kept, whatever the shell says, but not beside the sources: tests and studies start many processes.
+unexport PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX := $(CURDIR)/.venv/bytecode
+
 .DEFAULT_GOAL := help
 .PHONY: help demo test lowest tools lint format bench precision gallery clean
 

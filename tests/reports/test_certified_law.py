@@ -250,7 +250,7 @@ def test_only_the_papers_array_is_compared_with_its_figures() -> None:
 def test_a_side_row_away_from_the_point_does_not_stop_the_certified_law(arrays: Arrays) -> None:
     """Another cell of the square leaves one input; the law is certified by the cells at the point."""
     scene = arrays.cocircular(181, (1, Fraction(1, 2))).recentred()
-    report = derive_report(scene, Invocation("test"))
+    report = derive_report(scene, Invocation("test"), ("trajectories",))
     assert report.result.feedback.law is not None
     loop = find(report.document.sections, "With feedback")
     assert "certified by the feedback clause" in plain_text(loop)
@@ -301,7 +301,7 @@ def test_a_path_that_contradicts_its_certificate_is_a_fault(invoke: Invoke) -> N
     assert outcome.err.count("\n") == 1
     assert "although the feedback clause certifies the gradient law" in outcome.err
     with pytest.raises(RuntimeError, match="please report this"):
-        derive_report(load_scene("four-wheel"), Invocation("four-wheel"))
+        derive_report(load_scene("four-wheel"), Invocation("four-wheel"), ("trajectories",))
 
 
 @pytest.mark.usefixtures("pushing")

@@ -127,7 +127,7 @@ def test_the_command_that_reproduces_the_report_is_named(four_wheel: Report) -> 
 
 
 def test_coordinates_are_stated_away_from_the_origin() -> None:
-    report = derive_report(load_scene("off-center", at="1/2,1/4"), COMMAND)
+    report = derive_report(load_scene("off-center", at="1/2,1/4"), COMMAND, ("conventions",))
     (conventions,) = section(report.document, "Conventions").blocks
     assert isinstance(conventions, Bullets)
     assert "measured from the checked point" in plain(conventions.items[-1])
@@ -167,7 +167,7 @@ def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:
 
 def test_a_square_beyond_the_wheels_is_reported_without_the_comparison() -> None:
     """Rules with loads refuse it, rule nearest does not."""
-    text = render_report(derive_report(load_scene("four-wheel", radius="3")), ".md")
+    text = render_report(derive_report(load_scene("four-wheel", radius="3"), parts=("rules", "left-out")), ".md")
     assert "Section rules: rules box, ellipse and roller refuse the scene" in text
     assert "the body tips over its support polygon" in text
 
