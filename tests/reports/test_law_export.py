@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
 POSES = 60
+ENOUGH = 3  # arrays whose law is of another V: each is exported, and many are tried to find them
 ROUNDING = 1e-12  # relative: a handful of operations each
 BOX_ERROR = 1e-7  # relative, of a minimizer by linear programs
 NO_LAW = ("four-wheel-side", "off-center", "differential-drive", "omni-3", "mecanum-4", "roller-bed")
@@ -91,6 +92,8 @@ def test_a_cascade_is_exported(arrays: Arrays, turn: tuple[Fraction, Fraction], 
 def test_a_law_of_another_v_is_exported(arrays: Arrays, tmp_path: Path) -> None:
     shaped = 0
     for seed in range(60):
+        if shaped == ENOUGH:
+            break
         check = check_theorem4(arrays.cocircular(seed, (1, Fraction(1, 2))))
         feedback = check.feedback
         if not (isinstance(feedback, FeedbackResult) and feedback.law and any(feedback.lyapunov.shape)):
@@ -99,7 +102,7 @@ def test_a_law_of_another_v_is_exported(arrays: Arrays, tmp_path: Path) -> None:
         for pose in 1e-3 * poses(check, seed):
             assert_close(law["speeds"](*pose.tolist()), library_speeds(check, pose))
         shaped += 1
-    assert shaped
+    assert shaped == ENOUGH
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
