@@ -33,9 +33,13 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
+    from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
+    from nonsmooth.reports.interface.vehicle import VehicleResult as VehicleResult
+    from nonsmooth.reports.interface.vehicle import VehiclesResult as VehiclesResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
     from nonsmooth.reports.sweeps.sweep import Means as Means
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
     from nonsmooth.symbolic.scene_error import SceneError as SceneError
 
 _MODULES = {
@@ -59,8 +63,12 @@ _MODULES = {
     "SweepResult": "reports.interface.sweep_result",
     "System": "reports.interface.system",
     "SystemCheckResult": "reports.interface.system_result",
+    "Vehicle": "reports.interface.vehicle",
+    "VehicleResult": "reports.interface.vehicle",
+    "VehiclesResult": "reports.interface.vehicle",
     "Wheel": "reports.interface.wheel",
     "builtin_scenes": "symbolic.files.scene_file",
+    "builtin_vehicles": "symbolic.files.scene_file",
     "load": "reports.interface.load",
 }
 _PACKAGES = ("analysis", "proofs", "reports", "symbolic")

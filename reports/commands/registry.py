@@ -67,7 +67,11 @@ COMMANDS = {  # in the order of the help
         "Search for the headings, speeds and positions of the wheels that meet requirements and do best.",
         "design four-wheel --free headings --require position,heading --rule ellipse -o better.toml",
     ),
-    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems.", "scenes"),
+    "vehicle": Entry(
+        "Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.",
+        "vehicle husky-a200 --spin 1.9",
+    ),
+    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems and vehicles.", "scenes"),
     "rules": Entry(
         "List the contact rules: what each says, and for which hardware it is a good guess.",
         "rules",
