@@ -256,11 +256,8 @@ def test_partition_picture_is_whole_and_reproducible(invoke: Invoke, tmp_path: P
 
 def test_scenes_lists_the_built_in_names(invoke: Invoke) -> None:
     record = invoke("scenes", "--json").record
-    assert tuple(scene["name"] for scene in record["scenes"]) == (
-        *builtin_scenes(),
-        *builtin_systems(),
-        *builtin_vehicles(),
-    )
+    names = (*builtin_scenes(), *builtin_systems(), *builtin_vehicles())
+    assert tuple(scene["name"] for scene in record["scenes"]) == names
     text = invoke("scenes").out
     assert all(name in text for name in builtin_scenes())
 
