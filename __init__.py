@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.map_result import MapResult as MapResult
     from nonsmooth.reports.interface.mass_result import MassResult as MassResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
+    from nonsmooth.reports.interface.pushed_body import PushedBody as PushedBody
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
@@ -57,6 +58,7 @@ _MODULES = {
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
+    "PushedBody": "reports.interface.pushed_body",
     "RefusalError": "analysis.cells.partition",
     "ReportResult": "reports.interface.report_result",
     "SceneError": "symbolic.scene_error",
