@@ -150,9 +150,8 @@ def _row(direction: Floats, point: Floats) -> Floats:
 def _require_push(point: Floats, normal: Floats, velocity: Floats, friction: float) -> None:
     values = np.array([*point, *normal, *velocity, friction], float)
     if values.shape != (7,) or not np.isfinite(values).all():
-        raise ValueError(
-            f"required a point, a normal, a velocity and a friction, all finite, received {values.tolist()}"
-        )
+        required = "required a point, a normal, a velocity and a friction, all finite"
+        raise ValueError(f"{required}, received {values.tolist()}")
     if friction < 0:
         raise ValueError(f"required a friction of at least 0, received {friction}")
     if abs(float(np.hypot(*normal)) - 1) > CLEARANCE:

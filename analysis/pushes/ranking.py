@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 
 import numpy as np
 
@@ -92,7 +93,7 @@ def rank(
 def differences(ranked: Sequence[Ranked]) -> tuple[Difference, ...]:
     """Each model against the one before it."""
     found = []
-    for better, worse in zip(ranked, ranked[1:], strict=False):
+    for better, worse in pairwise(ranked):
         interval = _interval((worse.errors, better.errors), _difference_of_medians, paired=True)
         found.append(Difference(better, worse, interval))
     return tuple(found)

@@ -1,7 +1,7 @@
 """The measured pushes: what moved how, and which force did it.
 
-The table is ``data/pushes.csv`` beside this file; its README says where it is from.  Motions are ``(dx, dy, rho dtheta)``
-and wrenches ``(f_x, f_y, m/rho)``, so that both have one unit and their product is the power.
+The table is ``data/pushes.csv`` beside this file; its README says where it is from.  Motions are
+``(dx, dy, rho dtheta)`` and wrenches ``(f_x, f_y, m/rho)``, so that both have one unit and their product is the power.
 """
 
 from __future__ import annotations

@@ -20,6 +20,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 
 SHARP = 1e-12  # of the gradient: a Newton iteration that comes closer has found the wrench
 MOST_STEPS = 100
@@ -83,30 +84,29 @@ def fit_surface(degree: int, motions: Floats, wrenches: Floats) -> LimitSurface:
     Raises:
         RuntimeError: where the solver finds no optimum.
     """
+    load_cvxpy()
     import cvxpy as cp
 
     scaled = wrenches / np.linalg.norm(wrenches, axis=1).mean()
     directions = motions / np.linalg.norm(motions, axis=1, keepdims=True)
-    slopes = gradient_monomials(degree, scaled)
+    slopes, count = gradient_monomials(degree, scaled), len(exponents(degree))
     aside = slopes - directions[:, :, None] * (directions[:, None, :] @ slopes)
-    a = cp.Variable(len(exponents(degree)))
-    misfit = cp.sum_squares(aside.reshape(-1, len(exponents(degree))) @ a)
-    level = cp.sum_squares(monomials(degree, scaled) @ a - 1)
-    constraints = _convexity(degree, a)
-    problem = cp.Problem(cp.Minimize(misfit + level), constraints)
+    matrix = np.vstack([aside.reshape(-1, count), monomials(degree, scaled)])
+    aims = np.append(np.zeros(3 * len(scaled)), np.ones(len(scaled)))
+    left, right, size = _convexity(degree)
+    a, gram, misfit = cp.Variable(count), cp.Variable((size, size), PSD=True), cp.Variable()
+    constraints = [left @ a == right @ gram.flatten(order="C"), cp.SOC(misfit, matrix @ a - aims)]
+    problem = cp.Problem(cp.Minimize(misfit), constraints)
     problem.solve(solver=cp.CLARABEL)
     if a.value is None:
         raise RuntimeError(f"required a fitted limit surface, received {problem.status}")
     return LimitSurface(degree, np.asarray(a.value))
 
 
-def _convexity(degree: int, a):  # type: ignore[no-untyped-def]
-    """``Hessian(w)[z, z] = y^T Q y`` with Q positive semidefinite, coefficient by coefficient."""
-    import cvxpy as cp
-
+def _convexity(degree: int) -> tuple[Floats, Floats, int]:
+    """``Hessian(w)[z, z] = y^T Q y``, coefficient by coefficient: matrices on those of H and of Q, and Q's size."""
     parts = list(_products(degree))
     size = 3 * len(exponents(degree // 2 - 1))
-    gram = cp.Variable((size, size), PSD=True)
     keys = sorted({key for key, _, _ in parts})
     left, right = np.zeros((len(keys), len(exponents(degree)))), np.zeros((len(keys), size * size))
     for key, k, factor in parts:
@@ -116,7 +116,7 @@ def _convexity(degree: int, a):  # type: ignore[no-untyped-def]
         for j, (zj, ej) in enumerate(basis):
             key = (*sorted((zi, zj)), *(p + q for p, q in zip(ei, ej, strict=True)))
             right[keys.index(key), i * size + j] += 1
-    return [left @ a == right @ cp.vec(gram, order="C")]
+    return left, right, size
 
 
 def _products(degree: int) -> Iterator[tuple[tuple[int, ...], int, float]]:

@@ -7,6 +7,7 @@ minimizer of D is found in floats with the forces that prove it, and exactly whe
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -100,7 +101,7 @@ class VehicleMotion:
     @property
     def size(self) -> float:
         """Distance of the farthest wheel from the origin."""
-        return max(float(np.hypot(*map(float, wheel.position))) for wheel in self.vehicle.scene.wheels)
+        return max(math.hypot(*map(float, wheel.position)) for wheel in self.vehicle.scene.wheels)
 
 
 def instant_centre(twist: Floats, threshold: float = 0.0) -> tuple[float, float] | None:

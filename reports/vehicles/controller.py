@@ -15,10 +15,10 @@ def controller_parameters(vehicle: Vehicle, multiplier: float | None) -> dict[st
     """The parameters by name; None where the vehicle has no track, or does not turn."""
     if vehicle.track is None or multiplier is None:
         return None
-    parameters = {"wheel_separation": vehicle.track, "wheel_separation_multiplier": multiplier}
+    parameters = {"wheel_separation": float(vehicle.track), "wheel_separation_multiplier": multiplier}
     if vehicle.wheel_radius is not None:
-        parameters["wheel_radius"] = vehicle.wheel_radius
-    return {name: float(f"{float(value):.{DIGITS}g}") for name, value in parameters.items()}
+        parameters["wheel_radius"] = float(vehicle.wheel_radius)
+    return {name: float(f"{value:.{DIGITS}g}") for name, value in parameters.items()}
 
 
 def controller_lines(vehicle: Vehicle, multiplier: float | None) -> str | None:
