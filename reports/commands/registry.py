@@ -67,6 +67,10 @@ COMMANDS = {  # in the order of the help
         "Search for the headings, speeds and positions of the wheels that meet requirements and do best.",
         "design four-wheel --free headings --require position,heading --rule ellipse -o better.toml",
     ),
+    "export": Entry(
+        "Export a scene to MuJoCo's MJCF; comments state the predicted twist, rest, slide or spin, and a bound on creep.",
+        "export ring-6 -o ring-6.xml",
+    ),
     "vehicle": Entry(
         "Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.",
         "vehicle husky-a200 --spin 1.9",
