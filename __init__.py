@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.interface.evidence_result import EvidenceResult as EvidenceResult
+    from nonsmooth.reports.interface.evidence_result import validate as validate
     from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
@@ -48,6 +50,7 @@ _MODULES = {
     "CellsResult": "reports.interface.cells_result",
     "CheckResult": "reports.interface.check_result",
     "ComparisonResult": "reports.interface.comparison_result",
+    "EvidenceResult": "reports.interface.evidence_result",
     "FieldResult": "reports.interface.field_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
@@ -72,6 +75,7 @@ _MODULES = {
     "builtin_scenes": "symbolic.files.scene_file",
     "builtin_vehicles": "symbolic.files.scene_file",
     "load": "reports.interface.load",
+    "validate": "reports.interface.evidence_result",
 }
 _PACKAGES = ("analysis", "proofs", "reports", "symbolic")
 _look_up = on_demand(__name__, _MODULES)

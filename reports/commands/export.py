@@ -24,7 +24,7 @@ def export(
     place: Place = None,
     allow_outside: AllowOutside = False,
 ) -> int:
-    """Export a scene to MuJoCo's MJCF; comments state the predicted twist, rest, slide or spin, and a bound on creep.
+    """Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.
 
     Exit status: 0 done, 2 bad input.
     """
