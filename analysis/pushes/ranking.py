@@ -71,7 +71,6 @@ def rank(
     direction: Direction,
     models: Sequence[Model] = MODELS,
     logs: Sequence[PushLog] | None = None,
-    report: Callable[[], None] = lambda: None,
 ) -> tuple[Ranked, ...]:
     """The models on the pushes of some logs, all eight unless given, the best median first.
 
@@ -79,14 +78,12 @@ def rank(
         direction: what is predicted from what.
         models: those to judge.
         logs: the pushes.
-        report: called after each model.
     """
     chosen = load_pushes() if logs is None else logs
     found = []
     for model in models:
         errors = np.concatenate([judged(model, log, direction) for log in chosen])
         found.append(Ranked(model, direction, errors, median_interval(errors)))
-        report()
     return tuple(sorted(found, key=lambda one: one.median))
 
 

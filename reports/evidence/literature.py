@@ -62,7 +62,7 @@ def literature_claims() -> Iterator[Claim]:
 
 def _force_fields() -> Iterator[Claim]:
     part = centred(TRIANGLE)
-    for constant, size in ((SMALL, "a small constant"), (LARGE, "a constant that is not small")):
+    for constant, size in ((SMALL, "a small constant"), (LARGE, "any constant (the paper says small)")):
         found = stable_headings(part, constant)
         witness = f"triangle, constant {constant} of the unit field: {_degrees(found)}; sampled at 360 headings"
         yield published(f"a unit radial field plus {size}: stable poses of a part", BOHRINGER, len(found), 1, witness)
@@ -138,7 +138,7 @@ def _distributed_manipulation() -> Iterator[Claim]:
     witness = f"certified law, kappa {float_text(theorem['feedback']['rate'])}"
     yield published(claim, MURPHEY_2004, float(held.pose.verdict == "can be held"), 1, witness)
     drive = _checked("differential-drive")
-    claim = "feedback holds every array with two inputs: 1 where it holds differential-drive"
+    claim = "feedback holds underactuated arrays, read as all of them: 1 where it holds differential-drive"
     why = drive.to_dict()["answers"]["pose"]["reason"]
     yield published(claim, MURPHEY_2004, float(drive.pose.verdict == "can be held"), 1, why)
 

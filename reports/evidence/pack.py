@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from rich.console import Group, RenderableType
@@ -76,24 +76,16 @@ class Evidence:
         return Group(*parts, Text(REMARK, "dim"))
 
 
-def gather(kinds: Collection[Kind] = tuple(Kind), report: Callable[[], None] = lambda: None) -> Evidence:
-    """Compute the rows of some kinds, all unless given: about a minute.
-
-    Args:
-        kinds: of rows.
-        report: called now and then.
-    """
+def gather(kinds: Collection[Kind] = tuple(Kind)) -> Evidence:
+    """Compute the rows of some kinds, all unless given: about half a minute."""
     claims: list[Claim] = []
     if Kind.VEHICLES in kinds:
         claims += vehicle_claims()
-        report()
-    pushes = push_evidence(report) if Kind.PUSHES in kinds else None
+    pushes = push_evidence() if Kind.PUSHES in kinds else None
     if pushes is not None:
         claims += push_claims(pushes)
     if Kind.CLAIMS in kinds:
-        for claim in literature_claims():
-            claims.append(claim)
-            report()
+        claims += literature_claims()
     return Evidence(tuple(claims), pushes)
 
 

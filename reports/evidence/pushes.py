@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from nonsmooth.analysis.pushes.ranking import Difference, Direction, Ranked, differences, rank
@@ -51,9 +51,9 @@ class PushEvidence:
         return rows
 
 
-def push_evidence(report: Callable[[], None] = lambda: None) -> PushEvidence:
+def push_evidence() -> PushEvidence:
     """Rank all models both ways: about half a minute."""
-    ranked = {direction: rank(direction, report=report) for direction in Direction}
+    ranked = {direction: rank(direction) for direction in Direction}
     return PushEvidence(ranked, {direction: differences(found) for direction, found in ranked.items()})
 
 

@@ -10,6 +10,7 @@ from nonsmooth.reports.evidence.claim import Claim, Kind, Verdict, measured_verd
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle, measured_vehicles
 from nonsmooth.symbolic.number_text import float_text
 
+MULTIPLIER = "effective track over track"
 USER = "a user's measurement on a smooth floor with indoor wheels (issue 193 of husky/husky)"
 MEASURED_INDOORS = 1.525
 TREADS = "Mandow and others 2007 (cited from memory): the instant centres of treads hardly move with the curvature"
@@ -23,10 +24,10 @@ def vehicle_claims() -> Iterator[Claim]:
         if vehicle.measured is None or predicted is None:
             continue
         measured = float(vehicle.measured.multiplier)
-        yield _multiplier(f"effective track over track, {name}", vehicle.measured.source, predicted, measured)
+        yield _multiplier(f"{MULTIPLIER}, {name}", vehicle.measured.source, predicted, measured)
     husky = vehicle_motion(load_vehicle("husky-a200")).multiplier
     if husky is not None:
-        yield _multiplier("effective track over track, husky-a200 indoors", USER, husky, MEASURED_INDOORS)
+        yield _multiplier(f"{MULTIPLIER}, husky-a200 indoors", USER, husky, MEASURED_INDOORS)
     yield _treads()
 
 
