@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from nonsmooth.analysis.pushes.ranking import Difference, Direction, Ranked, differences, rank
@@ -21,8 +21,8 @@ class PushEvidence:
         gaps: each model against the one before it.
     """
 
-    ranked: dict[Direction, tuple[Ranked, ...]]
-    gaps: dict[Direction, tuple[Difference, ...]]
+    ranked: Mapping[Direction, tuple[Ranked, ...]]
+    gaps: Mapping[Direction, tuple[Difference, ...]]
 
     def of(self, direction: Direction, name: str) -> Ranked:
         """One model."""

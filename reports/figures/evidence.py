@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.evidence.pack import Evidence
     from nonsmooth.reports.evidence.pushes import PushEvidence
 
-BINS = np.arange(0, 95, 5.0)  # degrees
+BINS = list(range(0, 95, 5))  # degrees
 
 
 def evidence_figure(evidence: Evidence, suffix: str) -> bytes:
@@ -80,7 +80,13 @@ def _draw_ranking(axes: Axes, pushes: PushEvidence) -> None:
         places = [names.index(one.model.name) + 0.18 * (2 * k - 1) for one in ranked]
         medians = np.array([one.median for one in ranked])
         low, high = np.array([one.interval for one in ranked]).T
-        style = {"color": COLORS[k], "label": direction.value, "capsize": 3, "linestyle": "none", "marker": "o"}
+        style: dict[str, Any] = {
+            "color": COLORS[k],
+            "label": direction.value,
+            "capsize": 3,
+            "linestyle": "none",
+            "marker": "o",
+        }
         axes.errorbar(medians, places, xerr=[medians - low, high - medians], **style)
     parameters = {one.model.name: one.model.parameters for one in pushes.ranked[Direction.WRENCH]}
     axes.set_yticks(range(len(names)), [f"{name} ({parameters[name]} fitted)" for name in names])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,9 @@ MEDIANS = {("fixed wheels", "ellipse"): 1e-3, ("free plate", "ellipse"): 1e-3, (
 
 
 def test_all_pushes_and_claims_are_those_of_the_page(stopwatch: Stopwatch) -> None:
-    found, seconds = stopwatch.time(gather)
+    start = time.perf_counter()
+    found = gather()
+    seconds = time.perf_counter() - start
     stopwatch.report(f"the evidence pack: {seconds:.0f} s")
     assert seconds < SECONDS
     assert all(claims_table(found, kind) in PAGE for kind in Kind)

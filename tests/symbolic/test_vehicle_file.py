@@ -131,8 +131,8 @@ def test_joints_are_followed_from_the_root() -> None:
     wheel = '<joint name="w" type="continuous"><parent link="arm"/><child link="w"/><origin xyz="0.5 0 0"/>'
     text = f'<robot name="r">{arm.format("1.5707963267948966")}{wheel}<axis xyz="0 1 0"/></joint></robot>'
     (found,) = read_urdf(text, "r.urdf", "")
-    assert found.position == (1, Fraction(1, 2))
-    assert found.heading == (0, 1)
+    assert found.position == (Fraction(1), Fraction(1, 2))
+    assert found.heading == (Fraction(0), Fraction(1))
     assert found.radius is None
 
 
