@@ -87,7 +87,7 @@ def _draw_ranking(axes: Axes, pushes: PushEvidence) -> None:
             "linestyle": "none",
             "marker": "o",
         }
-        axes.errorbar(medians, places, xerr=[medians - low, high - medians], **style)
+        axes.errorbar(medians, places, xerr=[medians - low, high - medians], label=direction.value, **style)
     parameters = {one.model.name: one.model.parameters for one in pushes.ranked[Direction.WRENCH]}
     axes.set_yticks(range(len(names)), [f"{name} ({parameters[name]} fitted)" for name in names])
     axes.invert_yaxis()
