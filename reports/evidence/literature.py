@@ -16,13 +16,17 @@ import numpy as np
 
 from nonsmooth.analysis.continuum.prediction import predict
 from nonsmooth.analysis.pushes.contacts import Contacts, push
+from nonsmooth.proofs.answers.answers import full_answers
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.verified import verified
+from nonsmooth.reports.equilibrium_headings import headings_record
 from nonsmooth.reports.evidence.claim import Claim, published
 from nonsmooth.reports.evidence.force_fields import LARGE, SMALL, TRIANGLE, centred, linear_moment, stable_headings
-from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.check_result import CheckResult
+from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.records import check_record
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.body_table import rectangle
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.number_field import NumberField
 
@@ -105,8 +109,9 @@ def _degrees(angles: list[float]) -> str:
 
 
 def _discrete_wheels() -> Iterator[Claim]:
-    check = Array.of_document(ELLIPTIC_BED).check()
-    found = check.to_dict()["answers"]["equilibrium_headings"]["found"]
+    scene = build_scene(ELLIPTIC_BED, str(ELLIPTIC_BED["name"]), Path("elliptic-bed.toml"))
+    headings = full_answers(verified(check_theorem4(scene)), ask_others=False).headings
+    found = [] if headings is None else headings_record(headings)["found"]
     home = sum(row["position"] == "comes home" for row in found)
     claim = "discrete wheels position a box stably: share of its rest headings at which the position attracts"
     yield published(claim, LUNTZ, home / len(found), 1, f"{len(found)} intervals of headings, each proved")
@@ -122,30 +127,29 @@ def _discrete_wheels() -> Iterator[Claim]:
 
 def _distributed_manipulation() -> Iterator[Claim]:
     held, odd = _checked("four-wheel"), _checked("off-center")
-    theorem = held.to_dict()
-    rate = -float(theorem["translation"]["worst_rate"])
+    theorem, pose = held["theorem4"], held["answers"]["pose"]
+    rate = -float(held["translation"]["worst_rate"])
     witness = f"V* <= -{float_text(rate)} |c|, proved"
     claim = "Theorem 4 on its own array (four-wheel): 1 where it holds"
-    yield published(claim, MURPHEY_2001, float(theorem["theorem4"]["verdict"] == "holds"), 1, witness)
-    other = odd.to_dict()["theorem4"]
+    yield published(claim, MURPHEY_2001, float(theorem["verdict"] == "holds"), 1, witness)
+    other = odd["theorem4"]
     claim = "Theorem 4 for every planar array: 1 where it holds for off-center"
     yield published(claim, MURPHEY_2001, float(other["verdict"] == "holds"), 1, other["reason"])
-    drift = theorem["rotation"]["drift"]
+    drift = held["rotation"]["drift"]
     claim = "no open loop of constant speeds attracts the heading: 1 where the heading is not attracted"
     witness = f"at rest in (x, y) the body may turn at {float_text(drift[0])} to {float_text(drift[1])}"
-    yield published(claim, MURPHEY_2004, float(theorem["rotation"]["verdict"] == "unstable"), 1, witness)
+    yield published(claim, MURPHEY_2004, float(held["rotation"]["verdict"] == "unstable"), 1, witness)
     claim = "feedback with two inputs at a time holds all three coordinates (four-wheel): 1 where it does"
-    witness = f"certified law, kappa {float_text(theorem['feedback']['rate'])}"
-    yield published(claim, MURPHEY_2004, float(held.pose.verdict == "can be held"), 1, witness)
-    drive = _checked("differential-drive")
+    witness = f"certified law, kappa {float_text(held['feedback']['rate'])}"
+    yield published(claim, MURPHEY_2004, float(pose["verdict"] == "can be held"), 1, witness)
+    drive = _checked("differential-drive")["answers"]["pose"]
     claim = "feedback holds underactuated arrays, read as all of them: 1 where it holds differential-drive"
-    why = drive.to_dict()["answers"]["pose"]["reason"]
-    yield published(claim, MURPHEY_2004, float(drive.pose.verdict == "can be held"), 1, why)
+    yield published(claim, MURPHEY_2004, float(drive["verdict"] == "can be held"), 1, drive["reason"])
 
 
-def _checked(name: str) -> CheckResult:
-    document, _, path = read_document(name)
-    return Array.of_document({"name": path.stem, **document}, Path(path).parent).check()
+def _checked(name: str) -> Record:
+    """The record of a verified check of a built-in scene."""
+    return check_record(verified(check_theorem4(load_scene(name))))
 
 
 # ---- pushing -------------------------------------------------------------------------------------

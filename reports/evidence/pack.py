@@ -12,7 +12,7 @@ from rich.text import Text
 from nonsmooth.reports.evidence.claim import Claim, Kind
 from nonsmooth.reports.evidence.literature import literature_claims
 from nonsmooth.reports.evidence.pushes import PushEvidence, push_claims, push_evidence
-from nonsmooth.reports.evidence.vehicles import vehicle_claims
+from nonsmooth.reports.evidence.vehicles import MULTIPLIER, vehicle_claims
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import float_text
@@ -36,6 +36,16 @@ class Evidence:
 
     claims: tuple[Claim, ...]
     pushes: PushEvidence | None = None
+
+    @property
+    def multipliers(self) -> list[Claim]:
+        """The rows about effective tracks of vehicles."""
+        return [claim for claim in self.claims if claim.claim.startswith(MULTIPLIER)]
+
+    @property
+    def published(self) -> list[Claim]:
+        """The rows about published claims."""
+        return [claim for claim in self.claims if claim.kind is Kind.CLAIMS]
 
     def record(self) -> Record:
         """JSON with stable keys."""

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nonsmooth.analysis.pushes.ranking import Direction
-from nonsmooth.reports.evidence.claim import Kind
-from nonsmooth.reports.evidence.vehicles import MULTIPLIER
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.measurements import COLORS
 from nonsmooth.reports.figures.wheels import INK
@@ -32,8 +30,7 @@ def evidence_figure(evidence: Evidence, suffix: str) -> bytes:
 def _build(evidence: Evidence) -> Figure:
     from matplotlib.figure import Figure
 
-    vehicles = [claim for claim in evidence.claims if claim.claim.startswith(MULTIPLIER)]
-    counted = [claim for claim in evidence.claims if claim.kind is Kind.CLAIMS]
+    vehicles, counted = evidence.multipliers, evidence.published
     panels = bool(vehicles) + 2 * (evidence.pushes is not None) + bool(counted)
     figure = Figure(figsize=(11, 4.2 * ((panels + 1) // 2)), layout="constrained")
     axes = iter(figure.subplots((panels + 1) // 2, 2, squeeze=False).ravel())
@@ -51,7 +48,7 @@ def _build(evidence: Evidence) -> Figure:
 
 def _draw_errors(axes: Axes, claims: list[Claim]) -> None:
     """Relative errors of the vehicles."""
-    names = [claim.claim.removeprefix(f"{MULTIPLIER}, ") for claim in claims]
+    names = [claim.claim.rpartition(", ")[2] for claim in claims]
     errors = [100 * (claim.error or 0.0) for claim in claims]
     axes.barh(range(len(names)), errors, color=COLORS[0])
     axes.set_yticks(range(len(names)), names, fontsize="small")

@@ -76,7 +76,7 @@ def _text(value: float | None) -> str:
 
 
 def _row(report: VehicleReport) -> Record:
-    measured = report.record()["measured"]
+    measured = report.measured_record()
     vehicle, own = report.vehicle, report.own
     return {
         "vehicle": vehicle.name,

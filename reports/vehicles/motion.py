@@ -88,7 +88,7 @@ class VehicleReport:
             "formula": FORMULA if has_four_equal_wheels(vehicle) and own.rule.name == "ellipse" else None,
             "rules": [_refusable(motion) for motion in self.motions],
             "turns": [turn_record(turn) for turn in self.turns],
-            "measured": self._measured_record(),
+            "measured": self.measured_record(),
             "spin": self._spin_record(),
             "diff_drive_controller": controller_parameters(vehicle, own.multiplier),
             "notes": list(vehicle.scene.field.remarks),
@@ -169,7 +169,8 @@ class VehicleReport:
         ratio = friction_ratio(self.vehicle, multiplier)
         return "none" if ratio is None else float_text(ratio)
 
-    def _measured_record(self) -> Record | None:
+    def measured_record(self) -> Record | None:
+        """What was measured, how far the prediction is off, and the friction ratio that meets it; None without."""
         measured = self.vehicle.measured
         if measured is None:
             return None
