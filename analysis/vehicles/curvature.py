@@ -16,6 +16,7 @@ from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.symbolic.vehicles.multiplier import has_four_equal_wheels
 from nonsmooth.symbolic.vehicles.vehicle import Vehicle
 
 COMMANDS = 19  # angles a from 0 to pi/2, both included
@@ -102,7 +103,8 @@ def _turn(left: float, right: float, track: float, twist: Floats) -> Turn:
 def friction_ratio(vehicle: Vehicle, multiplier: float) -> float | None:
     """A ratio mu_S/mu_R of all wheels at which an in-place turn has this multiplier under rule ``ellipse``.
 
-    It is sought by bisection between 1/1000 and 1000; every wheel keeps its mu_R.  A multiplier that many ratios give
+    Of four equal wheels it is that of the formula, else it is sought by bisection between 1/1000 and 1000; every wheel
+    keeps its mu_R.  A multiplier that many ratios give
     tells none: wheels without side slip, such as the middle ones of three, hold the multiplier at 1 up to some ratio.
 
     Args:
@@ -116,6 +118,8 @@ def friction_ratio(vehicle: Vehicle, multiplier: float) -> float | None:
 
     if vehicle.track is None or vehicle.left is None or vehicle.right is None or multiplier <= 1 + PLATEAU:
         return None
+    if has_four_equal_wheels(vehicle) and vehicle.wheel_base is not None:
+        return float(np.sqrt(multiplier - 1)) * float(vehicle.track / vehicle.wheel_base)
     model, track = _rule("ellipse").contacts(vehicle.scene), float(vehicle.track)
 
     def excess(log_ratio: float) -> float:

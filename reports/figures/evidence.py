@@ -77,13 +77,7 @@ def _draw_ranking(axes: Axes, pushes: PushEvidence) -> None:
         places = [names.index(one.model.name) + 0.18 * (2 * k - 1) for one in ranked]
         medians = np.array([one.median for one in ranked])
         low, high = np.array([one.interval for one in ranked]).T
-        style: dict[str, Any] = {
-            "color": COLORS[k],
-            "label": direction.value,
-            "capsize": 3,
-            "linestyle": "none",
-            "marker": "o",
-        }
+        style: dict[str, Any] = {"color": COLORS[k], "capsize": 3, "linestyle": "none", "marker": "o"}
         axes.errorbar(medians, places, xerr=[medians - low, high - medians], label=direction.value, **style)
     parameters = {one.model.name: one.model.parameters for one in pushes.ranked[Direction.WRENCH]}
     axes.set_yticks(range(len(names)), [f"{name} ({parameters[name]} fitted)" for name in names])

@@ -16,11 +16,12 @@ from scipy.integrate import dblquad
 
 import nonsmooth as ns
 from nonsmooth.analysis.pushes.models import MODELS
-from nonsmooth.analysis.pushes.ranking import Direction, rank
+from nonsmooth.analysis.pushes.ranking import Direction, differences, rank
+from nonsmooth.analysis.pushes.records import load_pushes
 from nonsmooth.reports.evidence.claim import Kind, Verdict, measured_verdict, published
 from nonsmooth.reports.evidence.force_fields import TRIANGLE, centred, linear_moment, stable_headings
 from nonsmooth.reports.evidence.pack import COLUMNS, Evidence, gather
-from nonsmooth.reports.evidence.page import claims_table, page_text
+from nonsmooth.reports.evidence.page import claims_table, page_text, ranking_table
 from nonsmooth.reports.evidence.pushes import PushEvidence, push_claims
 from nonsmooth.symbolic.number_text import float_text
 
@@ -160,7 +161,12 @@ def test_the_command_prints_rows_and_files(invoke: Invoke, tmp_path: Path) -> No
 
 
 def test_pictures_are_drawn_and_views_fit(found: Evidence, invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert found.picture(".png").startswith(b"\x89PNG")
+    logs = load_pushes()[:1]
+    ranked = {direction: rank(direction, MODELS[:2], logs) for direction in Direction}
+    whole = Evidence(found.claims, PushEvidence(ranked, {d: differences(one) for d, one in ranked.items()}))
+    assert whole.picture(".png").startswith(b"\x89PNG")
+    assert len(whole.record()["ranking"]) == 4
+    assert "above the one before" in ranking_table(whole.pushes or PushEvidence({}, {}))
     monkeypatch.setenv("COLUMNS", "80")
     assert max(map(len, invoke("validate", "--only", "vehicles").out.splitlines())) <= 80
 
