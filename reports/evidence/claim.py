@@ -79,7 +79,7 @@ class Claim:
         predicted, measured = (
             f"{float_text(value, 4)} {self.unit}".strip() for value in (self.predicted, self.measured)
         )
-        return predicted, measured, "-" if self.error is None else f"{100 * self.error:+.1f} %"
+        return predicted, measured, "-" if self.error is None else f"{round(100 * self.error, 1) + 0.0:+.1f} %"
 
 
 def measured_verdict(error: float) -> Verdict:

@@ -11,13 +11,22 @@ from nonsmooth.symbolic.files.vehicle_file import load_vehicle, measured_vehicle
 from nonsmooth.symbolic.number_text import float_text
 
 MULTIPLIER = "effective track over track"
-USER = "a user's measurement on a smooth floor with indoor wheels (issue 193 of husky/husky)"
-MEASURED_INDOORS = 1.525
+OTHERS = (  # the same vehicles by other files and people: how far such constants scatter
+    ("husky-a200", "indoors", 1.525, "a user's measurement with indoor wheels (issue 193 of husky/husky)"),
+    ("rosbot", "later file", 1.36, "rosbot/controllers.yaml of husarion/rosbot_ros"),
+    (
+        "rosbot",
+        "office floor",
+        1.3,
+        "remark in diff_drive_controller.yaml of husarion/rosbot_ros: about right",
+    ),
+    ("lynx-wh05", "earlier file", 1.37, "WH05_controller.yaml of husarion/husarion_ugv_ros, January to March 2025"),
+)
 TREADS = "Mandow and others 2007 (cited from memory): the instant centres of treads hardly move with the curvature"
 
 
 def vehicle_claims() -> Iterator[Claim]:
-    """A row for each built-in vehicle that states a constant, one for a user's measurement, one for treads."""
+    """A row for each built-in vehicle that states a constant, for what others say of them, and for treads."""
     for name in measured_vehicles():
         vehicle = load_vehicle(name)
         predicted = vehicle_motion(vehicle).multiplier
@@ -25,9 +34,10 @@ def vehicle_claims() -> Iterator[Claim]:
             continue
         measured = float(vehicle.measured.multiplier)
         yield _multiplier(f"{MULTIPLIER}, {name}", vehicle.measured.source, predicted, measured)
-    husky = vehicle_motion(load_vehicle("husky-a200")).multiplier
-    if husky is not None:
-        yield _multiplier(f"{MULTIPLIER}, husky-a200 indoors", USER, husky, MEASURED_INDOORS)
+    for name, where, measured, source in OTHERS:
+        predicted = vehicle_motion(load_vehicle(name)).multiplier
+        if predicted is not None:
+            yield _multiplier(f"{MULTIPLIER}, {name} {where}", source, predicted, measured)
     yield _treads()
 
 

@@ -149,15 +149,15 @@ def test_the_stable_pose_is_where_the_potential_is_least() -> None:
 
 def test_the_command_prints_rows_and_files(invoke: Invoke, tmp_path: Path) -> None:
     record = invoke("validate", "--only", "vehicles", "--json").record
-    assert [row["kind"] for row in record["rows"]] == ["vehicles"] * 9
+    assert [row["kind"] for row in record["rows"]] == ["vehicles"] * 12
     assert record["ranking"] is None
-    assert record["verdicts"] == {"agrees": 5, "near": 3, "misses": 1}
+    assert record["verdicts"] == {"agrees": 7, "near": 3, "misses": 2}
     assert invoke("validate", "--only", "vehicles", "-o", "e.csv").status == 0
     header, *rows = csv.reader((tmp_path / "e.csv").read_text(encoding="utf-8").splitlines())
-    assert (tuple(header), len(rows)) == (COLUMNS, 9)
+    assert (tuple(header), len(rows)) == (COLUMNS, 12)
     own = ns.validate(["vehicles"])
     assert json.loads(json.dumps(own.to_dict())) == record
-    assert repr(own) == "9 rows: 5 agrees, 3 near, 1 misses"
+    assert repr(own) == "12 rows: 7 agrees, 3 near, 2 misses"
 
 
 def test_pictures_are_drawn_and_views_fit(found: Evidence, invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
