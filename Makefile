@@ -26,7 +26,7 @@ unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/.venv/bytecode
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lowest tools lint format bench precision gallery clean
+.PHONY: help demo test lowest tools lint format bench precision evidence gallery clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -66,6 +66,10 @@ bench: $(INSTALLED) ## run the measured comparisons in tests/benchmarks
 
 precision: $(PACKAGE) ## measure error against run time and write docs/precision.md (some minutes)
 	$(BIN)/python -m nonsmooth.reports.precision_page docs
+
+evidence: $(INSTALLED) ## compare with data that others made and write docs/evidence.md (some minutes)
+	$(BIN)/python -m tests.engine_arrays docs/evidence/engine.csv
+	$(BIN)/python -m nonsmooth.reports.evidence.page docs
 
 gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
 	$(BIN)/python -m nonsmooth.reports.gallery docs

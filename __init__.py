@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.interface.evidence_result import EvidenceResult as EvidenceResult
+    from nonsmooth.reports.interface.evidence_result import validate as validate
     from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
@@ -29,13 +31,18 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.map_result import MapResult as MapResult
     from nonsmooth.reports.interface.mass_result import MassResult as MassResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
+    from nonsmooth.reports.interface.pushed_body import PushedBody as PushedBody
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
+    from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
+    from nonsmooth.reports.interface.vehicle import VehicleResult as VehicleResult
+    from nonsmooth.reports.interface.vehicle import VehiclesResult as VehiclesResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
     from nonsmooth.reports.sweeps.sweep import Means as Means
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
     from nonsmooth.symbolic.scene_error import SceneError as SceneError
 
 _MODULES = {
@@ -43,6 +50,7 @@ _MODULES = {
     "CellsResult": "reports.interface.cells_result",
     "CheckResult": "reports.interface.check_result",
     "ComparisonResult": "reports.interface.comparison_result",
+    "EvidenceResult": "reports.interface.evidence_result",
     "FieldResult": "reports.interface.field_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
@@ -53,15 +61,21 @@ _MODULES = {
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
+    "PushedBody": "reports.interface.pushed_body",
     "RefusalError": "analysis.cells.partition",
     "ReportResult": "reports.interface.report_result",
     "SceneError": "symbolic.scene_error",
     "SweepResult": "reports.interface.sweep_result",
     "System": "reports.interface.system",
     "SystemCheckResult": "reports.interface.system_result",
+    "Vehicle": "reports.interface.vehicle",
+    "VehicleResult": "reports.interface.vehicle",
+    "VehiclesResult": "reports.interface.vehicle",
     "Wheel": "reports.interface.wheel",
     "builtin_scenes": "symbolic.files.scene_file",
+    "builtin_vehicles": "symbolic.files.scene_file",
     "load": "reports.interface.load",
+    "validate": "reports.interface.evidence_result",
 }
 _PACKAGES = ("analysis", "proofs", "reports", "symbolic")
 _look_up = on_demand(__name__, _MODULES)

@@ -72,6 +72,14 @@ def complete_scene(incomplete: str) -> list[str]:
     return [name for name in (*builtin_scenes(), *builtin_systems(), *files) if name.startswith(incomplete)]
 
 
+def complete_vehicle(incomplete: str) -> list[str]:
+    """Built-in vehicles and scene files that begin as typed, for the shell."""
+    from nonsmooth.symbolic.files.scene_file import builtin_vehicles
+
+    files = [name for name in complete_scene(incomplete) if name.endswith(".toml")]
+    return [*(name for name in builtin_vehicles() if name.startswith(incomplete)), *files]
+
+
 def complete_part(incomplete: str) -> list[str]:
     """Names of report sections, the last of a list with commas, for the shell."""
     from nonsmooth.reports.parts import PART_NAMES

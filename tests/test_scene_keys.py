@@ -20,6 +20,7 @@ from nonsmooth.symbolic.files.scene_document import (
 )
 from nonsmooth.symbolic.files.scene_values import keys_of
 from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
+from nonsmooth.symbolic.files.vehicle_file import VehicleTable
 from nonsmooth.symbolic.files.wheel_csv import COLUMNS
 
 PAGE = (Path(__file__).resolve().parents[1] / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -34,6 +35,7 @@ TABLES: dict[str, type[BaseModel]] = {
     "[body]": BodyTable,
     "[tolerance]": ToleranceTable,
     "[check]": CheckTable,
+    "[vehicle]": VehicleTable,
 }
 
 

@@ -67,7 +67,19 @@ COMMANDS = {  # in the order of the help
         "Search for the headings, speeds and positions of the wheels that meet requirements and do best.",
         "design four-wheel --free headings --require position,heading --rule ellipse -o better.toml",
     ),
-    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems.", "scenes"),
+    "validate": Entry(
+        "Validate predictions against vehicles, 400 measured pushes and published claims; nothing is fitted to them.",
+        "validate --only vehicles,pushes -o evidence.svg",
+    ),
+    "export": Entry(
+        "Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.",
+        "export ring-6 -o ring-6.xml",
+    ),
+    "vehicle": Entry(
+        "Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.",
+        "vehicle husky-a200 --spin 1.9",
+    ),
+    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems and vehicles.", "scenes"),
     "rules": Entry(
         "List the contact rules: what each says, and for which hardware it is a good guess.",
         "rules",

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.body_table import build_body
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
 from nonsmooth.symbolic.files.load_values import build_loads
-from nonsmooth.symbolic.files.scene_document import Document, StatedUnits
+from nonsmooth.symbolic.files.scene_document import ContactTable, Document, StatedUnits, UnitsTable
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angle_remarks, angles, field_of
 from nonsmooth.symbolic.files.text_files import path_beside, read_text
@@ -38,13 +38,16 @@ from nonsmooth.symbolic.support_polygon import default_radius
 
 __all__ = [
     "SceneError",
+    "build_contact",
     "build_scene",
     "builtin_descriptions",
     "builtin_scenes",
     "builtin_systems",
+    "builtin_vehicles",
     "deep_nesting_refused",
     "load_scene",
     "read_document",
+    "stated_units",
     "wheel_table",
 ]
 
@@ -81,6 +84,18 @@ _SYSTEMS = (
     "eq-3",
     "eq-4",
 )
+_VEHICLES = (
+    "lynx-wh05",
+    "jackal",
+    "husky-a200",
+    "leo-rover",
+    "panther-wh01",
+    "rosbot",
+    "warthog",
+    "mecanum-base",
+    "swerve-base",
+    "tracked-base",
+)
 
 
 def builtin_scenes() -> tuple[str, ...]:
@@ -91,6 +106,11 @@ def builtin_scenes() -> tuple[str, ...]:
 def builtin_systems() -> tuple[str, ...]:
     """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.system_file`)."""
     return _SYSTEMS
+
+
+def builtin_vehicles() -> tuple[str, ...]:
+    """Names of the built-in vehicles on their own wheels (see :mod:`nonsmooth.symbolic.files.vehicle_file`)."""
+    return _VEHICLES
 
 
 def builtin_descriptions() -> dict[str, str]:
@@ -155,6 +175,8 @@ def _path(source: str | Path) -> Path:
         return _SCENES / f"{source}.toml"
     if isinstance(source, str) and source in _SYSTEMS:
         return _SCENES / "systems" / f"{source}.toml"
+    if isinstance(source, str) and source in _VEHICLES:
+        return _SCENES / "vehicles" / f"{source}.toml"
     return Path(source)
 
 
@@ -173,7 +195,7 @@ def _read_toml(path: Path, file: str) -> dict[str, Any]:
 
 def _wanted(file: str) -> str:
     """What a missing scene should have been."""
-    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS), 2) or _BUILTIN[:2]
+    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS, *_VEHICLES), 2) or _BUILTIN[:2]
     return f"a scene file or a built-in scene such as {' or '.join(close)}"
 
 
@@ -222,6 +244,9 @@ def build_scene(
     """
     if "system" in data:
         raise SceneError(file, "system", "an array of wheels", StatedFact("a plain switched system"))
+    if "vehicle" in data:
+        expected = "an array of wheels (the command vehicle reads vehicles)"
+        raise SceneError(file, "vehicle", expected, StatedFact("a vehicle on its own wheels"))
     document = _document(data, file)
     layout = _layout(document, file, lambda: wheels or wheel_table(data, file, path, allow_outside=allow_outside) or "")
     numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
@@ -231,7 +256,7 @@ def build_scene(
         name=document.name or path.stem,
         field=numbers.field,
         wheels=built,
-        contact=_contact(document, numbers, built),
+        contact=build_contact(document.contact, numbers, built),
         check=_check(document, numbers, built),
         source=file,
         continuum=_continuum(document, numbers, built, body),
@@ -243,11 +268,20 @@ def build_scene(
 
 def _document(data: dict[str, Any], file: str) -> Document:
     """The validated tables; the units come first, since they say how angles are read."""
+    return validate(Document, data, file, stated_units(data, file).angle)
+
+
+def stated_units(data: dict[str, Any], file: str) -> UnitsTable:
+    """The ``[units]`` of a document, which is read before its other tables.
+
+    Raises:
+        SceneError: for a unit of speed without one of length.
+    """
     stated = {key: value for key, value in data.items() if key == "units"}
     units = validate(StatedUnits, stated, file).units
     if units.speed is not None and units.length is None:
         raise SceneError(file, "units.length", f"a unit of length beside speed = {units.speed}", StatedFact("nothing"))
-    return validate(Document, data, file, units.angle)
+    return units
 
 
 def _layout(document: Document, file: str, table: Callable[[], str]) -> Layout:
@@ -279,8 +313,12 @@ def _remarks(document: Document, layout: Layout) -> Iterator[str]:
     yield from angle_remarks([document, table.cells])
 
 
-def _contact(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
-    table = document.contact
+def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
+    """The contact rule and the loads that a ``[contact]`` table names.
+
+    Raises:
+        SceneError: for loads that are stated twice, or cannot be used.
+    """
     if table.loads is not None and table.table is not None:
         raise SceneError(numbers.file, "contact.table", "either loads or table", StatedFact("both"))
     stated = table.table if table.loads is None else table.loads

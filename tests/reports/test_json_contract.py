@@ -35,6 +35,9 @@ CASES = {
     "simulate four-wheel --grid 4": "nonsmooth-map/1",
     "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
     "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
+    "vehicle husky-a200 --spin 2": "nonsmooth-vehicle/1",
+    "vehicle": "nonsmooth-vehicles/1",
+    "validate --only vehicles": "nonsmooth-evidence/1",
     "scenes": "nonsmooth-scenes/1",
     "rules": "nonsmooth-rules/1",
 }

@@ -1,0 +1,158 @@
+"""Point contacts carried by the body: the wrench that moves it, and the motion that a wrench or a pusher causes.
+
+The ground is at rest and contact i, with load N_i, is dragged over it with ``v(p_i)``: the array of wheels with the
+contacts fixed to the body and all speeds zero.  Its dissipation is ``D(xi) = sum_i N_i |M v(p_i)|``, with M the
+half-axes of a friction ellipse in the body's frame, the identity where friction is alike in all directions.
+
+- From motion to wrench: minus the friction, ``w = sum_i N_i (M^T M v_i)/|M v_i|`` and its moment: the gradient of D.
+- From wrench to motion: the xi of least D among those with ``w . xi = 1``.
+- A pusher with a given velocity: a contact that may take any force.  The motion has the least D among those that move
+  the pushed point as the pusher does (it sticks), or, where the force would leave the friction cone of the tip, among
+  those that take the power 1 from a force along the cone's edge (it slides).  D grows in proportion to the motion, so
+  that one is scaled to keep the contact.
+
+Constraints are exact penalties: a contact with more grip than the force it needs does not slip.  So all three are
+solved, and proved by their forces, by the minimizers of arrays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.plane_arrays import turned
+
+GRIP = 1e3  # of a constraint, in units of the largest wrench that it can need
+CLEARANCE = 1e-9  # relative: a tip whose friction exceeds its cone by less sticks
+
+
+class Tip(StrEnum):
+    """What the tip of a pusher does on the body."""
+
+    STICKS = "sticks"
+    SLIDES = "slides"
+    LEAVES = "leaves"
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Point contacts of a body, measured from its centre of mass.
+
+    Attributes:
+        points: ``p_i``, shape (n, 2).
+        loads: ``N_i``, shape (n,).
+        shape: M, shape (2, 2): the identity for isotropic friction of coefficient 1.
+    """
+
+    points: Floats
+    loads: Floats
+    shape: Floats
+
+    @classmethod
+    def isotropic(cls, points: Floats, loads: Floats) -> Contacts:
+        """With one friction in all directions."""
+        return cls(points, loads, np.eye(2))
+
+    def velocities(self, twists: Floats) -> Floats:
+        """``v(p_i)`` for twists (m, 3), shape (m, n, 2)."""
+        return np.asarray(twists[:, None, :2] + twists[:, None, 2:] * turned(self.points))
+
+    def wrenches(self, twists: Floats) -> Floats:
+        """The wrench ``(f, moment)`` that keeps the body moving, for twists (m, 3); a contact at rest adds nothing."""
+        slips = self.velocities(twists) @ self.shape.T
+        sizes = np.linalg.norm(slips, axis=2, keepdims=True)
+        shares = np.divide(slips, sizes, out=np.zeros_like(slips), where=sizes > 0)
+        forces = self.loads[:, None] * (shares @ self.shape)
+        moments = (turned(self.points) * forces).sum(axis=(1, 2))
+        return np.column_stack([forces.sum(axis=1), moments])
+
+    def dissipation(self, twists: Floats) -> Floats:
+        """``D`` for twists (m, 3), shape (m,)."""
+        return np.asarray(np.linalg.norm(self.velocities(twists) @ self.shape.T, axis=2) @ self.loads)
+
+    def twist_of(self, wrench: Floats) -> Floats:
+        """The motion that a wrench (3,) causes, with ``wrench . xi = 1``."""
+        return self.constrained(wrench[None], np.ones(1))[0]
+
+    def constrained(self, normals: Floats, targets: Floats) -> tuple[Floats, Floats]:
+        """The twist of least D with ``normals[k] . xi = targets[k]`` for one or two k, and the multiplier of each.
+
+        The multiplier times the normal is the wrench on the body that keeps the constraint.
+        """
+        sizes = np.hypot(np.hypot(normals[:, 0], normals[:, 1]), normals[:, 2] / np.hypot(*self.points.T).max())
+        held = np.zeros((2, 3))
+        held[: len(normals)] = normals / sizes[:, None]
+        aims, grip = np.zeros(2), np.zeros(2)
+        aims[: len(normals)], grip[: len(normals)] = targets / sizes, GRIP * np.linalg.norm(self.shape, 2)
+        rows, count = self._rows(), 2 * len(self.points)
+        model = ContactRows(np.vstack([rows, held]), np.append(np.zeros(count), aims), np.append(np.ones(count), grip))
+        found = EllipseInterior().minimize(model, np.append(self.loads, 1.0))[0]
+        return found.twist, found.forces[-1, : len(normals)] / sizes
+
+    def _rows(self) -> Floats:
+        """``M v(p_i)`` as rows that act on twists, shape (2n, 3)."""
+        frames = np.broadcast_to(self.shape, (len(self.points), 2, 2))
+        moments = (frames * turned(self.points)[:, None, :]).sum(axis=2, keepdims=True)
+        return np.asarray(np.concatenate([frames, moments], axis=2).reshape(-1, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Push:
+    """What a pusher does.
+
+    Attributes:
+        tip: whether it sticks, slides or leaves.
+        twist: of the body, shape (3,); zero where the pusher leaves.
+        force: of the pusher on the body, shape (2,), in units of the friction coefficient times the weight.
+    """
+
+    tip: Tip
+    twist: Floats
+    force: Floats
+
+
+def push(contacts: Contacts, point: Floats, normal: Floats, velocity: Floats, friction: float) -> Push:
+    """The motion of a body that a pusher's tip moves at one point.
+
+    Args:
+        contacts: of the body with the ground.
+        point: where the tip touches, from the centre of mass, shape (2,).
+        normal: unit vector into the body there, shape (2,).
+        velocity: of the tip, shape (2,).
+        friction: coefficient of the tip on the body, at least 0.
+
+    Raises:
+        ValueError: for a negative friction, a normal that is no unit vector, or numbers that are not finite.
+    """
+    _require_push(point, normal, velocity, friction)
+    approach = float(normal @ velocity)
+    if approach <= 0:
+        return Push(Tip.LEAVES, np.zeros(3), np.zeros(2))
+    tangent, pushed = turned(normal), _row(normal, point)
+    rows, speeds = np.stack([pushed, _row(tangent, point)]), np.array([approach, tangent @ velocity])
+    twist, (along, across) = contacts.constrained(rows, speeds)
+    if abs(across) <= friction * along * (1 + CLEARANCE):
+        return Push(Tip.STICKS, twist, along * normal + across * tangent)
+    edge = normal + np.sign(across) * friction * tangent
+    slid, (size,) = contacts.constrained(_row(edge, point)[None], np.ones(1))
+    return Push(Tip.SLIDES, approach / float(pushed @ slid) * slid, size * edge)
+
+
+def _row(direction: Floats, point: Floats) -> Floats:
+    """``(e, e . J p)``: the wrench of a unit force along e at p, and the row of the velocity of p along e."""
+    return np.array([*direction, direction @ turned(point)])
+
+
+def _require_push(point: Floats, normal: Floats, velocity: Floats, friction: float) -> None:
+    values = np.array([*point, *normal, *velocity, friction], float)
+    if values.shape != (7,) or not np.isfinite(values).all():
+        required = "required a point, a normal, a velocity and a friction, all finite"
+        raise ValueError(f"{required}, received {values.tolist()}")
+    if friction < 0:
+        raise ValueError(f"required a friction of at least 0, received {friction}")
+    if abs(float(np.hypot(*normal)) - 1) > CLEARANCE:
+        raise ValueError(f"required a unit normal, received {np.asarray(normal).tolist()}")

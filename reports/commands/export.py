@@ -1,0 +1,54 @@
+"""``nonsmooth export``: a scene as a file for a physics engine, with what is predicted of it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from nonsmooth.reports.console import RefusedError, refusals_named, write
+from nonsmooth.reports.options import AllowOutside, SceneText
+
+Output = Annotated[
+    str | None, typer.Option("-o", "--output", metavar="FILE", help="MJCF: .xml; standard output without.")
+]
+Place = Annotated[
+    str | None,
+    typer.Option("--from", metavar="X,Y", help="Centre of mass, such as 0,1/4; beside the checked point unless given."),
+]
+
+
+def export(
+    scene: SceneText,
+    output: Output = None,
+    place: Place = None,
+    allow_outside: AllowOutside = False,
+) -> int:
+    """Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.
+
+    Exit status: 0 done, 2 bad input.
+    """
+    from nonsmooth.reports.files import output_path, write_whole
+    from nonsmooth.reports.mjcf import export_scene
+    from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
+    from nonsmooth.symbolic.files.vehicle_file import build_vehicle
+
+    path = None if output is None else output_path(output, (".xml",))
+    with deep_nesting_refused(scene):
+        data, label, file = read_document(scene, at=place)
+        is_vehicle = "vehicle" in data
+        if is_vehicle and place is not None:
+            raise RefusedError(f"{label}: --from: required none for a vehicle, which states its centre of mass")
+        if is_vehicle:
+            loaded = build_vehicle(data, label, file, allow_outside=allow_outside).scene
+        else:
+            loaded = build_scene(data, label, file, allow_outside=allow_outside)
+    stated = place is not None or is_vehicle
+    with refusals_named(loaded):
+        exported = export_scene(loaded, loaded.check.equilibrium if stated else None)
+    if path is None:
+        write(exported.text())
+        return 0
+    write_whole(path, exported.text().encode())
+    write(f"{path}: {len(exported.scene.wheels)} wheels, predicted {exported.motion}\n")
+    return 0

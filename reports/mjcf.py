@@ -1,0 +1,187 @@
+"""A scene as an MJCF file for a physics engine (MuJoCo), with what is predicted of it: a test for friction solvers.
+
+The frame is reversed: the body is the ground, a plane, and the array rides on it as a vehicle does, with its centre of
+mass where that of the body is.  Slips, loads and friction are the same (module ``symbolic.vehicles.vehicle``), and the
+engine aligns the tangents of the contact of a capsule and a plane with the capsule's axis, so that an elliptic friction
+cone has mu_roll along the friction axis and mu_side across it, whichever way that points.  Each wheel is a capsule so
+short that it counts as a point; its surface runs at the wheel's speed.  Loads come from contacts alike, as springs.
+
+The engine couples slip and normal force by the damping of its contacts, so wheels run slowly: the file states by what
+factor.  Its lengths are those of the scene over the distance of the farthest wheel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
+from nonsmooth.symbolic.contact_set import standing
+from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.scene import Scene, require_known_loads
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.symbolic.plane import Vector
+    from nonsmooth.symbolic.scene import Wheel
+
+RULE = "ellipse"  # the engine's elliptic cone
+SPEED = 1e-6  # largest speed of a surface in the file (metre/second)
+RADIUS, HALF_LENGTH = 0.05, 1e-4  # of the capsules (metre)
+LEAST_FRICTION = 1e-5  # of the engine
+SETTLING = 1.0  # seconds in which contacts settle: a hundred of their time constants
+CONFORMS = (
+    2e-3  # of the largest entry of the predicted twist; a body at rest may creep at this share of the wheels' speed
+)
+AT_REST = 1e-9  # of the wheels' speed: slower is rounding of rest
+
+
+class Motion(StrEnum):
+    """What the body does at the exported place."""
+
+    REST = "rest"
+    SLIDE = "slide"
+    SPIN = "spin"
+
+
+@dataclass(frozen=True, eq=False)
+class Export:
+    """A scene with the body at one place, and what is predicted there.
+
+    Attributes:
+        scene: the wheels that carry the body there.
+        place: of the centre of mass.
+        twist: predicted under rule ``ellipse``, in the scene's units, about its origin, shape (3,).
+        scale: the file's length of 1 in lengths of the scene.
+        pace: the file's speeds over those of the scene, in lengths of the file.
+    """
+
+    scene: Scene
+    place: tuple[float, float]
+    twist: Floats
+    scale: float
+    pace: float
+
+    @property
+    def file_twist(self) -> Floats:
+        """The predicted twist in the file's units: that of the engine's free joint ``(v_x, v_y, omega)``."""
+        vx, vy, omega = self.twist
+        return np.array([vx * self.pace, vy * self.pace, omega * self.pace * self.scale])
+
+    @property
+    def creep_bound(self) -> float:
+        """The largest speed of a conforming solver at rest (metre/second)."""
+        return CONFORMS * SPEED
+
+    @property
+    def motion(self) -> Motion:
+        """Rest, a turn about the centre of mass, or anything else."""
+        x, y = self.place
+        vx, vy, omega = self.twist
+        fastest = max((abs(float(wheel.speed)) for wheel in self.scene.wheels), default=0.0)
+        slow = AT_REST * fastest
+        if math.hypot(vx - omega * y, vy + omega * x) > slow:
+            return Motion.SLIDE
+        return Motion.SPIN if abs(omega) * self.scale > slow else Motion.REST
+
+    def text(self) -> str:
+        """The MJCF document."""
+        wheels = "\n".join(self._wheel(wheel) for wheel in self.scene.wheels)
+        pairs = "\n".join(self._pair(wheel) for wheel in self.scene.wheels)
+        x, y = (value / self.scale for value in self.place)
+        return f"""<mujoco model={quoteattr(self._name())}>
+  <!--
+{self._comment()}
+  -->
+  <option timestep="0.001" gravity="0 0 -9.81" cone="elliptic" impratio="1e9" iterations="200" tolerance="1e-14"/>
+  <worldbody>
+    <geom name="body" type="plane" size="5 5 1" contype="0" conaffinity="0"/>
+    <body name="array">
+      <freejoint/>
+      <inertial pos="{x!r} {y!r} {RADIUS!r}" mass="1" diaginertia="1 1 1"/>
+{wheels}
+    </body>
+  </worldbody>
+  <contact>
+{pairs}
+  </contact>
+</mujoco>
+"""
+
+    def _name(self) -> str:
+        return one_line(self.scene.name).replace("--", "- ")
+
+    def _comment(self) -> str:
+        vx, vy, omega = (float(value) + 0.0 for value in self.file_twist)
+        lines = [
+            f"{self._name()}, rule {RULE}, exported by nonsmooth: the frame is reversed, the array rides on the body.",
+            f"centre of mass in the scene: {place_text(self.place)}",
+            f"scale: 1 in this file is {float_text(self.scale, 9)} in the scene; "
+            f"speeds are those of the scene times {float_text(self.pace, 9)}",
+            f"predicted twist (v_x, v_y, omega): {vx!r} {vy!r} {omega!r}",
+            f"predicted motion: {self.motion}",
+            f"creep bound: {self.creep_bound!r}",
+            f"A solver conforms if after {SETTLING:g} s the free joint's velocity is the predicted twist within "
+            f"{CONFORMS:g} of its largest entry,",
+            "or, where rest is predicted, no entry is above the creep bound.",
+        ]
+        return "\n".join(f"    {line}" for line in lines)
+
+    def _wheel(self, wheel: Wheel) -> str:
+        x, y = (float(value) / self.scale for value in wheel.position)
+        ax, ay = map(float, wheel.unit_grip)
+        along, across = (self.pace * float(speed) for speed in wheel.slip_speeds)
+        frame = f"0 0 1 {ay!r} {-ax!r} 0"  # the third axis is the friction axis, the second points to its right
+        return (
+            f'      <geom name="wheel {wheel.index}" type="capsule" size="{RADIUS!r} {HALF_LENGTH!r}" '
+            f'pos="{x!r} {y!r} {RADIUS!r}" xyaxes="{frame}" contype="0" conaffinity="0" '
+            f'surfacevel="0 {across!r} {-along!r} 0 0 0"/>'
+        )
+
+    def _pair(self, wheel: Wheel) -> str:
+        roll, side = (max(float(mu), LEAST_FRICTION) for mu in (wheel.friction.roll, wheel.friction.side))
+        return (
+            f'    <pair geom1="body" geom2="wheel {wheel.index}" condim="3" friction="{roll!r} {side!r} 0 0 0" '
+            'solref="0.01 1" solimp="0.5 0.5 1 0.5 2"/>'
+        )
+
+
+def export_scene(scene: Scene, place: Vector | None = None) -> Export:
+    """A scene with the body's centre of mass at a place, half and a quarter of a radius beside its point unless given.
+
+    Raises:
+        SceneError: for loads that are not elastic; a ``TipsError`` for a body that does not stand there.
+        RefusalError: where the motion is not determined; a ``LoadError`` where the body tips.
+    """
+    require_known_loads(scene, "to export it")
+    _require_elastic(scene)
+    x, y = scene.check.equilibrium
+    radius = scene.check.radius
+    there = (x + radius / 2, y + radius / 4) if place is None else place
+    carried = standing(scene.checked_at(there, radius))
+    rule = contact_rule(RULE)
+    if not isinstance(rule, SmoothRule):
+        raise TypeError(f"required a rule without cells, received {rule.name}")
+    point = float(there[0]), float(there[1])
+    twist = rule.minima(carried, np.array([point])).twists[0]
+    fastest = max(abs(float(wheel.speed)) for wheel in carried.wheels) or 1.0
+    scale = max(math.hypot(*map(float, wheel.position)) for wheel in carried.wheels)
+    return Export(carried, point, twist, scale, SPEED / fastest)
+
+
+def _require_elastic(scene: Scene) -> None:
+    """Refuse loads that springs do not give.
+
+    Raises:
+        SceneError: naming the loads.
+    """
+    from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+
+    if scene.contact.loads is not None:
+        raise SceneError(scene.origin, "contact.loads", 'elastic loads to export it ("elastic")', StatedFact("a table"))

@@ -1,0 +1,1 @@
+"""Vehicles on their own wheels as people read them: tables, JSON, a picture, parameters of a controller."""

@@ -1,0 +1,117 @@
+"""A hundred random arrays of each kind in the physics engine, as a table that the evidence page shows.
+
+- fixed wheels: exported MJCF files, rims in all directions with friction ellipses, run as anybody would;
+- free plate: a plate with an outline over a grid of 36 wheels, on those that the engine itself finds under it;
+- rollers: wheels with real rollers on bearings, which rule ``roller`` is about.
+
+``python -m tests.engine_arrays FILE`` writes the table; ``make evidence`` does so before it writes the page.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from nonsmooth.analysis.cells.loads import LoadError
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.reports.interface.array import Array
+from nonsmooth.reports.mjcf import export_scene
+from tests.body_engine import pose_beside_engine
+from tests.engine_export import error
+from tests.roller_engine import random_array, relative_errors
+
+ARRAYS = 100
+MARGIN = 0.05  # pitches: plates with a wheel nearer to their edge are left out
+COLUMNS = ("kind", "rule", "arrays", "median", "nine of ten below", "largest")
+
+
+class Kind(NamedTuple):
+    """Errors of one kind."""
+
+    name: str
+    rule: str
+    errors: Floats
+
+    def row(self) -> tuple[str, ...]:
+        numbers = np.median(self.errors), np.quantile(self.errors, 0.9), self.errors.max()
+        return self.name, self.rule, str(len(self.errors)), *(f"{value:.1e}" for value in numbers)
+
+
+def random_document(seed: int) -> dict[str, object]:
+    """Four to eight wheels with rims and friction axes of all kinds, and a place for the body."""
+    rng = np.random.default_rng(seed)
+    count, side = int(rng.integers(4, 9)), Fraction(int(rng.integers(2, 21)), 20)
+    places = [[Fraction(int(x), 100) for x in row] for row in rng.integers(-150, 151, (count, 2))]
+    headings = [[int(x), int(y)] for x, y in rng.integers(-9, 10, (count, 2))]
+    shares = rng.dirichlet(np.full(count, 3.0))
+    centre = shares @ np.array([[float(x) for x in place] for place in places])
+    wheels = [
+        {"position": place, "heading": heading if any(heading) else [1, 0], "speed": Fraction(int(speed), 10)}
+        for place, heading, speed in zip(places, headings, rng.integers(3, 11, count), strict=True)
+    ]
+    at = [Fraction(round(100 * x), 100) for x in centre]
+    return {
+        "name": f"random {seed}",
+        "friction": {"mu_roll": 1, "mu_side": str(side)},
+        "wheel": [{key: _entry(value) for key, value in wheel.items()} for wheel in wheels],
+        "check": {"equilibrium": _entry(at)},
+        "contact": {"rule": "ellipse"},
+    }
+
+
+def _entry(value: object) -> object:
+    if isinstance(value, list):
+        return [_entry(part) for part in value]
+    return str(value) if isinstance(value, Fraction) else value
+
+
+def fixed_wheels(count: int) -> Kind:
+    errors: list[float] = []
+    seed = 0
+    while len(errors) < count:
+        scene = Array.of_document(random_document(seed)).scene
+        seed += 1
+        try:
+            exported = export_scene(scene, scene.check.equilibrium)
+        except LoadError:  # the place lies outside the wheels
+            continue
+        errors.append(error(exported.text()))
+    return Kind("fixed wheels", "ellipse", np.array(errors))
+
+
+def free_plates(count: int) -> Kind:
+    errors: list[float] = []
+    seed = 0
+    while len(errors) < count:
+        pose = pose_beside_engine(seed)
+        seed += 1
+        if not pose.tips and not pose.fell and pose.margin > MARGIN:
+            errors.append(pose.twist_error)
+    return Kind("free plate", "ellipse", np.array(errors))
+
+
+def rollers(count: int) -> list[Kind]:
+    errors = np.array([relative_errors(*random_array(seed)) for seed in range(count)])
+    return [Kind("rollers", rule, column) for rule, column in zip(("roller", "ellipse", "box"), errors.T, strict=True)]
+
+
+def table(count: int = ARRAYS) -> list[Kind]:
+    """All kinds."""
+    return [fixed_wheels(count), free_plates(count), *rollers(count)]
+
+
+def text(kinds: list[Kind]) -> str:
+    """The table as CSV."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *(kind.row() for kind in kinds)])
+    return stream.getvalue()
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(text(table()), encoding="utf-8")

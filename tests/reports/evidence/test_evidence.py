@@ -1,0 +1,184 @@
+"""The evidence: rows follow from numbers, the page holds them, and claims are checked by other means."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad
+
+import nonsmooth as ns
+from nonsmooth.analysis.pushes.models import MODELS
+from nonsmooth.analysis.pushes.ranking import Direction, differences, rank
+from nonsmooth.analysis.pushes.records import load_pushes
+from nonsmooth.reports.evidence.claim import Kind, Verdict, measured_verdict, published
+from nonsmooth.reports.evidence.force_fields import TRIANGLE, centred, linear_moment, stable_headings
+from nonsmooth.reports.evidence.pack import COLUMNS, Evidence, gather
+from nonsmooth.reports.evidence.page import claims_table, page_text, ranking_table
+from nonsmooth.reports.evidence.pushes import PushEvidence, push_claims
+from nonsmooth.symbolic.number_text import float_text
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGE = (ROOT / "docs" / "evidence.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def found() -> Evidence:
+    return gather([Kind.VEHICLES, Kind.CLAIMS])
+
+
+# ---- rows ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("error", "verdict"),
+    [
+        (0.0, Verdict.AGREES),
+        (-0.05, Verdict.AGREES),
+        (0.051, Verdict.NEAR),
+        (-0.15, Verdict.NEAR),
+        (0.16, Verdict.MISSES),
+    ],
+)
+def test_verdicts_of_measurements_follow_from_the_error(error: float, verdict: Verdict) -> None:
+    assert measured_verdict(error) is verdict
+
+
+def test_verdicts_of_claims_follow_from_the_numbers() -> None:
+    assert published("a", "b", 2, 2, "").verdict is Verdict.AGREES
+    refuted = published("a", "b", 1, 2, "w")
+    assert (refuted.verdict, refuted.error, refuted.witness) == (Verdict.REFUTED, -0.5, "w")
+
+
+def test_eight_claims_and_more_with_a_source_and_a_witness(found: Evidence) -> None:
+    claims = [claim for claim in found.claims if claim.kind is Kind.CLAIMS]
+    assert len(claims) >= 8
+    assert len({claim.source for claim in claims}) >= 6
+    assert all(claim.source and claim.witness for claim in claims)
+    assert {claim.verdict for claim in claims} == {Verdict.AGREES, Verdict.REFUTED}
+    assert all(claim.fitted == 0 for claim in claims)
+
+
+@pytest.mark.parametrize("kind", [Kind.VEHICLES, Kind.CLAIMS])
+def test_the_page_holds_the_figures(found: Evidence, kind: Kind) -> None:
+    assert claims_table(found, kind) in PAGE
+
+
+def test_the_page_holds_the_figures_of_pushes_without_a_fit() -> None:
+    for model in MODELS[:2]:
+        one = rank(Direction.WRENCH, [model])[0]
+        low, high = (float_text(value, 3) for value in one.interval)
+        numbers = rf"{float_text(one.median, 3)} \| {low} to {high}"
+        assert re.search(rf"\| wrench from motion \| \d \| {model.name} \| 0 \| {numbers} \|", PAGE)
+
+
+def test_the_page_holds_the_engines_table() -> None:
+    header, *rows = csv.reader((ROOT / "docs" / "evidence" / "engine.csv").read_text(encoding="utf-8").splitlines())
+    assert header[0] == "kind"
+    assert {row[2] for row in rows} == {"100"}
+    assert all(f"| {' | '.join(row)} |" in PAGE for row in rows)
+
+
+def test_parts_that_were_not_computed_stay(found: Evidence) -> None:
+    page = "<!-- pushes -->\nold\n<!-- end --><!-- vehicles -->\nold\n<!-- end -->"
+    text = page_text(page, found, "kind\n")
+    assert "<!-- pushes -->\nold\n<!-- end -->" in text
+    assert "husky-a200" in text
+
+
+# ---- force fields --------------------------------------------------------------------------------
+
+
+def test_one_stable_pose_while_the_constant_is_small() -> None:
+    part = centred(TRIANGLE)
+    assert [len(stable_headings(part, constant)) for constant in (0.005, 0.1, 0.2)] == [1, 1, 2]
+
+
+def test_the_moment_of_a_linear_field_vanishes_by_quadrature_too() -> None:
+    part = centred(TRIANGLE)
+    assert linear_moment(part, Fraction(3, 5), Fraction(4, 5)) == 0
+    c, s = 0.6, 0.8
+    corners = np.array([[c * float(x) - s * float(y), s * float(x) + c * float(y)] for x, y in part])
+    a, b, rest = corners[1] - corners[0], corners[2] - corners[0], np.array([1.0, 0.0])
+
+    def moment(v: float, u: float) -> float:
+        arm = corners[0] + u * a + v * b
+        pull = -(arm + rest) + rest
+        return float(arm[0] * pull[1] - arm[1] * pull[0])
+
+    assert dblquad(moment, 0, 1, 0, lambda u: 1 - u)[0] == pytest.approx(0, abs=1e-12)
+
+
+def test_the_stable_pose_is_where_the_potential_is_least() -> None:
+    """Energy of the part over headings, at the place of least energy: a search that knows no moment."""
+    from scipy.optimize import minimize
+
+    part, constant = centred(TRIANGLE), 0.05
+    (stable,) = stable_headings(part, constant)
+    rng = np.random.default_rng(6)
+    u, v = rng.random((2, 4000))
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    corners = np.array([[float(x), float(y)] for x, y in part])
+    points = corners[0] + u[:, None] * (corners[1] - corners[0]) + v[:, None] * (corners[2] - corners[0])
+    points -= points.mean(axis=0)
+
+    def energy(theta: float) -> float:
+        turned = points @ np.array([[math.cos(theta), math.sin(theta)], [-math.sin(theta), math.cos(theta)]])
+        place = minimize(
+            lambda c: np.hypot(*(turned + c).T).mean() - constant * c[0], np.zeros(2), method="Nelder-Mead"
+        ).x
+        return float(np.hypot(*(turned + place).T).mean() - constant * place[0])
+
+    headings = np.linspace(0, 2 * math.pi, 25)[:-1]
+    best = headings[int(np.argmin([energy(float(theta)) for theta in headings]))]
+    assert abs((best - stable + math.pi) % (2 * math.pi) - math.pi) < 0.3
+
+
+# ---- the command ---------------------------------------------------------------------------------
+
+
+def test_the_command_prints_rows_and_files(invoke: Invoke, tmp_path: Path) -> None:
+    record = invoke("validate", "--only", "vehicles", "--json").record
+    assert [row["kind"] for row in record["rows"]] == ["vehicles"] * 12
+    assert record["ranking"] is None
+    assert record["verdicts"] == {"agrees": 7, "near": 3, "misses": 2}
+    assert invoke("validate", "--only", "vehicles", "-o", "e.csv").status == 0
+    header, *rows = csv.reader((tmp_path / "e.csv").read_text(encoding="utf-8").splitlines())
+    assert (tuple(header), len(rows)) == (COLUMNS, 12)
+    own = ns.validate(["vehicles"])
+    assert json.loads(json.dumps(own.to_dict())) == record
+    assert repr(own) == "12 rows: 7 agrees, 3 near, 2 misses"
+
+
+def test_pictures_are_drawn_and_views_fit(found: Evidence, invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    logs = load_pushes()[:1]
+    ranked = {direction: rank(direction, MODELS[:2], logs) for direction in Direction}
+    whole = Evidence(found.claims, PushEvidence(ranked, {d: differences(one) for d, one in ranked.items()}))
+    assert whole.picture(".png").startswith(b"\x89PNG")
+    assert len(whole.record()["ranking"]) == 4
+    assert "above the one before" in ranking_table(whole.pushes or PushEvidence({}, {}))
+    monkeypatch.setenv("COLUMNS", "80")
+    assert max(map(len, invoke("validate", "--only", "vehicles").out.splitlines())) <= 80
+
+
+def test_bad_names_are_refused(invoke: Invoke) -> None:
+    done = invoke("validate", "--only", "tea")
+    assert (done.status, done.err.count("\n")) == (2, 1)
+    assert "--only: required names among vehicles, pushes, claims, received 'tea'" in done.err
+
+
+def test_claims_on_pushes_say_what_was_fitted() -> None:
+    evidence = PushEvidence({Direction.WRENCH: rank(Direction.WRENCH, MODELS[:2])}, {Direction.WRENCH: ()})
+    assert [row["model"] for row in evidence.record()] == ["isotropic", "naive"]
+    first = next(push_claims(evidence))
+    assert (first.verdict, first.fitted, round(first.predicted, 1)) == (Verdict.AGREES, 0, 10.9)

@@ -1,0 +1,108 @@
+"""Exported scenes run in the physics engine, and meet what their comments predict."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.reports.mjcf import CONFORMS, Motion, export_scene
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.vehicle_file import load_vehicle
+from tests.engine_export import engine_twist, error, predicted_twist
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.reports.conftest import Invoke
+
+SHARP = 5e-4  # relative, of twists: a quarter of what conforms; 42 contacts at low loads come to 4e-4, others to 4e-5
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("four-wheel",),
+        ("ring-6",),
+        ("carton-on-6x6",),
+        ("four-wheel", "--from", "0.3,-0.1"),
+        ("spiral-30",),
+        ("mecanum-4",),
+        ("husky-a200",),
+        ("tracked-base",),
+    ],
+    ids=" ".join,
+)
+def test_the_engine_meets_the_prediction(invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    done = invoke("export", *arguments, "-o", "scene.xml")
+    assert done.status == 0
+    assert "predicted" in done.out
+    assert error((tmp_path / "scene.xml").read_text(encoding="utf-8")) < SHARP < CONFORMS
+
+
+def test_an_effective_track_in_the_engine() -> None:
+    """The formula of four equal wheels, by an engine that knows nothing of it."""
+    vehicle = load_vehicle("husky-a200")
+    exported = export_scene(vehicle.scene, vehicle.centre_of_mass)
+    assert exported.motion is Motion.SPIN
+    omega = engine_twist(exported.text())[2] / exported.pace / exported.scale
+    assert 2 / (omega * 0.555) == pytest.approx(1 + (0.512 / 0.555) ** 2, rel=SHARP)
+
+
+def test_a_body_that_should_rest_creeps_less_than_the_bound(invoke: Invoke) -> None:
+    text = invoke("export", "four-wheel", "--from", "0,0").out
+    assert "predicted motion: rest" in text
+    bound = float(text.split("creep bound: ")[1].split()[0])
+    assert np.abs(predicted_twist(text)).max() < 1e-3 * bound
+    assert np.abs(engine_twist(text)).max() < bound
+
+
+def test_units_of_the_scene_do_not_matter(invoke: Invoke, tmp_path: Path) -> None:
+    text = (
+        "[friction]\nmu_roll = 1\nmu_side = 0.3\n[ring]\ncount = 5\nradius = 250\n"
+        '[field]\nkind = "spiral"\nangle = 20\nspeed = 40\n'
+    )
+    (tmp_path / "large.toml").write_text(text, encoding="utf-8")
+    assert error(invoke("export", "large.toml", "--from", "60,30").out) < SHARP
+
+
+def test_the_comment_is_safe_for_any_name(invoke: Invoke, tmp_path: Path) -> None:
+    name = 'name = "a --> b <&> --"\n'
+    text = "[friction]\nmu_roll = 1\nmu_side = 1\n[ring]\ncount = 3\n"
+    (tmp_path / "odd.toml").write_text(name + text, encoding="utf-8")
+    assert error(invoke("export", "odd.toml").out) < SHARP
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("four-wheel", "--from", "5,5"), "four-wheel: required centres of mass inside the support polygon"),
+        (("four-wheel", "-o", "x.txt"), "required a file name that ends in .xml"),
+        (("four-wheel", "--from", "a"), "check.equilibrium: required two numbers"),
+        (("eq-3",), "eq-3: system: required an array of wheels"),
+        (("husky-a200", "--from", "0,0"), "--from: required none for a vehicle"),
+    ],
+)
+def test_bad_input_is_one_line(invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...], line: str) -> None:
+    done = invoke("export", *arguments)
+    assert done.status == 2
+    assert line in done.err
+    assert done.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_loads_of_a_table_are_refused(invoke: Invoke, tmp_path: Path) -> None:
+    text = "[friction]\nmu_roll = 1\nmu_side = 1\n[ring]\ncount = 4\n[contact]\n"
+    table = "loads = [[0.25, 0, 0], [0.25, 0, 0], [0.25, 0, 0], [0.25, 0, 0]]\n"
+    (tmp_path / "table.toml").write_text(text + table, encoding="utf-8")
+    done = invoke("export", "table.toml")
+    assert (done.status, "contact.loads: required elastic loads" in done.err) == (2, True)
+
+
+def test_a_place_is_exact_and_stated() -> None:
+    scene = load_scene("carton-on-6x6")
+    exported = export_scene(scene)
+    assert exported.place == (0.1, 0.05)
+    assert len(exported.scene.wheels) == 4
+    assert exported.motion is Motion.SLIDE

@@ -1,0 +1,128 @@
+"""``nonsmooth vehicle``: records, files, refusals, and the same in Python."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import nonsmooth as ns
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+
+def test_the_record_of_a_vehicle(invoke: Invoke) -> None:
+    record: dict[str, Any] = invoke("vehicle", "husky-a200", "--spin", "2", "--json").record
+    assert record["exact"]["multiplier"] == "570169/308025"
+    assert record["multiplier"] == pytest.approx(570169 / 308025, rel=1e-15)
+    assert record["formula"] == "1 + (mu_S/mu_R)^2 (L/W)^2"
+    assert record["twist"][:2] == record["icr"] == [0, 0]
+    assert [len(record[key]) for key in ("slips", "forces", "speeds", "rules")] == [4, 4, 4, 4]
+    assert record["measured"]["error"] == pytest.approx(-0.0128, abs=1e-4)
+    assert record["spin"]["multiplier"] == pytest.approx(2 / (2 * 0.555))
+    assert record["diff_drive_controller"] == {"wheel_separation": 0.555, "wheel_separation_multiplier": 1.85105}
+    by_rule = {rule["rule"]: rule for rule in record["rules"]}
+    assert by_rule["nearest"]["twist"] is None
+    assert by_rule["box"]["exact"]["multiplier"] == "1"
+
+
+def test_all_measured_vehicles_stand_side_by_side(invoke: Invoke) -> None:
+    rows = invoke("vehicle", "--json").record["vehicles"]
+    errors = {row["vehicle"]: round(100 * row["error"], 1) for row in rows}
+    assert errors == {
+        "lynx-wh05": 0.3,
+        "jackal": -0.9,
+        "husky-a200": -1.3,
+        "leo-rover": -1.9,
+        "panther-wh01": -6.8,
+        "rosbot": -8.6,
+        "warthog": 10.8,
+    }
+
+
+@pytest.mark.parametrize("arguments", [("husky-a200",), (), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])
+def test_views_fit_80_columns(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    out = invoke("vehicle", *arguments).out
+    assert max(len(line) for line in out.splitlines()) <= 80
+
+
+@pytest.mark.parametrize(
+    ("scenes", "suffix"),
+    [(("husky-a200",), ".svg"), (("husky-a200",), ".json"), (("mecanum-base",), ".svg"), ((), ".svg"), ((), ".csv")],
+)
+def test_files_are_reproducible(invoke: Invoke, tmp_path: Path, scenes: tuple[str, ...], suffix: str) -> None:
+    file = tmp_path / f"v{suffix}"
+    assert invoke("vehicle", *scenes, "-o", file.name).status == 0
+    first = file.read_bytes()
+    assert invoke("vehicle", *scenes, "-o", file.name).status == 0
+    assert file.read_bytes() == first
+
+
+def test_parameters_of_the_controller(invoke: Invoke, tmp_path: Path) -> None:
+    assert invoke("vehicle", "jackal", "-o", "j.yaml").status == 0
+    assert (tmp_path / "j.yaml").read_text(encoding="utf-8").splitlines() == [
+        "diff_drive_controller:",
+        "  ros__parameters:",
+        "    wheel_separation: 0.3756",
+        "    wheel_separation_multiplier: 1.48658",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("four-wheel",), "four-wheel: vehicle: required a vehicle on its own wheels"),
+        (("none",), "required a scene file or a built-in scene"),
+        (("jackal", "--spin", "0"), "--spin: required a finite rate other than 0, received 0.0"),
+        (("jackal", "--spin", "nan"), "--spin: required a finite rate"),
+        (("jackal", "rosbot", "--spin", "1"), "--spin: required one vehicle, received 2"),
+        (("jackal", "-o", "x.txt"), "required a file name that ends in"),
+        (("jackal", "rosbot", "-o", "x.yaml"), "required a file name that ends in"),
+        (("swerve-base", "-o", "x.yaml"), "swerve-base: required a vehicle with a track"),
+    ],
+)
+def test_bad_input_is_one_line(invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...], line: str) -> None:
+    done = invoke("vehicle", *arguments)
+    assert done.status == 2
+    assert line in done.err
+    assert done.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_vehicle_that_tips_over_is_refused(invoke: Invoke, tmp_path: Path) -> None:
+    text = "[vehicle]\ntrack = 1\nwheel_base = 1\ncentre_of_mass = [1, 0]\n[friction]\nmu_roll = 1\nmu_side = 1\n"
+    (tmp_path / "tips.toml").write_text(text, encoding="utf-8")
+    done = invoke("vehicle", "tips.toml")
+    assert done.status == 2
+    assert "tips.toml: required centres of mass inside the support polygon" in done.err
+
+
+def test_python_holds_the_record_of_the_command(invoke: Invoke, tmp_path: Path) -> None:
+    record = invoke("vehicle", "jackal", "--spin", "3", "--json").record
+    loaded = ns.Vehicle.load("jackal")
+    found = loaded.motion(spin=3)
+    assert json.loads(json.dumps(found.to_dict())) == record
+    assert found.twist == tuple(record["twist"])
+    assert found.multiplier == record["multiplier"]
+    assert len(found.rows()) == 19
+    found.save(tmp_path / "own.csv")
+    invoke("vehicle", "jackal", "-o", "other.csv")
+    assert (tmp_path / "own.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+    compared = ns.Vehicle.compare([loaded, ns.Vehicle.load("rosbot")])
+    assert [row["vehicle"] for row in compared.rows()] == ["jackal", "rosbot"]
+    assert repr(loaded) == "Vehicle 'jackal': 4 wheels"
+    assert len(repr(found)) < 200
+
+
+def test_a_vehicle_made_in_python() -> None:
+    corners = [(0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25)]
+    headings = [(-1, 1), (-1, -1), (1, -1), (1, 1)]
+    wheels = [ns.Wheel(place, heading=heading, speed=1) for place, heading in zip(corners, headings, strict=True)]
+    found = ns.Vehicle(wheels).motion()
+    assert found.to_dict()["exact"]["twist"] == ["0", "0", "2*sqrt(2)"]
+    with pytest.raises(ns.SceneError, match=r"vehicle: vehicle\.track: required a track beside wheel_base"):
+        ns.Vehicle(wheel_base=1)
