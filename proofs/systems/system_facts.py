@@ -10,8 +10,9 @@ from collections.abc import Iterator
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
+from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
-from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResult
+from nonsmooth.proofs.systems.system_stability import Method, SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -55,7 +56,7 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
         yield from _conditions(result.lyapunov)
     else:
         yield Fact("V", proving_text(result))
-        yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] if result.searched else None)
+        yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] or None)
         yield _domain(result.domain or result.reported_domain)
         yield from _conditions(proving)
     yield Fact("proves", proving is not None)
@@ -67,12 +68,18 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
 
 
 def _pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
-    proving = result.proving
-    return () if proving is None else potential_pieces(proving.cells, result.scene.states)
+    proving, searched = result.proving, result.searched
+    return (
+        ()
+        if proving is None or searched is None or searched.formula
+        else potential_pieces(proving.cells, result.scene.states)
+    )
 
 
 def proving_text(result: SystemResult) -> str:
-    """V in the displacement from the equilibrium: the scene's formula, or the pieces of one that was searched."""
+    """V in the displacement from the equilibrium: a formula, or the pieces of one that was searched on cones."""
+    if result.searched is not None and result.searched.formula is not None:
+        return result.searched.formula.text
     return "; ".join(map(str, _pieces(result))) if result.searched else one_line(result.scene.check.lyapunov.text)
 
 
