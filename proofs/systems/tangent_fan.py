@@ -122,8 +122,8 @@ def _fan(system: SwitchedSystem, weights: Weights) -> TangentFan | None:
 def _touching(pieces: Sequence[Piece], k: int) -> tuple[Polynomial, ...]:
     """The surfaces that touch the first ray of a cone, on the side that sees more (quadrants may have their own)."""
     ray = pieces[k].start
-    sides = [[s for s in piece.surfaces if not lowest_form(s)(ray)] for piece in (pieces[k - 1], pieces[k])]
-    return tuple(max(sides, key=len))
+    before, own = ([s for s in p.surfaces if not lowest_form(s)(ray)] for p in (pieces[k - 1], pieces[k]))
+    return tuple(before if len(before) > len(own) else own)
 
 
 def _chart(system: SwitchedSystem, weights: Weights, signs: tuple[int, int]) -> tuple[Polynomial, ...]:
