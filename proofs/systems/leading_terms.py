@@ -28,11 +28,14 @@ from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
+from nonsmooth.proofs.systems.lyapunov_basis import lines_through
 from nonsmooth.proofs.systems.tangent_fan import (
     UNWEIGHTED,
+    Frame,
     TangentCone,
     TangentFan,
     Weights,
+    axes_frame,
     build_tangent_fan,
     is_simple,
     rays_between,
@@ -43,9 +46,11 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.plane import cross
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 WEIGHTS: tuple[Weights, ...] = (UNWEIGHTED, (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))
+LINE_WEIGHTS: tuple[Weights, ...] = ((2, 1), (3, 1), (3, 2))
 
 
 @dataclass(frozen=True)
@@ -71,12 +76,14 @@ class LeadingTerms:
 
     Attributes:
         verdict: strong stability of the equilibrium.
-        weights: of x and y.
+        frame: the linear forms that take the place of x and y.
+        weights: of these.
         motions: the radial motions.
         growth: of a full turn, where there is no radial motion.
     """
 
     verdict: Translation
+    frame: Frame
     weights: Weights
     motions: tuple[RadialMotion, ...]
     growth: TurnGrowth | None
@@ -91,7 +98,7 @@ class LeadingTerms:
             return str(self.growth)
         outward = [m for m in self.motions if m.direction > 0]
         told = outward[0] if outward else self.motions[0]
-        where = f"the ray through {place_text(told.ray, 5)}"
+        where = f"the ray through {place_text(told.ray, 5)}" if self.weights == UNWEIGHTED else "a curve"
         if outward:
             return f"a solution {'slides' if told.sliding else 'runs'} outward along {where}"
         count = len(self.motions)
@@ -99,21 +106,44 @@ class LeadingTerms:
         return f"all radial motions lead inward (along {where}{more})"
 
     def _weighted(self) -> str:
-        p, q = self.weights
-        return "" if self.weights == UNWEIGHTED else f", with weights {p} and {q} of the states"
+        if self.weights == UNWEIGHTED:
+            return ""
+        first, second = (Polynomial(f[0].field, PLANE, {e: c for e, c in _named(f) if c}) for f in self.frame)
+        return f", with weights {self.weights[0]} and {self.weights[1]} of {first} and {second}"
+
+
+def _named(form: Point) -> list[tuple[tuple[int, int], Number]]:
+    """The terms of a linear form by its coefficients."""
+    return [((1, 0), form[0]), ((0, 1), form[1])]
 
 
 def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
-    """Decide by the first weights whose leading terms do; None where none do.
+    """Decide by the first frame and weights whose leading terms do; None where none do.
 
     The equilibrium must hold 0 in its Filippov set.
     """
-    for weights in WEIGHTS:
-        fan = build_tangent_fan(system, weights)
+    for frame, weights in _coordinates(system):
+        fan = build_tangent_fan(system, weights, frame)
         found = decide_fan_of_leading_terms(fan) if fan is not None else None
         if found is not None:
             return found
     return None
+
+
+def _coordinates(system: SwitchedSystem) -> Iterator[tuple[Frame, Weights]]:
+    """Frames with weights: x and y with all of them, then each switching line as the form of larger weight."""
+    axes = axes_frame(system)
+    yield from ((axes, weights) for weights in WEIGHTS)
+    forms = [_coefficients(line) for line in lines_through(system)]
+    for form in forms:
+        other = next(f for f in (*forms, *axes) if cross(form, f))
+        if form not in axes or other not in axes:
+            yield from (((form, other), weights) for weights in LINE_WEIGHTS)
+
+
+def _coefficients(line: Polynomial) -> Point:
+    zero = line.field.zero
+    return line.terms.get((1, 0), zero), line.terms.get((0, 1), zero)
 
 
 def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
@@ -121,18 +151,18 @@ def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
     motions = tuple(radial_motions(fan))
     exact = fan.is_exact and fan.weights == UNWEIGHTED
     if any(m.direction > 0 and (m.lasting or exact) for m in motions):
-        return LeadingTerms(Translation.UNSTABLE, fan.weights, motions, None)
+        return LeadingTerms(Translation.UNSTABLE, fan.frame, fan.weights, motions, None)
     if not all(is_simple(surfaces, after.start) for _, after, surfaces in rays_between(fan)):
         return None  # perhaps thin cells
     if motions:
         if any(m.direction >= 0 for m in motions):
             return None
-        return LeadingTerms(Translation.ASYMPTOTICALLY_STABLE, fan.weights, motions, None)
+        return LeadingTerms(Translation.ASYMPTOTICALLY_STABLE, fan.frame, fan.weights, motions, None)
     growth = turn_growth(fan)
     if growth is None or not growth.sign:
         return None
     verdict = Translation.UNSTABLE if growth.sign > 0 else Translation.ASYMPTOTICALLY_STABLE
-    return LeadingTerms(verdict, fan.weights, (), growth)
+    return LeadingTerms(verdict, fan.frame, fan.weights, (), growth)
 
 
 def radial_motions(fan: TangentFan) -> Iterator[RadialMotion]:
@@ -187,15 +217,36 @@ def _motions_on_ray(
     ray = after.start
     turns, speeds = zip(*(_turn_and_speed(cone.leading, ray) for cone in (before, after)), strict=True)
     smooth = not surfaces and fan.weights == UNWEIGHTED  # the ray only divides a quadrant or the plane
-    for turn, speed in zip(turns, speeds, strict=True):
-        if not turn:
-            yield RadialMotion(ray, sign(speed), smooth and _crosses_itself(before, after), False)
+    constant = fan.degree == 0 and fan.weights == UNWEIGHTED and len(surfaces) == 1 and surfaces[0].degree == 1
+    for k, cone in enumerate((before, after)):
+        if not turns[k]:
+            lasting = smooth and _crosses_itself(before, after)
+            if constant and sign(speeds[k]) > 0:
+                lasting = _keeps_out(cone.field, ray, inward=(-1, 1)[k], other=sign(turns[1 - k]))
+            yield RadialMotion(ray, sign(speeds[k]), lasting, False)
     if sign(turns[0]) * sign(turns[1]) < 0:
         alone = len(surfaces) == 1 and is_simple(surfaces, ray)
         slide = sign(turns[0] * speeds[1] - turns[1] * speeds[0]) * sign(turns[0] - turns[1])
         if not slide and fan.weights == UNWEIGHTED and alone and surfaces[0].degree == 1:
             slide = _first_slide(before.field, after.field, ray) * sign(turns[0] - turns[1])
         yield RadialMotion(ray, slide, alone, True)
+
+
+def _keeps_out(field: PlaneField, ray: Point, *, inward: int, other: int) -> bool:
+    """Whether a field with an outward value along a straight side of its cone leads a solution away.
+
+    It does where the next term of ``c x f`` along the side points into the cone, or where there is none, and where the
+    field on the other side pushes back: then a solution slides outward.
+
+    Args:
+        field: of the cone.
+        ray: the side.
+        inward: the sign of ``c x f`` of velocities that point into the cone.
+        other: the sign of ``c x f`` on the other side.
+    """
+    across = _along_ray(field, ray)[0]
+    bend = sign(across.terms[min(across.terms)]) if across else 0
+    return bend * inward >= 0 or other == inward
 
 
 def _crosses_itself(before: TangentCone, after: TangentCone) -> bool:

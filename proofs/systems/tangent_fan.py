@@ -8,7 +8,8 @@ any cone.
 *Weights* (p, q) take x as of order p and y as of order q: with ``x = |z|^(p-1) z``, ``y = |w|^(q-1) w`` and time
 scaled by ``p q |z|^(p-1) |w|^(q-1) > 0``, fields and surfaces are polynomials in (z, w) on each quadrant, and weighted
 homogeneous terms become homogeneous (Bacciotti and Rosier 2005, sec. 5.3).  Twisting, ``x' = y``,
-``y' = -a sign(x) - b sign(y)``, is a fan of cones with weights (2, 1).
+``y' = -a sign(x) - b sign(y)``, is a fan of cones with weights (2, 1).  Where a switching line is no axis, a *frame* of
+two linear forms takes the place of x and y.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from nonsmooth.symbolic.surfaces import factorize, switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, signs_by_factors
 
 Weights: TypeAlias = tuple[int, int]
+Frame: TypeAlias = tuple[Point, Point]  # coefficients of the two linear forms that take the place of x and y
 
 UNWEIGHTED: Weights = (1, 1)
 QUADRANTS = ((1, 1), (-1, 1), (-1, -1), (1, -1))  # the signs of x and y, counterclockwise
@@ -58,12 +60,14 @@ class TangentFan:
     """All cones at the point, counterclockwise, neighbours sharing their ray.
 
     Attributes:
-        weights: of x and y.
+        frame: the forms that take the place of x and y.
+        weights: of these.
         degree: of the leading terms.
         cones: at least four.
         surfaces: for each cone, the surfaces that touch its first ray.
     """
 
+    frame: Frame
     weights: Weights
     degree: int
     cones: tuple[TangentCone, ...]
@@ -85,23 +89,36 @@ class Piece:
     surfaces: tuple[Polynomial, ...]
 
 
-def build_tangent_fan(system: SwitchedSystem, weights: Weights = UNWEIGHTED) -> TangentFan | None:
+def build_tangent_fan(
+    system: SwitchedSystem, weights: Weights = UNWEIGHTED, frame: Frame | None = None
+) -> TangentFan | None:
     """The fan at the checked point of a planar system.
+
+    Args:
+        system: in two states.
+        weights: of the forms of the frame.
+        frame: independent linear forms; x and y unless given.
 
     Returns:
         None where a surface has a singular point there whose tangents have no names in the field, or where a formula
         cannot be used on some cone.
     """
     try:
-        return _fan(system, weights)
+        return _fan(system, weights, axes_frame(system) if frame is None else frame)
     except SceneError:
         return None
 
 
-def _fan(system: SwitchedSystem, weights: Weights) -> TangentFan | None:
+def axes_frame(system: SwitchedSystem) -> Frame:
+    """The frame of x and y themselves."""
+    zero, one = system.field.zero, system.field.one
+    return (one, zero), (zero, one)
+
+
+def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan | None:
     pieces: list[Piece] = []
     for signs in QUADRANTS:
-        states = _chart(system, weights, signs)
+        states = _chart(system, weights, frame, signs)
         surfaces = tuple(s for s in system.surfaces(states) if not s.terms.get((0, 0)))
         rays = _rays(system, surfaces, signs)
         if rays is None:
@@ -109,14 +126,14 @@ def _fan(system: SwitchedSystem, weights: Weights) -> TangentFan | None:
         first, last = _axes(system, signs)
         for a, b in zip([first, *rays], [*rays, last], strict=True):
             inner = (a[0] + b[0], a[1] + b[1])
-            pieces.append(Piece(a, _field(system, states, inner, weights, signs), surfaces))
+            pieces.append(Piece(a, _field(system, states, inner, weights, frame, signs), surfaces))
     degree = min((sum(e) for piece in pieces for part in piece.field for e in part.terms), default=0)
     cones = tuple(
         TangentCone(p.start, q.start, p.field, (_part(p.field[0], degree), _part(p.field[1], degree)))
         for p, q in around(pieces)
     )
     touched = tuple(_touching(pieces, k) for k in range(len(pieces)))
-    return TangentFan(weights, degree, cones, touched)
+    return TangentFan(frame, weights, degree, cones, touched)
 
 
 def _touching(pieces: Sequence[Piece], k: int) -> tuple[Polynomial, ...]:
@@ -126,13 +143,16 @@ def _touching(pieces: Sequence[Piece], k: int) -> tuple[Polynomial, ...]:
     return tuple(before if len(before) > len(own) else own)
 
 
-def _chart(system: SwitchedSystem, weights: Weights, signs: tuple[int, int]) -> tuple[Polynomial, ...]:
-    """The states as polynomials in (z, w) on a quadrant: ``x = s (s z)^p`` for the sign s of z."""
-    states = []
-    for name, centre, weight, side in zip(PLANE, system.check.equilibrium, weights, signs, strict=True):
+def _chart(system: SwitchedSystem, weights: Weights, frame: Frame, signs: tuple[int, int]) -> tuple[Polynomial, ...]:
+    """The states as polynomials in (z, w) on a quadrant: ``s (s z)^p`` for a form that has the sign s there."""
+    forms = []
+    for name, weight, side in zip(PLANE, weights, signs, strict=True):
         variable = Polynomial.variable(system.field, PLANE, name)
-        states.append((variable * side) ** weight * side + centre)
-    return tuple(states)
+        forms.append((variable * side) ** weight * side)
+    (a, b), (c, d) = frame
+    scale = (a * d - b * c).inverse()
+    x, y = forms[0] * (d * scale) - forms[1] * (b * scale), forms[1] * (a * scale) - forms[0] * (c * scale)
+    return tuple(part + centre for part, centre in zip((x, y), system.check.equilibrium, strict=True))
 
 
 def _axes(system: SwitchedSystem, signs: tuple[int, int]) -> tuple[Point, Point]:
@@ -197,16 +217,22 @@ def _is_definite(form: Polynomial) -> bool:
 
 
 def _field(
-    system: SwitchedSystem, states: Sequence[Polynomial], inner: Point, weights: Weights, signs: tuple[int, int]
+    system: SwitchedSystem,
+    states: Sequence[Polynomial],
+    inner: Point,
+    weights: Weights,
+    frame: Frame,
+    signs: tuple[int, int],
 ) -> PlaneField:
-    """The field near the point in the cone around a direction."""
+    """The field near the point in the cone around a direction, in (z, w) and scaled time."""
     surfaces = {s: _sign_near(s, inner) for s in system.surfaces(states)}
     first, second = system.velocity(signs_by_factors(surfaces), states)
     scales = [
         (Polynomial.variable(system.field, PLANE, name) * side) ** (weight - 1) * weight
         for name, weight, side in zip(PLANE, weights, signs, strict=True)
     ]
-    return first * scales[1], second * scales[0]
+    (a, b), (c, d) = frame
+    return (first * a + second * b) * scales[1], (first * c + second * d) * scales[0]
 
 
 def _sign_near(surface: Polynomial, inner: Point) -> int:

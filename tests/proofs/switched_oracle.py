@@ -88,7 +88,7 @@ class Judge:
 
     def verdict(self) -> str | None:
         """By the radial directions of the leading terms, or the growth of a full turn."""
-        signs = [s for s in self.radial_signs()]
+        signs = list(self.radial_signs())
         if any(s is None for s in signs):
             return None
         if any(s > 0 for s in signs if s is not None):
@@ -232,9 +232,7 @@ def _random_lines(rng: np.random.Generator, count: int) -> tuple[tuple[int, int]
     return tuple(lines)
 
 
-def _matrix(
-    rng: np.random.Generator, scale: int = 4
-) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
+def _matrix(rng: np.random.Generator, scale: int = 4) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
     a, b, c, d = (Fraction(int(v), 2) for v in rng.integers(-scale, scale + 1, size=4))
     return (a, b), (c, d)
 
