@@ -28,6 +28,7 @@ from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
+from nonsmooth.proofs.systems.fused_focus import FusedFocus, fused_focus
 from nonsmooth.proofs.systems.lyapunov_basis import lines_through
 from nonsmooth.proofs.systems.tangent_fan import (
     UNWEIGHTED,
@@ -86,7 +87,7 @@ class LeadingTerms:
     frame: Frame
     weights: Weights
     motions: tuple[RadialMotion, ...]
-    growth: TurnGrowth | None
+    growth: TurnGrowth | FusedFocus | None
 
     @property
     def reason(self) -> str:
@@ -127,6 +128,16 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
         found = decide_fan_of_leading_terms(fan) if fan is not None else None
         if found is not None:
             return found
+    return _by_fused_focus(system)
+
+
+def _by_fused_focus(system: SwitchedSystem) -> LeadingTerms | None:
+    """The next terms, where the leading ones tie on a switching line that both fields touch."""
+    for frame in _line_frames(system):
+        focus = fused_focus(system, frame)
+        if focus is not None and focus.sign:
+            verdict = Translation.UNSTABLE if focus.sign > 0 else Translation.ASYMPTOTICALLY_STABLE
+            return LeadingTerms(verdict, frame, LINE_WEIGHTS[0], (), focus)
     return None
 
 
@@ -134,11 +145,16 @@ def _coordinates(system: SwitchedSystem) -> Iterator[tuple[Frame, Weights]]:
     """Frames with weights: x and y with all of them, then each switching line as the form of larger weight."""
     axes = axes_frame(system)
     yield from ((axes, weights) for weights in WEIGHTS)
+    for frame in _line_frames(system):
+        if not all(form in axes for form in frame):
+            yield from ((frame, weights) for weights in LINE_WEIGHTS)
+
+
+def _line_frames(system: SwitchedSystem) -> Iterator[Frame]:
+    """Each switching line through the point with another form."""
     forms = [_coefficients(line) for line in lines_through(system)]
     for form in forms:
-        other = next(f for f in (*forms, *axes) if cross(form, f))
-        if form not in axes or other not in axes:
-            yield from (((form, other), weights) for weights in LINE_WEIGHTS)
+        yield form, next(f for f in (*forms, *axes_frame(system)) if cross(form, f))
 
 
 def _coefficients(line: Polynomial) -> Point:
