@@ -21,8 +21,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from nonsmooth.analysis.cells.region import Region
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells, system_cells
+from nonsmooth.analysis.cells.switched_cells import (
+    FieldCell,
+    LyapunovCell,
+    lyapunov_cells,
+    square_regions,
+    system_cells,
+)
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain, domain_names, domains, plane_cells
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
@@ -38,6 +45,7 @@ from nonsmooth.proofs.systems.ray_moves import (
     resting_edges,
 )
 from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -74,6 +82,8 @@ class SystemResult(ShortRepr):
         fan: the decision by the fan, where it was needed and the fields are constant.
         rays: rays of escape and rest of a system of cones, sides of rest of any other.
         leading: the decision by leading terms, where the scene's V and the constant fan leave it open and they decide.
+        region: starts that are certified to reach the equilibrium, of a V on a square.
+        rate: how fast that V falls, where that is proved.
     """
 
     scene: SwitchedSystem
@@ -90,6 +100,8 @@ class SystemResult(ShortRepr):
     domain: Domain | None
     searched: SearchedLyapunov | None
     leading: LeadingTerms | None
+    region: SublevelRegion | None = None
+    rate: DecayRate | None = None
 
     def _repr_html_(self) -> str:
         rows = [(self.verdict, self.method, self.reason)]
@@ -127,8 +139,24 @@ class SystemResult(ShortRepr):
         if self.fan is not None:
             genuine = genuine and self.fan.fan.cones == constant_cones(cells) and self.fan.check()
         genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
+        genuine = genuine and self._region_is_genuine()
         concluded = conclude(self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading)
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
+
+    def _region_is_genuine(self) -> bool:
+        """Whether the region and the rate are those of the V that proves asymptotic stability."""
+        if self.region is None and self.rate is None:
+            return True
+        proving = self.proving
+        if proving is None or self.domain is None or self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+            return False
+        rate = self.rate is None or self.rate.check(proving.cells)
+        if self.region is None or self.region.falls:
+            return rate and (
+                self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
+            )
+        own = self.searched is None and self.region.radius == self.scene.check.radius
+        return rate and own and self.region.check(inhabited(_cells_of_square(self.scene)))
 
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
         """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
@@ -173,8 +201,32 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
             certificate, growth = (certificate, searched.result) if searched.grows else (searched.result, growth)
     verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading)
     everywhere = _everywhere(verdict, cells)
-    evidence = holds, everywhere, reported, certificate, growth, fan, rays, domain, searched, leading
+    region, rate = None, None
+    if method is Method.LYAPUNOV and verdict is Translation.ASYMPTOTICALLY_STABLE:
+        region, rate = _reach(scene, certificate, domain, searched)
+    evidence = holds, everywhere, reported, certificate, growth, fan, rays, domain, searched, leading, region, rate
     return SystemResult(scene, verdict, reason, method, *evidence)
+
+
+def _reach(
+    scene: SwitchedSystem,
+    certificate: LyapunovResult | None,
+    domain: Domain | None,
+    searched: SearchedLyapunov | None,
+) -> tuple[SublevelRegion | None, DecayRate | None]:
+    """The region and the rate of a V that is proved on a square; on the plane the region is the plane."""
+    if certificate is None or domain is None or domain.radius is None:
+        return None, None
+    region = None
+    if searched is None and domain.radius != scene.check.radius:
+        region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
+    region = region or largest_sublevel(certificate.cells, domain.radius)
+    return region, decay_rate(certificate.cells)
+
+
+def _cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
+    """The cells of the checked square with the scene's V."""
+    return scene_cells(scene, square_regions(scene.check.radius))
 
 
 def _searched(
