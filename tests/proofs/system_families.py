@@ -31,7 +31,7 @@ class Known:
 
 
 def saturated(formula: str, level: str = "1") -> str:
-    return f"Max(-{level}, Min({level}, {formula}))"
+    return f"sat({formula}, -{level}, {level})"
 
 
 def families() -> Iterator[Known]:
@@ -123,7 +123,7 @@ def bang_bang() -> Iterator[Known]:
 
 def relu_loops() -> Iterator[Known]:
     relu = "eigenvectors and turns of the cones"
-    yield Known("two units, negative loop", ("-x + Max(y, 0)", "-y - Max(x, 0)"), ATTRACTS, relu)
+    yield Known("two units, negative loop", ("-x + relu(y)", "-y - relu(x)"), ATTRACTS, relu)
     yield Known("two units, strong positive loop", ("-x + 2*Max(y, 0)", "-y + 2*Max(x, 0)"), LEAVES, relu)
     yield Known("two units, weak positive loop", ("-x + Max(y, 0)/2", "-y + Max(x, 0)/2"), ATTRACTS, relu)
     four = ("-x + Max(x + y, 0)/2 - Max(y - x, 0)/2", "-y - Max(x + y, 0)/2 + Max(x - 2*y, 0)/4")

@@ -68,6 +68,8 @@ def smooth(text: str, sign: int) -> str:
         ("Abs(Abs(x) - y)", "x - y", "x + y"),
         ("sign(-2)*x + Abs(-1/2)", "-x + 1/2", "-x + 1/2"),
         ("sign(x - x)", "0", "0"),
+        ("relu(x - y)", "x - y", "0"),
+        ("sat(2*x, -1, y)", "y", "-1"),
         ("cos(pi/3)*x**3 + +y", "1/2*x**3 + y", "1/2*x**3 + y"),
         ("0.10000000000000000001*x", "10000000000000000001/100000000000000000000*x", None),
     ],
@@ -79,7 +81,8 @@ def test_smooth_pieces_of_formulas(text: str, positive: str, negative: str | Non
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x +", "z", "x.real", "x[0]", "abs(x)", "sign", "sign()", "sign(x, y)", "sign(x=1)", "max(x)", "sqrt(x)",
+    ["", "x +", "z", "x.real", "x[0]", "abs(x)", "relu()", "relu(x, y)", "sat(x)", "sign", "sign()",
+     "sign(x, y)", "sign(x=1)", "max(x)", "sqrt(x)",
      "sin(x)", "x**y", "x**-1", "x**1.5", "x**17", "2**x", "x if y else 1", "x < y", "x and y", "lambda: x", "'x'",
      "__import__('os')", "(x := 1)", "x; y", "f'{x}'", "[x]", "-" * 70 + "x", "(" * 300, "x" * 2001, True, None, []],
 )  # fmt: skip
