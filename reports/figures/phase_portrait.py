@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.systems.border_motion import BorderKind
-from nonsmooth.reports.figures.cell_map import INK, figure_bytes
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
