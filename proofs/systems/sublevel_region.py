@@ -26,7 +26,8 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.surfaces import factorize
 
 BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
-HALVINGS = 40  # of the first level
+SMALLEST = Fraction(1, 2**40)  # level that is looked for
+MOST_OPEN = 2  # levels that are neither certified nor refuted, before the bisection ends
 SIMPLE = 64  # denominators of levels that are preferred within that part
 
 
@@ -83,34 +84,36 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
     """
     if not falls and any(cell.potential - cells[0].potential for cell in cells):
         return None
-    low, high = Fraction(0), Fraction(1)
-    while not low and high > Fraction(1, 2**HALVINGS):
-        if _violation(cells, radius, high, falls=falls) is None:
-            low, high = high, 2 * high
-        else:
-            high /= 2
-    high = high if not low else _above(cells, radius, low, falls=falls)
-    if not low:
+    bounds = _bounds(cells, radius)
+    if bounds is None:
         return None
+    low, high = bounds if falls else (Fraction(0), bounds[1])
+    left_open = 0
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        if _violation(cells, radius, middle, falls=falls) is None:
-            low = middle
-        else:
-            high = middle
+        found = _violation(cells, radius, middle, falls=falls)
+        low, high = (middle, high) if found is None else (low, middle)
+        left_open += found is not None and found.point is None
+        if left_open == MOST_OPEN:
+            break
     simple = _simple_between(low, high)
     if simple is not None and _violation(cells, radius, simple, falls=falls) is None:
         low = simple
     found = _violation(cells, radius, high, falls=falls)
-    return SublevelRegion(low, high, None if found is None else found.point, radius, falls)
+    point = None if found is None else found.point
+    return SublevelRegion(low, high, point, radius, falls) if low else None
 
 
-def _above(cells: Sequence[LyapunovCell], radius: Number, low: Fraction, *, falls: bool) -> Fraction:
-    """A power of two times a certified level that is not certified: on a bounded square there is one."""
-    high = 2 * low
-    while _violation(cells, radius, high, falls=falls) is None:
+def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fraction] | None:
+    """Powers of two below and above the least value of V on the border; None where that is not clearly positive."""
+    high = Fraction(1)
+    while _violation(cells, radius, high, falls=True) is None:
         high *= 2
-    return high
+    while _violation(cells, radius, high / 2, falls=True) is not None:
+        high /= 2
+        if high < SMALLEST:
+            return None
+    return high / 2, high
 
 
 def _simple_between(low: Fraction, high: Fraction) -> Fraction | None:
@@ -143,15 +146,21 @@ def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *
 
 
 def _falls_along_rays(rate: Polynomial, potential: Polynomial, level: Fraction, region: Region) -> bool:
-    """Whether a sum of two forms is negative where a quadratic form V is below a level: two homogeneous claims."""
+    """Whether a sum of two forms f and g is negative where a quadratic form V is below a level: homogeneous claims.
+
+    On ``V = c``, ``f + g <= 0`` is ``f (V/c)^(d/2) + g <= 0`` for degrees that differ by an even d; for an odd d
+    ``g^2 <= f^2 (V/c)^d`` is enough.
+    """
     degrees = sorted({sum(e) for e in rate.terms})
-    quadratic = potential.is_homogeneous and potential.degree == 2
-    if not quadratic or len(degrees) != 2 or (degrees[1] - degrees[0]) % 2:
+    if len(degrees) != 2 or not potential.is_homogeneous or potential.degree != 2:
         return False
-    lower, upper = (replace(rate, terms={e: c for e, c in rate.terms.items() if sum(e) == d}) for d in degrees)
-    power, plain = (degrees[1] - degrees[0]) // 2, Region(region.generators)
-    on_level = lower * potential**power + upper * level**power
-    return isinstance(prove(Sense.NEGATIVE, lower, plain, except_origin=True), Proof) and isinstance(
+    f, g = (replace(rate, terms={e: c for e, c in rate.terms.items() if sum(e) == d}) for d in degrees)
+    d, plain = degrees[1] - degrees[0], Region(region.generators)
+    if d % 2:
+        on_level = g * g * level**d - f * f * potential**d
+    else:
+        on_level = f * potential ** (d // 2) + g * level ** (d // 2)
+    return isinstance(prove(Sense.NEGATIVE, f, plain, except_origin=True), Proof) and isinstance(
         prove(Sense.NONPOSITIVE, on_level, plain), Proof
     )
 
