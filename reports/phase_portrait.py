@@ -18,7 +18,7 @@ from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
 
 SCHEMA = "nonsmooth-phase-portrait/1"
 
@@ -29,9 +29,16 @@ class PhasePortrait:
 
     Attributes:
         system: in two states.
+
+    Raises:
+        SceneError: for another number of states, and for arbitrary switching.
     """
 
     system: SwitchedSystem
+
+    def __post_init__(self) -> None:
+        require_plane(self.system)
+        require_single(self.system)
 
     @cached_property
     def cells(self) -> tuple[FieldCell, ...]:

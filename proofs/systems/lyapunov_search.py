@@ -96,6 +96,8 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
     first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
     yield quadratic
+    if system.others:
+        yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
     if lines:
         yield first
         yield (*first, *quadratic)

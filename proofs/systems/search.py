@@ -73,14 +73,14 @@ def search_lyapunov(
         grows: whether time is reversed.
     """
     turn = reversed_cells if grows else tuple
-    if are_cones(cells):
+    if are_cones(cells) and not system.others:
         found = find_piecewise_quadratic(turn(cells))
         if found is not None:
             return SearchedLyapunov(found, Domain(None), None, grows)
     proposed = find_lyapunov(system, turn)
     if proposed is not None:
         return SearchedLyapunov(proposed.result, Domain(proposed.radius), proposed.formula, grows)
-    near = None if are_cones(cells) else conic_germ(cells)
+    near = None if are_cones(cells) or system.others else conic_germ(cells)
     for scale in SEARCH_SCALES if near is not None else ():
         radius = system.check.radius * scale
         found = find_near(turn(near or ()), turn(system_cells(system, square_regions(radius))))

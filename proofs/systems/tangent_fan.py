@@ -100,9 +100,11 @@ def build_tangent_fan(
         frame: independent linear forms; x and y unless given.
 
     Returns:
-        None where a surface has a singular point there whose tangents have no names in the field, or where a formula
-        cannot be used on some cone.
+        None where a surface has a singular point there whose tangents have no names in the field, where a formula
+        cannot be used on some cone, and under arbitrary switching.
     """
+    if system.others:
+        return None
     try:
         return _fan(system, weights, axes_frame(system) if frame is None else frame)
     except SceneError:

@@ -82,10 +82,8 @@ def _portray(scene: str, output: str | None, radius: str | None, at: str | None,
     from nonsmooth.reports.files import PICTURES, output_path, write_whole
     from nonsmooth.reports.phase_portrait import PhasePortrait
     from nonsmooth.symbolic.files.system_file import load_system
-    from nonsmooth.symbolic.switched_system import require_plane
 
     system = load_system(scene, radius=radius, at=at)
-    require_plane(system)
     path = None if output is None else output_path(output, PICTURES)
     portrait = PhasePortrait(system)
     if path is not None:
