@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,9 +26,9 @@ FIRST = 50_000  # seeds apart from those of the tests
 MOST_UNDECIDED = 0.02
 
 
-def system_of(rhs: tuple[str, str], check: dict[str, object] | None = None) -> SwitchedSystem:
+def system_of(rhs: tuple[str, str], check: Mapping[str, object] | None = None) -> SwitchedSystem:
     return build_system(
-        {"system": {"states": ["x", "y"], "rhs": list(rhs)}, "check": check or {}}, "large", Path("l.toml")
+        {"system": {"states": ["x", "y"], "rhs": list(rhs)}, "check": dict(check or {})}, "large", Path("l.toml")
     )
 
 

@@ -231,7 +231,7 @@ def random_conewise(seed: int) -> Switched:
     base = _matrix(rng)
     spin = int(rng.integers(-6, 7))
     shifted = ((base[0][0] + bias, base[0][1] - spin), (base[1][0] + spin, base[1][1] + bias))
-    terms = [((), Affine(shifted, zero))]
+    terms: list[tuple[tuple[int, ...], Affine]] = [((), Affine(shifted, zero))]
     terms += [(chosen, Affine(_matrix(rng), zero)) for chosen in ((0,), (1,), (0, 1))]
     return Switched(lines, tuple(terms))
 

@@ -5,7 +5,7 @@ The truth is the strong stability of the checked point: asymptotically stable, s
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 ATTRACTS, STAYS, LEAVES = "asymptotically stable", "stable", "unstable"
@@ -27,7 +27,7 @@ class Known:
     rhs: tuple[str, str]
     truth: str
     source: str
-    check: dict[str, object] = field(default_factory=dict)
+    check: Mapping[str, object] = field(default_factory=dict)
 
 
 def saturated(formula: str, level: str = "1") -> str:

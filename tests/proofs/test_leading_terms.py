@@ -121,7 +121,7 @@ def test_fused_focus_against_an_integrator(load: Load, seed: int) -> None:
     ys = [f"{-s * c} + ({d})*y + ({e})*x" for s, (_, c, _, d, _, e) in zip((1, -1), sides, strict=True)]
     found = decide_leading_terms(load(mixed(*xs), mixed(*ys)))
     fields = [
-        lambda _, z, side=side, s=s: [  # type: ignore[misc]
+        lambda _, z, side=side, s=s: [
             side[0] * z[1] + side[2] * z[0] + side[4] * z[1] ** 2,
             -s * side[1] + side[3] * z[1] + side[5] * z[0],
         ]

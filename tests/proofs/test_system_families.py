@@ -17,7 +17,7 @@ CHOSEN = [known for known in list(families())[::3] if known.name not in SLOW]
 
 
 def system_of(known: Known) -> SwitchedSystem:
-    document = {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": known.check}
+    document = {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": dict(known.check)}
     return build_system(document, known.name, Path("known.toml"))
 
 
