@@ -1,6 +1,7 @@
 """Formulas with ``sign``, ``Abs``, ``Max`` and ``Min``: polynomials on each side of where an inner expression vanishes.
 
 ``Max(a, b)`` is ``(a + b + Abs(a - b))/2``, and ``Min`` likewise; more than two arguments are compared one by one.
+``relu(a)`` is ``Max(a, 0)``, and ``sat(a, low, high)`` is ``Max(low, Min(high, a))``.
 Text is parsed and walked like that of :mod:`nonsmooth.symbolic.expression`, never evaluated; every part without a
 state is handed to that module, so numbers, roots and cosines are its own.  Given the sign of every inner expression, a
 formula is a polynomial (:meth:`PiecewiseExpression.polynomial`); who asks decides where each sign holds.
@@ -9,7 +10,7 @@ formula is a polynomial (:meth:`PiecewiseExpression.polynomial`); who asks decid
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, reduce
@@ -25,7 +26,8 @@ MAX_DEGREE = 16  # of a smooth piece
 
 SIGNS = ("sign", "sgn")
 EXTREMES = {"Max": 1, "max": 1, "Min": -1, "min": -1}  # the sign of Abs(a - b)
-SWITCHES = (*SIGNS, "Abs", *EXTREMES)
+LIMITERS = {"relu": 1, "sat": 3}  # with their numbers of arguments
+SWITCHES = (*SIGNS, "Abs", *EXTREMES, *LIMITERS)
 NUMBERS = ("pi", "sqrt", "sin", "cos")
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
@@ -111,14 +113,22 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
                 _check(argument, whole, depth - 1)
         case _:
             allowed = ", ".join(
-                [*sorted(whole.states), "numbers", "+ - * / **", "sign, Abs, Max, Min", "sqrt, sin, cos of numbers"]
+                [
+                    *sorted(whole.states),
+                    "numbers",
+                    "+ - * / **",
+                    "sign, Abs, Max, Min, relu, sat",
+                    "sqrt, sin, cos of numbers",
+                ]
             )
             raise ExpressionError(f"required a formula of {allowed}, received {shown(whole.text)}")
 
 
 def _takes(name: str, count: int) -> bool:
     """Whether a function of that name has so many arguments."""
-    return count >= 2 if name in EXTREMES else count == 1 and name in SWITCHES
+    if name in EXTREMES:
+        return count >= 2
+    return name in SWITCHES and count == LIMITERS.get(name, 1)
 
 
 def _constant(node: ast.expr, whole: PiecewiseExpression) -> Expression:
@@ -156,6 +166,9 @@ def _polynomial(
             left = _polynomial(node.left, whole, values, sign_of)
             right = _polynomial(node.right, whole, values, sign_of)
             return _combined(node.op, left, right, whole)
+        case ast.Call(func=ast.Name(id=name)) if name in LIMITERS:
+            arguments = [_polynomial(argument, whole, values, sign_of) for argument in node.args]
+            return _limited(name, arguments, sign_of)
         case ast.Call(func=ast.Name(id=name), args=[argument]):
             inner = _polynomial(argument, whole, values, sign_of)
             sign = _sign(inner, sign_of)
@@ -169,6 +182,14 @@ def _polynomial(
 def _sign(inner: Polynomial, sign_of: SignOf) -> int:
     constant = inner.constant_value
     return sign_of(inner) if constant is None else constant.sign()
+
+
+def _limited(name: str, arguments: Sequence[Polynomial], sign_of: SignOf) -> Polynomial:
+    """``relu(a)`` or ``sat(a, low, high)``."""
+    first = arguments[0]
+    if name == "relu":
+        return _extreme(first, first * 0, 1, sign_of)
+    return _extreme(_extreme(first, arguments[2], -1, sign_of), arguments[1], 1, sign_of)
 
 
 def _extreme(a: Polynomial, b: Polynomial, side: int, sign_of: SignOf) -> Polynomial:

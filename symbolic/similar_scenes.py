@@ -20,7 +20,7 @@ from nonsmooth.symbolic.continuum import Disc, Footprint
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.support_polygon import extent, outer_positions, support_polygon
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single
 
 
 def with_wheels(scene: Scene, change: Callable[[Wheel], Wheel]) -> Scene:
@@ -111,7 +111,12 @@ def with_friction_ratio(scene: Scene, ratio: Fraction) -> Scene:
 def scaled_system(
     system: SwitchedSystem, length: Fraction = Fraction(1), speed: Fraction = Fraction(1)
 ) -> SwitchedSystem:
-    """``x' = k s f(x/s)`` for a length s and a speed k."""
+    """``x' = k s f(x/s)`` for a length s and a speed k.
+
+    Raises:
+        SceneError: for arbitrary switching.
+    """
+    require_single(system)
     shrunk = {name: f"({name}/({length}))" for name in system.states}
     rhs = tuple(_parsed(f"({speed})*({length})*({_renamed(f, shrunk)})", system.states) for f in system.rhs)
     check = replace(
@@ -124,7 +129,12 @@ def scaled_system(
 
 
 def with_rate_ratio(system: SwitchedSystem, ratio: Fraction) -> SwitchedSystem:
-    """The first rate as it is, the others times r."""
+    """The first rate as it is, the others times r.
+
+    Raises:
+        SceneError: for arbitrary switching.
+    """
+    require_single(system)
     first, *others = system.rhs
     rhs = (first, *(_parsed(f"({ratio})*({other.text})", system.states) for other in others))
     return replace(system, rhs=rhs)

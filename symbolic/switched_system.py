@@ -8,7 +8,7 @@ number of states; stability is decided for two (:func:`require_plane`), in the d
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 
 from nonsmooth.symbolic.expression import ExpressionError
@@ -62,6 +62,7 @@ class SwitchedSystem(ShortRepr):
         rhs: one right-hand side per state.
         check: what is checked.
         source: where it came from (a file or a built-in name).
+        others: further right-hand sides; the field is any of them, or any mixture, at any time (arbitrary switching).
     """
 
     name: str
@@ -70,6 +71,12 @@ class SwitchedSystem(ShortRepr):
     rhs: tuple[PiecewiseExpression, ...]
     check: SystemCheck
     source: str = ""
+    others: tuple[tuple[PiecewiseExpression, ...], ...] = ()
+
+    @property
+    def members(self) -> tuple[SwitchedSystem, ...]:
+        """One system for each right-hand side."""
+        return tuple(replace(self, rhs=rhs, others=()) for rhs in (self.rhs, *self.others))
 
     @property
     def origin(self) -> str:
@@ -86,7 +93,7 @@ class SwitchedSystem(ShortRepr):
         return tuple(v + centre for v, centre in zip(variables, self.check.equilibrium, strict=True))
 
     def velocity(self, sign_of: SignOf, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
-        """The smooth field for the given signs of the inner expressions.
+        """The smooth field of the first right-hand sides for the given signs of the inner expressions.
 
         Args:
             sign_of: sign of an inner expression.
@@ -112,8 +119,9 @@ class SwitchedSystem(ShortRepr):
         """
         values = self.coordinates() if states is None else states
         found: dict[Polynomial, None] = {}
-        for k in range(len(self.rhs)):
-            found.update(dict.fromkeys(self._surfaces_of(k, values)))
+        for member in self.members if self.others else (self,):
+            for k in range(len(self.rhs)):
+                found.update(dict.fromkeys(member._surfaces_of(k, values)))
         return tuple(found)
 
     def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
@@ -158,6 +166,17 @@ def require_plane(system: SwitchedSystem) -> None:
     if len(system.states) != len(PLANE):
         expected = "two states (stability is decided for planar systems only)"
         raise SceneError(system.origin, "system.states", expected, list(system.states))
+
+
+def require_single(system: SwitchedSystem) -> None:
+    """Refuse arbitrary switching.
+
+    Raises:
+        SceneError: for a system with several right-hand sides.
+    """
+    if system.others:
+        expected = "one right-hand side (under arbitrary switching only stability is decided)"
+        raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
 
 
 def sign_by_factors(expression: Polynomial, sign_of_factor: Callable[[Polynomial], int]) -> int:

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane, sign_by_factors
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane, require_single, sign_by_factors
 
 MAX_CELLS = 400
 
@@ -31,7 +31,7 @@ Piece = TypeVar("Piece")
 
 @dataclass(frozen=True)
 class FieldCell:
-    """A region with the fields that act inside (several where a rule ties)."""
+    """A region with the fields that act inside (several where a rule ties, or under arbitrary switching)."""
 
     region: Region
     velocities: tuple[PlaneField, ...]
@@ -132,14 +132,14 @@ def system_cells(system: SwitchedSystem, regions: Iterable[Region]) -> tuple[Fie
             polynomials on some cell.
     """
     require_plane(system)
-    states = system.displaced(PLANE)
+    states, members = system.displaced(PLANE), system.members
 
-    def evaluate(sign_of: SignOf) -> PlaneField:
-        first, second = system.velocity(sign_of, states)
-        return first, second
+    def evaluate(sign_of: SignOf) -> tuple[PlaneField, ...]:
+        fields = (member.velocity(sign_of, states) for member in members)
+        return tuple((first, second) for first, second in fields)
 
     try:
-        return tuple(FieldCell(region, (field,)) for region, field in smooth_pieces(regions, evaluate))
+        return tuple(FieldCell(region, fields) for region, fields in smooth_pieces(regions, evaluate))
     except TooManyCells:
         expected = f"formulas that cut the plane into at most {MAX_CELLS} cells"
         raise SceneError(system.origin, "system.rhs", expected, StatedFact("more")) from None
@@ -157,6 +157,7 @@ def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dic
         TooManyCells: for formulas with very many surfaces.
     """
     require_plane(system)
+    require_single(system)
     states = system.displaced(PLANE)
     surfaces = system.surfaces(states)
 

@@ -13,7 +13,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_co
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single, signs_by_factors
 
 
 def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred: bool = False) -> SignField:
@@ -28,8 +28,10 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         centred: whether states are measured from the checked point.
 
     Raises:
-        SceneError: for formulas with too many switching surfaces, or that are no polynomials.
+        SceneError: for formulas with too many switching surfaces, or that are no polynomials, and for arbitrary
+            switching.
     """
+    require_single(system)
     states = system.displaced(system.states) if centred else system.coordinates()
     surfaces = system.surfaces(states)
 

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.system_stability import domains
+from nonsmooth.proofs.systems.domain import domains
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table

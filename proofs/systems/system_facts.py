@@ -9,10 +9,14 @@ from collections.abc import Iterator
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
+from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
-from nonsmooth.proofs.systems.system_stability import Domain, Method, SystemResult
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.system_stability import Method, SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
+from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
 
 DERIVATIVES = {
@@ -35,6 +39,10 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
     if proving is not None:
         yield row_fact("with", f"V = {proving_text(result)}")
         yield row_fact("on", str(result.domain))
+    if result.region is not None:
+        yield row_fact("region", _region_words(result.region))
+    if result.rate is not None:
+        yield row_fact("rate", str(result.rate))
 
 
 def _stability(result: SystemResult) -> Iterator[Fact]:
@@ -55,10 +63,12 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
         yield from _conditions(result.lyapunov)
     else:
         yield Fact("V", proving_text(result))
-        yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] if result.searched else None)
+        yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] or None)
         yield _domain(result.domain or result.reported_domain)
         yield from _conditions(proving)
     yield Fact("proves", proving is not None)
+    yield Fact("region", None if result.region is None else _region_record(result.region))
+    yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
     if proving is None or proving is result.lyapunov:
         yield Fact("tried")
         return
@@ -66,13 +76,44 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     yield Fact("tried", unsaid(own))
 
 
+def _region_words(region: SublevelRegion) -> str:
+    inside = Domain(region.radius)
+    reached = f"every start with {region} within {inside} reaches the equilibrium"
+    if region.point is None:
+        return f"{reached}; V < {region.refuted} is not decided"
+    where = place_text(region.point, 5)
+    on_border = max(abs(x) for x in region.point) == region.radius
+    why = "leaves the square" if on_border else "holds a point at which V does not fall"
+    return f"{reached}; V < {region.refuted} {why}, {where}"
+
+
+def _region_record(region: SublevelRegion) -> dict[str, object]:
+    return {
+        "level": Quantity(region.level),
+        "within": Quantity(region.radius),
+        "refuted": Quantity(region.refuted),
+        "point": Quantity(region.point),
+        "text": _region_words(region),
+    }
+
+
+def _rate_record(rate: DecayRate) -> dict[str, object]:
+    return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
+
+
 def _pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
-    proving = result.proving
-    return () if proving is None else potential_pieces(proving.cells, result.scene.states)
+    proving, searched = result.proving, result.searched
+    return (
+        ()
+        if proving is None or searched is None or searched.formula
+        else potential_pieces(proving.cells, result.scene.states)
+    )
 
 
 def proving_text(result: SystemResult) -> str:
-    """V in the displacement from the equilibrium: the scene's formula, or the pieces of one that was searched."""
+    """V in the displacement from the equilibrium: a formula, or the pieces of one that was searched on cones."""
+    if result.searched is not None and result.searched.formula is not None:
+        return result.searched.formula.text
     return "; ".join(map(str, _pieces(result))) if result.searched else one_line(result.scene.check.lyapunov.text)
 
 

@@ -5,10 +5,11 @@
 2. The scene's V (:mod:`nonsmooth.proofs.systems.derivatives`): on the whole plane for a system of cones and a
    homogeneous V, otherwise on the checked square, or on a smaller one.
 3. Fields that are constant near the equilibrium: the fan of cones, which is complete.
-4. Systems of cones: a ray of escape is unstable; for linear fields a piecewise quadratic V is searched and proved, one
-   that falls along every solution or, with time reversed, one that grows.  Where only the cells near the equilibrium
-   are cones, their linear parts propose V, and it is proved for the true fields on a square.
-5. A V that does not increase: stable, and not asymptotically where a ray of equilibria shows it.
+4. Otherwise the leading terms of the fields on tangent cones (:mod:`nonsmooth.proofs.systems.leading_terms`).
+5. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
+   where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
+6. In systems of cones a ray of escape is unstable.
+7. A V that does not increase: stable, and not asymptotically where a ray of equilibria shows it.
 
 ``stable`` says that every solution stays near; whether it attracts is then refuted or left open, as the reason tells.
 """
@@ -16,30 +17,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
-from fractions import Fraction
 
-from nonsmooth.analysis.cells.region import Region, cone_region
+from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
     LyapunovCell,
     lyapunov_cells,
-    plane,
     square_regions,
     system_cells,
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.domain import Domain, domain_names, domains, plane_cells
+from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
-from nonsmooth.proofs.systems.piecewise_quadratic import (
-    HALVINGS,
-    find_near,
-    find_piecewise_quadratic,
-    linear_cones,
-    linear_parts,
-    restricted,
-)
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
     RayKind,
@@ -50,30 +44,11 @@ from nonsmooth.proofs.systems.ray_moves import (
     ray_moves,
     resting_edges,
 )
+from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.number_text import brief_text
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
-
-SHRINKING = Fraction(1, 16)  # of the checked square, where V fails on all of it
-SEARCH_SCALES = (1, SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square, for a V that is searched
-
-
-@dataclass(frozen=True)
-class Domain:
-    """Where the conditions on a V are proved: the square ``|x|, |y| <= radius`` about the equilibrium, or the plane.
-
-    Attributes:
-        radius: half the side of the square; None for the plane.
-    """
-
-    radius: Number | None
-
-    def __str__(self) -> str:
-        return "the plane" if self.radius is None else f"abs(x), abs(y) <= {brief_text(self.radius)}"
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 class Method(StrEnum):
@@ -84,6 +59,7 @@ class Method(StrEnum):
     FAN = "fan of cones"
     RAY = "ray of escape"
     GROWTH = "function that grows"
+    LEADING = "leading terms"
     NONE = "nothing"
 
 
@@ -101,10 +77,13 @@ class SystemResult(ShortRepr):
         lyapunov: the scene's V, on the checked square (on the plane for a system of cones).
         certificate: the V that shows stability, on its own domain; None where none does.
         domain: where the V that decides (the certificate, or the one that grows) is proved; None without one.
-        searched: whether that V was searched (otherwise it is the scene's).
+        searched: that V, where it was searched; None where it is the scene's, or there is none.
         growth: a V that falls along every solution of the reversed system; None where none was needed or found.
         fan: the decision by the fan, where it was needed and the fields are constant.
         rays: rays of escape and rest of a system of cones, sides of rest of any other.
+        leading: the decision by leading terms, where the scene's V and the constant fan leave it open and they decide.
+        region: starts that are certified to reach the equilibrium, of a V on a square.
+        rate: how fast that V falls, where that is proved.
     """
 
     scene: SwitchedSystem
@@ -119,7 +98,10 @@ class SystemResult(ShortRepr):
     fan: ConstantFan | None
     rays: tuple[RayMove, ...]
     domain: Domain | None
-    searched: bool
+    searched: SearchedLyapunov | None
+    leading: LeadingTerms | None
+    region: SublevelRegion | None = None
+    rate: DecayRate | None = None
 
     def _repr_html_(self) -> str:
         rows = [(self.verdict, self.method, self.reason)]
@@ -151,35 +133,47 @@ class SystemResult(ShortRepr):
         known = [inhabited(scene_cells(self.scene, d)) for d in domains(self.scene, self.scene.check.lyapunov)]
         genuine = self.lyapunov.check() and self.lyapunov.cells == known[0]
         if self.certificate is not None:
-            genuine = genuine and self._speaks_of(self.certificate, known, backwards=False) and self.certificate.check()
+            genuine = genuine and self._speaks_of(self.certificate, known, grows=False) and self.certificate.check()
         if self.growth is not None:
-            genuine = genuine and self._speaks_of(self.growth, [], backwards=True) and self.growth.check()
+            genuine = genuine and self._speaks_of(self.growth, [], grows=True) and self.growth.check()
         if self.fan is not None:
             genuine = genuine and self.fan.fan.cones == constant_cones(cells) and self.fan.check()
         genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
-        concluded = conclude(self.equilibrium, self.certificate, self.growth, self.fan, self.rays)
+        genuine = genuine and self._region_is_genuine()
+        concluded = conclude(self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading)
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
 
+    def _region_is_genuine(self) -> bool:
+        """Whether the region and the rate are those of the V that proves asymptotic stability."""
+        if self.region is None and self.rate is None:
+            return True
+        proving = self.proving
+        if proving is None or self.domain is None or self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+            return False
+        rate = self.rate is None or self.rate.check(proving.cells)
+        if self.region is None or self.region.falls:
+            return rate and (
+                self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
+            )
+        own = self.searched is None and self.region.radius == self.scene.check.radius
+        return rate and own and self.region.check(inhabited(_cells_of_square(self.scene)))
+
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
-        """Whether deciding again finds the same rays, equilibrium, reach and overshoot."""
+        """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
         found = _rays(cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
         fan = self.fan is None or self.fan.fan.recompute()
-        return fan and found == (self.rays, self.equilibrium, self.everywhere)
+        leading = self.leading is None or self.leading == decide_leading_terms(self.scene)
+        return fan and leading and found == (self.rays, self.equilibrium, self.everywhere)
 
-    def _speaks_of(self, found: LyapunovResult, known: Sequence[Sequence[LyapunovCell]], *, backwards: bool) -> bool:
+    def _speaks_of(self, found: LyapunovResult, known: Sequence[Sequence[LyapunovCell]], *, grows: bool) -> bool:
         """Whether a V is one of the system (or of the reversed one) on the domain that is named."""
         if self.domain is None:
             return False
-        if not self.searched:
+        if self.searched is None:
             names = domain_names(self.scene, self.scene.check.lyapunov)
             return self.domain in names and found.cells == known[names.index(self.domain)]
-        turned = reversed_cells if backwards else tuple
-        cells = turned(plane_cells(self.scene))
-        if self.domain.radius is None:
-            return _are_the_cones(found.cells, cells)
-        return _are_cut_by_cones(
-            found.cells, cells, turned(system_cells(self.scene, square_regions(self.domain.radius)))
-        )
+        own = self.searched.result is found and self.searched.domain == self.domain and self.searched.grows is grows
+        return own and self.searched.speaks_of(self.scene)
 
 
 def system_check(scene: SwitchedSystem) -> SystemResult:
@@ -195,37 +189,66 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     reported = examine(scene_cells(scene, regions[0]))
     others = regions[1:] if holds is not Equilibrium.FAILS else []
     certificate, domain = _certificate(scene, reported, others)
-    fan, growth, searched = None, None, False
+    fan, growth, searched, leading = None, None, None, None
     if certificate is None or certificate.verdict is not Decrease.STRICT:
         fan = decide_constant_fan(cells)
-        if fan is None and not rays and holds is not Equilibrium.FAILS:
-            found, where, grows = _searched(scene, cells, may_grow=certificate is None)
-            if found is not None:
-                domain, searched = where, True
-                certificate, growth = (certificate, found) if grows else (found, growth)
-    verdict, reason, method = conclude(holds, certificate, growth, fan, rays)
+        if holds is Equilibrium.HOLDS and fan is None:
+            leading = decide_leading_terms(scene)
+        if holds is not Equilibrium.FAILS:
+            searched = _searched(scene, cells, rays, fan, leading, may_grow=certificate is None)
+        if searched is not None:
+            domain = searched.domain
+            certificate, growth = (certificate, searched.result) if searched.grows else (searched.result, growth)
+    verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading)
     everywhere = _everywhere(verdict, cells)
-    evidence = holds, everywhere, reported, certificate, growth, fan, rays, domain, searched
+    region, rate = None, None
+    if method is Method.LYAPUNOV and verdict is Translation.ASYMPTOTICALLY_STABLE:
+        region, rate = _reach(scene, certificate, domain, searched)
+    evidence = holds, everywhere, reported, certificate, growth, fan, rays, domain, searched, leading, region, rate
     return SystemResult(scene, verdict, reason, method, *evidence)
 
 
+def _reach(
+    scene: SwitchedSystem,
+    certificate: LyapunovResult | None,
+    domain: Domain | None,
+    searched: SearchedLyapunov | None,
+) -> tuple[SublevelRegion | None, DecayRate | None]:
+    """The region and the rate of a V that is proved on a square; on the plane the region is the plane."""
+    if certificate is None or domain is None or domain.radius is None:
+        return None, None
+    region = None
+    if searched is None and domain.radius != scene.check.radius:
+        region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
+    region = region or largest_sublevel(certificate.cells, domain.radius)
+    return region, decay_rate(certificate.cells)
+
+
+def _cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
+    """The cells of the checked square with the scene's V."""
+    return scene_cells(scene, square_regions(scene.check.radius))
+
+
 def _searched(
-    scene: SwitchedSystem, cells: Sequence[FieldCell], *, may_grow: bool
-) -> tuple[LyapunovResult | None, Domain | None, bool]:
-    """A piecewise quadratic V that is proved to fall, or else one that grows; with its domain, and whether it grows."""
-    for turned, grows in ((tuple, False), (reversed_cells, True)) if may_grow else ((tuple, False),):
-        if are_cones(cells):
-            found = find_piecewise_quadratic(turned(cells))
-            if found is not None:
-                return found, Domain(None), grows
-            continue
-        near = conic_germ(cells)
-        for scale in SEARCH_SCALES if near is not None else ():
-            radius = scene.check.radius * scale
-            found = find_near(turned(near or ()), turned(system_cells(scene, square_regions(radius))))
-            if found is not None:
-                return found, Domain(radius), grows
-    return None, None, False
+    scene: SwitchedSystem,
+    cells: Sequence[FieldCell],
+    rays: Sequence[RayMove],
+    fan: ConstantFan | None,
+    leading: LeadingTerms | None,
+    *,
+    may_grow: bool,
+) -> SearchedLyapunov | None:
+    """A V that falls, unless that is known to be impossible; else one that grows, unless that is, or is not needed."""
+    decided = next((known.verdict for known in (fan, leading) if known is not None), Translation.UNDECIDED)
+    if rays or (fan is not None and decided is not Translation.ASYMPTOTICALLY_STABLE):
+        return None
+    if decided is Translation.UNSTABLE:
+        spirals = leading is not None and leading.growth is not None and are_cones(cells)
+        return search_lyapunov(scene, cells, grows=True) if spirals and may_grow else None
+    found = search_lyapunov(scene, cells)
+    if found is None and may_grow and decided is Translation.UNDECIDED:
+        found = search_lyapunov(scene, cells, grows=True)
+    return found
 
 
 def conclude(
@@ -234,6 +257,7 @@ def conclude(
     growth: LyapunovResult | None,
     fan: ConstantFan | None,
     rays: Sequence[RayMove],
+    leading: LeadingTerms | None,
 ) -> tuple[Translation, str, Method]:
     """Verdict, reason and what decided, from the evidence."""
     if equilibrium is Equilibrium.FAILS:
@@ -247,6 +271,15 @@ def conclude(
         return Translation.UNSTABLE, str(escape), Method.RAY
     if growth is not None and growth.verdict is Decrease.STRICT:
         return Translation.UNSTABLE, "a positive V grows along every solution", Method.GROWTH
+    if leading is not None:
+        return leading.verdict, leading.reason, Method.LEADING
+    return _by_weak_evidence(equilibrium, certificate, rays)
+
+
+def _by_weak_evidence(
+    equilibrium: Equilibrium, certificate: LyapunovResult | None, rays: Sequence[RayMove]
+) -> tuple[Translation, str, Method]:
+    """What is said where nothing decides whether solutions attract."""
     if certificate is not None:
         rests = _of_kind(rays, RayKind.REST)
         why = f"not asymptotically: {rests[0]}" if rests else "whether the equilibrium attracts is not decided by it"
@@ -256,33 +289,9 @@ def conclude(
     return Translation.UNDECIDED, "no Lyapunov function was found, and no solution that leaves", Method.NONE
 
 
-def domain_names(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[Domain]:
-    """Where V is tried, in order; a system of cones with homogeneous V looks the same at every distance."""
-    cells = lyapunov_cells(plane_cells(scene), lyapunov, scene.states, scene.origin)
-    if are_cones(cells) and all(cell.potential.is_homogeneous for cell in cells):
-        return [Domain(None)]
-    return [Domain(scene.check.radius * factor) for factor in (1, SHRINKING)]
-
-
-def domains(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[tuple[Region, ...]]:
-    """The regions of :func:`domain_names`."""
-    names = domain_names(scene, lyapunov)
-    return [plane(scene) if d.radius is None else square_regions(d.radius) for d in names]
-
-
-def plane_cells(scene: SwitchedSystem) -> tuple[FieldCell, ...]:
-    """The cells of the whole plane."""
-    return system_cells(scene, plane(scene))
-
-
 def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
     """The cells of some regions, cut further where the scene's V bends."""
     return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
-
-
-def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:
-    """The system with time reversed."""
-    return tuple(replace(cell, velocities=tuple((-f, -g) for f, g in cell.velocities)) for cell in cells)
 
 
 def _certificate(
@@ -321,29 +330,3 @@ def _everywhere(verdict: Translation, cells: Sequence[FieldCell]) -> bool:
     """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
     degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
     return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1
-
-
-def _are_the_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> bool:
-    """Whether cells of a searched V are the cones of the system, with its fields."""
-    for halvings in HALVINGS:
-        rays, cones = linear_cones(cells, halvings)
-        known = [(cone_region(rays[cone.start], rays[cone.end]), (cone.velocity,)) for cone in cones]
-        if known == [(cell.region, cell.velocities) for cell in found]:
-            return True
-    return False
-
-
-def _are_cut_by_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell], domain: Sequence[FieldCell]) -> bool:
-    """Whether cells of a searched V are the cells of a domain cut along the cones near the origin."""
-    near = conic_germ(cells)
-    linear = linear_parts(near) if near is not None else None
-    if linear is None:
-        return False
-    blank = Polynomial.constant(linear[0].velocities[0][0].field, PLANE, 0)
-    for halvings in HALVINGS:
-        rays, cones = linear_cones(linear, halvings)
-        pieces = [LyapunovCell(cone_region(rays[c.start], rays[c.end]), (c.velocity,), blank) for c in cones]
-        known = [(cell.region, cell.velocities) for cell in inhabited(restricted(pieces, domain))]
-        if known == [(cell.region, cell.velocities) for cell in found]:
-            return True
-    return False

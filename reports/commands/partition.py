@@ -35,6 +35,8 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 ) -> int:
     """List or draw the cells of the plane, each with its contact state and twist, or a sampled field.
 
+    Of a plain system in two states: its cells, what solutions do on their borders, and with -o its phase portrait.
+
     Exit status: 0 done, 2 bad input.
     """
     from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
@@ -43,7 +45,11 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     from nonsmooth.reports.progress import steps
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.files.system_file import holds_system
 
+    if holds_system(scene):
+        refuse_given(context, ("show", "compare", "rule"), "an array of wheels", "a plain system")
+        return _portray(scene, output, radius, at, json=json)
     if output is None:
         refuse_given(context, ("show",), "-o FILE, which it draws", "none")
     if compare:
@@ -68,6 +74,26 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         from nonsmooth.reports.terminal import partition_view
 
         write_views([partition_view(cells.partition)])
+    return 0
+
+
+def _portray(scene: str, output: str | None, radius: str | None, at: str | None, *, json: bool) -> int:
+    """Cells, borders and phase portrait of a plain system."""
+    from nonsmooth.reports.files import PICTURES, output_path, write_whole
+    from nonsmooth.reports.phase_portrait import PhasePortrait
+    from nonsmooth.symbolic.files.system_file import load_system
+
+    system = load_system(scene, radius=radius, at=at)
+    path = None if output is None else output_path(output, PICTURES)
+    portrait = PhasePortrait(system)
+    if path is not None:
+        write_whole(path, portrait.picture(path.suffix.lower()))
+    if json:
+        write_json(portrait.record())
+    elif path is not None:
+        write(f"{path}: {len(portrait.cells)} cells, {portrait.stability.verdict}\n")
+    else:
+        write_views([portrait.view()])
     return 0
 
 

@@ -26,7 +26,8 @@ class System:
 
     Args:
         states: names, such as ``["x", "v"]``.
-        rhs: one formula for each state, such as ``["v", "-sign(x) - v/2"]``.
+        rhs: one formula for each state, such as ``["v", "-sign(x) - v/2"]``; or several such lists, between which the
+            field may switch at any time.
         at: the equilibrium; the origin unless given.
         radius: half-width of the square about it that is checked.
         lyapunov: a Lyapunov function to try, as a formula.
@@ -88,8 +89,9 @@ class System:
 
     def __repr__(self) -> str:
         states, rhs = self.document["system"]["states"], self.document["system"]["rhs"]
-        shown = "; ".join(f"{state}' = {formula}" for state, formula in zip(states, rhs, strict=True))
-        return f"System: {shown}"[:400]
+        sides = rhs if all(isinstance(side, list) for side in rhs) else [rhs]
+        shown = ["; ".join(f"{s}' = {formula}" for s, formula in zip(states, side, strict=True)) for side in sides]
+        return f"System: {' or '.join(shown)}"[:400]
 
     def check(self, **changes: Any) -> SystemCheckResult:
         """Stability of the equilibrium.

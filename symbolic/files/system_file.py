@@ -57,7 +57,7 @@ def read_states(value: object) -> tuple[str, ...]:
 
 
 def read_formulas(value: object) -> tuple[object, ...]:
-    """A list of formulas.
+    """A list of formulas, or a list of such lists: arbitrary switching between them.
 
     Raises:
         ValueError: for anything else.
@@ -179,11 +179,11 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
     """
     document = validate(SystemDocument, data, file)
     states, check = document.system.states, document.check
-    _require_one_each(states, document.system.rhs, file, "system.rhs", "formulas")
-    rhs = tuple(parse_lyapunov(text, states, file, f"system.rhs[{k}]") for k, text in enumerate(document.system.rhs, 1))
+    rhs, *others = _right_hand_sides(document.system.rhs, states, file)
     default = " + ".join(f"{name}**2" for name in states)
     lyapunov = parse_lyapunov(default if check.lyapunov is None else check.lyapunov, states, file, "check.lyapunov")
-    turns = [turn for formula in (*rhs, lyapunov) for turn in formula.turns()]
+    formulas = [formula for side in (rhs, *others) for formula in side]
+    turns = [turn for formula in (*formulas, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
     checked = SystemCheck(
         _equilibrium(check, states, numbers),
@@ -191,10 +191,25 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         lyapunov,
         check.lyapunov is None,
     )
-    system = SwitchedSystem(document.name or path.stem, numbers.field, states, rhs, checked, file)
-    for side in (1, -1):
-        _try_pieces(system, side)
+    system = SwitchedSystem(document.name or path.stem, numbers.field, states, rhs, checked, file, tuple(others))
+    for member in system.members:
+        for side in (1, -1):
+            _try_pieces(member, side)
     return system
+
+
+def _right_hand_sides(
+    value: tuple[object, ...], states: tuple[str, ...], file: str
+) -> list[tuple[PiecewiseExpression, ...]]:
+    """One list of formulas, or several of them."""
+    nested = bool(value) and all(isinstance(part, list) for part in value)
+    found = []
+    for k, side in enumerate(value if nested else (value,), 1):
+        key = f"system.rhs[{k}]" if nested else "system.rhs"
+        formulas = tuple(side) if isinstance(side, list | tuple) else ()
+        _require_one_each(states, formulas, file, key, "formulas")
+        found.append(tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(formulas, 1)))
+    return found
 
 
 def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.local_cells import decide_equilibrium
-from nonsmooth.proofs.systems.system_stability import plane_cells, system_check
+from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.plain_agreement import contradictions

@@ -19,7 +19,8 @@ from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
 from nonsmooth.proofs.inequalities.ladder import Interval, ladder_at
 from nonsmooth.proofs.inequalities.strata import Part, derivatives_at
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
-from nonsmooth.proofs.systems.system_stability import plane_cells, system_check
+from nonsmooth.proofs.systems.domain import plane_cells
+from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

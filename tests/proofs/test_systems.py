@@ -18,9 +18,10 @@ import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.cells.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
 from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.lyapunov_audit import audit
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult, plane_cells, system_check
+from nonsmooth.proofs.systems.system_stability import Method, SystemResult, system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
@@ -67,6 +68,8 @@ def smooth(text: str, sign: int) -> str:
         ("Abs(Abs(x) - y)", "x - y", "x + y"),
         ("sign(-2)*x + Abs(-1/2)", "-x + 1/2", "-x + 1/2"),
         ("sign(x - x)", "0", "0"),
+        ("relu(x - y)", "x - y", "0"),
+        ("sat(2*x, -1, y)", "y", "-1"),
         ("cos(pi/3)*x**3 + +y", "1/2*x**3 + y", "1/2*x**3 + y"),
         ("0.10000000000000000001*x", "10000000000000000001/100000000000000000000*x", None),
     ],
@@ -78,7 +81,8 @@ def test_smooth_pieces_of_formulas(text: str, positive: str, negative: str | Non
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x +", "z", "x.real", "x[0]", "abs(x)", "sign", "sign()", "sign(x, y)", "sign(x=1)", "max(x)", "sqrt(x)",
+    ["", "x +", "z", "x.real", "x[0]", "abs(x)", "relu()", "relu(x, y)", "sat(x)", "sign", "sign()",
+     "sign(x, y)", "sign(x=1)", "max(x)", "sqrt(x)",
      "sin(x)", "x**y", "x**-1", "x**1.5", "x**17", "2**x", "x if y else 1", "x < y", "x and y", "lambda: x", "'x'",
      "__import__('os')", "(x := 1)", "x; y", "f'{x}'", "[x]", "-" * 70 + "x", "(" * 300, "x" * 2001, True, None, []],
 )  # fmt: skip
@@ -338,7 +342,8 @@ def test_built_in_systems(name: str, expected: Translation, method: Method) -> N
         ("x - y", "x + y", {}, Translation.UNSTABLE, "grows along every solution"),
         ("x/10 - y*(2 + sign(x*y))", "x*(2 - sign(x*y)) + y/10", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("-x/10 - y*(2 - sign(x*y))", "x*(2 + sign(x*y)) - y/10", {}, Translation.UNSTABLE, "grows along every"),
-        ("y + x**3", "-x + y**3", {}, Translation.UNDECIDED, "no Lyapunov function"),
+        ("y + x**3", "-x + y**3", {}, Translation.UNSTABLE, "grows along every"),
+        ("y", "-x + x**2", {}, Translation.UNDECIDED, "no Lyapunov function"),  # a centre
         ("-x**3", "-y**3", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("-x + x**2", "-y", {"radius": "2"}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # on a smaller square
         ("-x + sign(x**2 + y)*y", "-y - sign(x**2 + y)*x", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),

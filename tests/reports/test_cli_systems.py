@@ -134,8 +134,8 @@ BAD = {
     ),
     "code as a function": (
         ["audit", "four-wheel", "--lyapunov", "__import__('os')"],
-        "four-wheel: lyapunov: required a formula of x, y, numbers, + - * / **, sign, Abs, Max, Min, sqrt, sin, cos of "
-        'numbers, received "__import__',
+        "four-wheel: lyapunov: required a formula of x, y, numbers, + - * / **, sign, Abs, Max, Min, relu, sat, sqrt, "
+        'sin, cos of numbers, received "__import__',
     ),
     "no finite number": (
         ["audit", "four-wheel", "--lyapunov", "1/0"],
@@ -232,7 +232,7 @@ def test_the_flower_shows_the_function_that_proves_it(invoke: Invoke) -> None:
 
 def test_nothing_is_proved_by_nothing(invoke: Invoke, tmp_path: Path) -> None:
     scene = tmp_path / "my.toml"
-    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y + x**3", "-x + y**3"]\n')
+    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y", "-x + x**2"]\n')
     shown = invoke("check", str(scene)).out
     assert "undecided" in shown
     assert "(nothing)" not in shown
@@ -260,3 +260,54 @@ def test_the_smaller_domain_of_a_function_is_named(invoke: Invoke, tmp_path: Pat
     assert record["lyapunov"]["domain"]["exact"]["radius"] == "1/8"
     assert record["lyapunov"]["tried"]["verdict"] == "refuted"
     assert "abs(x), abs(y) <= 1/8" in " ".join(invoke("check", str(scene)).out.replace("│", " ").split())
+
+
+# ---- phase portraits -----------------------------------------------------------------------------
+
+PORTRAIT = ("y - 2*sign(x + y)", "-x + y/3 - sign(y)")
+
+
+def portrayed(tmp_path: Path, first: str, second: str) -> str:
+    path = tmp_path / "portrait.toml"
+    path.write_text(f'[system]\nstates = ["x", "y"]\nrhs = ["{first}", "{second}"]\n')
+    return str(path)
+
+
+def test_partition_of_a_system_lists_cells_and_borders(tmp_path: Path, invoke: Invoke) -> None:
+    scene = portrayed(tmp_path, *PORTRAIT)
+    record = invoke("partition", scene, "--json").record
+    assert record["schema"] == "nonsmooth-phase-portrait/1"
+    assert [cell["field"] for cell in record["cells"][:1]] == [["y - 2", "-x + 1/3*y - 1"]]
+    assert len(record["borders"]) == 4
+    assert {border["kind"] for border in record["borders"]} == {"sliding"}
+    shown = invoke("partition", scene).out
+    assert "sliding" in shown
+    assert "y - 2" in shown
+
+
+def test_kinds_of_borders_against_the_field_beside_them(tmp_path: Path, invoke: Invoke) -> None:
+    """On x = 0: x' = y - 1/4 - sign(x)(y + 1/8) slides above -1/8, changes at 3/16 and -1/8."""
+    scene = portrayed(tmp_path, "y - 1/4 - sign(x)*(y + 1/8)", "-y")
+    borders = invoke("partition", scene, "--json").record["borders"]
+    for border in borders:
+        height = (border["from"][1] + border["to"][1]) / 2
+        right, left = (height - 0.25 - s * (height + 0.125) for s in (1, -1))
+        expected = "sliding" if right < 0 < left else "repelling" if left < 0 < right else "crossing"
+        assert border["kind"] == expected
+    assert {border["kind"] for border in borders} == {"sliding", "crossing"}
+    assert sum(abs(border["to"][1] - border["from"][1]) for border in borders) == pytest.approx(1.0)
+
+
+def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
+    scene = portrayed(tmp_path, *PORTRAIT)
+    outcome = invoke("partition", scene, "-o", str(tmp_path / "portrait.svg"))
+    assert outcome.status == 0
+    assert "6 cells, asymptotically stable" in outcome.out
+    assert (tmp_path / "portrait.svg").read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.parametrize("option", [["--rule", "box"], ["--compare"], ["--show", "rates"]])
+def test_options_of_arrays_are_refused_for_portraits(tmp_path: Path, invoke: Invoke, option: list[str]) -> None:
+    outcome = invoke("partition", portrayed(tmp_path, *PORTRAIT), *option)
+    assert outcome.status == BAD_INPUT
+    assert f"{option[0]}: required an array of wheels, received a plain system" in outcome.err

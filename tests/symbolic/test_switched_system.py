@@ -131,7 +131,11 @@ def test_plain_systems_are_told_from_arrays() -> None:
         (["x", "x"], ["1", "1"], "1 to 8 different names"),
         (["x", "sign"], ["1", "1"], "1 to 8 different names"),
         (["x", "max"], ["1", "1"], "1 to 8 different names"),
-        (["x"], ["Max(x)"], "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, Abs, Max, Min, sqrt"),
+        (
+            ["x"],
+            ["Max(x)"],
+            "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, Abs, Max, Min, relu, sat, sqrt",
+        ),
         (["x"], ["Max()"], "system.rhs[1]: required a formula of x"),
         (["x"], ["Max(x, key=1)"], "system.rhs[1]: required a formula of x"),
         (["x"], ["Max(*x)"], "system.rhs[1]: required a formula of x"),

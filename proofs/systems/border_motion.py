@@ -1,0 +1,104 @@
+"""What solutions do on the straight borders between the cells of a plain system: cross, slide, leave, or touch.
+
+Along a border the normal parts of both fields are polynomials in one parameter, so the signs are constant between
+their real roots, which are isolated exactly.  Borders along curves are not looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from itertools import combinations, pairwise
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Segment, common_edges
+from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
+from nonsmooth.symbolic.constraints import outer
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+
+
+class BorderKind(StrEnum):
+    """What solutions do on a part of a border."""
+
+    CROSSING = "crossing"
+    SLIDING = "sliding"  # both fields push onto it
+    REPELLING = "repelling"  # both fields push away; solutions may stay on it, and leave at any time
+    TOUCHED = "touched"  # a field runs along it
+
+
+@dataclass(frozen=True)
+class BorderPart:
+    """A part of a border between two cells.
+
+    Attributes:
+        start: one end.
+        end: the other end.
+        kind: what solutions do between.
+        is_exact: whether the ends are exact; otherwise they are close to a root that has no name in the field.
+    """
+
+    start: Point
+    end: Point
+    kind: BorderKind
+    is_exact: bool
+
+
+def border_parts(cells: Sequence[FieldCell]) -> Iterator[BorderPart]:
+    """All parts of straight borders across which the field changes."""
+    for first, second in combinations(cells, 2):
+        if first.velocities == second.velocities or _are_parted(first, second):
+            continue
+        for edge in common_edges(first.region, second.region):
+            yield from _parts(first, second, edge)
+
+
+def _are_parted(first: FieldCell, second: FieldCell) -> bool:
+    """Whether two cells lie on two sides of a curve."""
+    return any(not g + h for g in first.region.guards for h in second.region.guards)
+
+
+def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[BorderPart]:
+    a, b, _ = outer(*edge)  # positive inside the first cell
+    normal = [[_along(f * a + g * b, edge) for f, g in cell.velocities] for cell in (first, second)]
+    curves = [curve for side in normal for curve in side if curve]
+    roots = separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
+    ends: list[tuple[Point, bool]] = [(_end(edge[0]), True), *(_root_point(r, edge) for r in roots)]
+    ends.append((_end(edge[1]), True))
+    inner = [(p.high + q.low) / 2 for p, q in pairwise(roots)]
+    samples = [roots[0].low, *inner, roots[-1].high] if roots else [Fraction(1)]
+    for t, ((start, known), (end, named)) in zip(samples, pairwise(ends), strict=True):
+        signs = [{value(curve, t).sign() if curve else 0 for curve in side} for side in normal]
+        yield BorderPart(start, end, _kind(*signs), known and named)
+
+
+def _kind(first: set[int], second: set[int]) -> BorderKind:
+    """From the signs of the normal parts; positive points into the first cell."""
+    if 0 in first | second:
+        return BorderKind.TOUCHED
+    if first == {-1} and second == {1}:
+        return BorderKind.SLIDING
+    if first == {1} and second == {-1}:
+        return BorderKind.REPELLING
+    return BorderKind.CROSSING
+
+
+def _along(polynomial: Polynomial, edge: Segment) -> Coefficients:
+    """A polynomial at ``g + t h``, times a positive power of w; ascending in t."""
+    terms, top = in_generators(polynomial.homogenized().terms, list(edge)), polynomial.degree
+    return trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)])
+
+
+def _end(generator: tuple[object, ...]) -> Point:
+    x, y, w = generator
+    return (x / w, y / w)  # type: ignore[operator]
+
+
+def _root_point(root: RealRoot, edge: Segment) -> tuple[Point, bool]:
+    exact = root.exact()
+    t = root.low if exact is None else exact
+    x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
+    return (x / w, y / w), exact is not None

@@ -1,0 +1,164 @@
+"""Linear conditions on the coefficients of a V, at finitely many points: what a linear program may propose from.
+
+For ``V = sum_k c_k phi_k`` every condition is linear in c: ``V > 0`` and ``grad V . f < 0`` at points of closed cells,
+and ``grad V . f_s < 0`` on edges that the fields of both sides oppose, with the sliding field f_s.  V may bend along
+such an edge, but only across it, so f_s, which is tangent, does not depend on c.  Points lie on rays at distances that
+fall by a constant factor, because near the equilibrium the terms of lowest degree decide.  Floats: nothing here proves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region, Segment, common_edges
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
+from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+Floats: TypeAlias = NDArray[np.float64]
+
+DIVISIONS = 6  # of every side of a cell
+SHRINKING = 0.5  # from one distance to the next
+DISTANCES = 8
+
+
+@dataclass(frozen=True)
+class Sides:
+    """A cell with the values and rates of every function of the basis.
+
+    Attributes:
+        cell: where the lines of the basis have one sign each.
+        values: the functions.
+        rates: their derivatives along the field.
+        slopes: their derivatives along x and y.
+    """
+
+    cell: LyapunovCell
+    values: tuple[Polynomial, ...]
+    rates: tuple[Polynomial, ...]
+    slopes: tuple[tuple[Polynomial, Polynomial], ...]
+
+
+def build_sides(cells: Iterable[LyapunovCell], basis: Sequence[BasisFunction]) -> list[Sides]:
+    """The functions of a basis on each cell and along each of its fields."""
+    found: list[Sides] = []
+    for cell in cells:
+        pieces = tuple(function.piece(lambda line, r=cell.region: sign_on(r, line)) for function in basis)  # type: ignore[misc]
+        slopes = tuple((p.derivative("x"), p.derivative("y")) for p in pieces)
+        for f, g in cell.velocities:
+            found.append(Sides(cell, pieces, tuple(a * f + b * g for a, b in slopes), slopes))
+    return found
+
+
+def build_rows(sides: Sequence[Sides]) -> Floats:
+    """Rows r with the condition ``r . c > 0``, for points all over the cells."""
+    blocks = [rows for side in sides for rows in _cell_rows(side, sample_points(side.cell.region))]
+    for first, second in combinations(sides, 2):
+        for edge in common_edges(first.cell.region, second.cell.region):
+            blocks += _slide_rows(first, second, edge)
+    return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
+
+
+def rows_at(sides: Sequence[Sides], points: Sequence[Point]) -> Floats:
+    """Rows at given points and at points on the way from them to the equilibrium, for all cells that hold them."""
+    blocks: list[Floats] = []
+    for point in points:
+        if not any(map(sign, point)):
+            continue
+        near = np.array([[float(v) * SHRINKING**k for v in point] for k in range(DISTANCES)])
+        for side in sides:
+            if side.cell.region.contains(point):
+                blocks += _cell_rows(side, near[_inside(side.cell.region, near)])
+    return normalized(np.vstack(blocks)) if blocks else np.zeros((0, len(sides[0].values)))
+
+
+def normalized(rows: Floats) -> Floats:
+    """Rows scaled to a largest entry of one, without those that are zero."""
+    sizes = np.abs(rows).max(axis=1, initial=0.0)
+    return np.asarray(rows[sizes > 0] / sizes[sizes > 0, None])
+
+
+def values_at(polynomial: Polynomial, points: Floats) -> Floats:
+    """A polynomial at many points, in floats."""
+    total = np.zeros(len(points))
+    for (a, b), c in polynomial.terms.items():
+        total += float(c) * points[:, 0] ** a * points[:, 1] ** b
+    return total
+
+
+def _cell_rows(side: Sides, points: Floats) -> Iterator[Floats]:
+    if len(points):
+        yield np.column_stack([values_at(p, points) for p in side.values])
+        yield -np.column_stack([values_at(p, points) for p in side.rates])
+
+
+def _slide_rows(first: Sides, second: Sides, edge: Segment) -> list[Floats]:
+    """Along the part of an edge that both fields oppose, with the sliding field."""
+    points = _edge_points(edge)
+    (ax, ay, aw), (bx, by, bw) = ([float(v) for v in end] for end in edge)
+    along = np.array([bx / bw - ax / aw, by / bw - ay / aw]) if aw and bw else np.array([bx, by])
+    normal = np.array([-along[1], along[0]])
+    (f, g) = (np.column_stack([values_at(p, points) for p in s.cell.velocities[0]]) for s in (first, second))
+    a, b = f @ normal, g @ normal
+    opposed = a * b < 0
+    if not opposed.any():
+        return []
+    points, f, g, a, b = points[opposed], f[opposed], g[opposed], a[opposed], b[opposed]
+    sliding = (a[:, None] * g - b[:, None] * f) / (a - b)[:, None]
+    slopes = [(values_at(p, points), values_at(q, points)) for p, q in first.slopes]
+    return [-np.column_stack([p * sliding[:, 0] + q * sliding[:, 1] for p, q in slopes])]
+
+
+# ---- where to look -------------------------------------------------------------------------------
+
+
+def sample_points(region: Region) -> Floats:
+    """Points of a closed bounded region, at distances from the equilibrium that fall by a constant factor."""
+    corners = np.array([[float(x) / float(w), float(y) / float(w)] for x, y, w in region.generators])
+    zero: Any = region.generators[0][2] - region.generators[0][2]
+    convex = Region(region.generators)
+    if convex.contains((zero, zero)):
+        outline = np.vstack([_between(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
+        points = np.vstack([outline * SHRINKING**k for k in range(DISTANCES)])
+    else:
+        points = np.vstack([_triangle(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)])
+    points = np.unique(points, axis=0)
+    points = points[np.any(points != 0, axis=1)]
+    return np.asarray(points[_inside(region, points)])
+
+
+def _edge_points(edge: Segment) -> Floats:
+    ends = [np.array([float(x) / float(w), float(y) / float(w)]) if w else None for x, y, w in edge]
+    if ends[0] is None or ends[1] is None:
+        return np.zeros((0, 2))
+    points = _between(ends[0], ends[1])
+    if any(not np.any(end) for end in ends):
+        tip = ends[0] if np.any(ends[0]) else ends[1]
+        points = np.vstack([points, *(tip * SHRINKING**k for k in range(DISTANCES))])
+    return np.asarray(points[np.any(points != 0, axis=1)])
+
+
+def _between(start: Floats, end: Floats) -> Floats:
+    shares = np.linspace(0.0, 1.0, DIVISIONS + 1)[:, None]
+    return np.asarray(start + shares * (end - start))
+
+
+def _triangle(first: Floats, second: Floats, third: Floats) -> Floats:
+    weights = [(i / DIVISIONS, j / DIVISIONS) for i in range(DIVISIONS + 1) for j in range(DIVISIONS + 1 - i)]
+    return np.array([first + a * (second - first) + b * (third - first) for a, b in weights])
+
+
+def _inside(region: Region, points: Floats) -> NDArray[np.bool_]:
+    """Where no guard is negative."""
+    kept = np.ones(len(points), dtype=bool)
+    for guard in region.guards:
+        kept &= values_at(guard, points) >= 0
+    return kept

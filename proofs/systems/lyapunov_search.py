@@ -1,0 +1,177 @@
+"""A search for V: a linear program proposes, the exact audit decides, and what refutes a proposal becomes a new row.
+
+Families of functions are tried from simple to rich (:mod:`nonsmooth.proofs.systems.lyapunov_basis`), each on the
+checked square and on smaller ones.  A point at which the audit refutes a rounded V is added to the rows, and the
+program is solved again.  In reversed time the same search finds a function that grows along every solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.switched_cells import (
+    FieldCell,
+    LyapunovCell,
+    lyapunov_cells,
+    square_regions,
+    system_cells,
+)
+from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, prove
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.lyapunov_basis import (
+    BasisFunction,
+    bent_functions,
+    build_formula,
+    lines_through,
+    smooth_functions,
+)
+from nonsmooth.proofs.systems.lyapunov_program import propose
+from nonsmooth.proofs.systems.lyapunov_rows import build_rows, build_sides, rows_at
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+
+ROUNDS = 5  # of proposals for one family on one square
+WORK = 240  # inequalities that one search may look at
+UNDECIDED_COST = 60  # of an inequality whose sign is not found, in inequalities that are decided
+SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked square
+MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
+
+Turn = Callable[[Sequence[FieldCell]], tuple[FieldCell, ...]]
+
+
+@dataclass(frozen=True)
+class FoundLyapunov:
+    """A V that was searched and proved.
+
+    Attributes:
+        formula: V, in the displacement under the states' names.
+        radius: half the side of the square on which it is proved.
+        result: Lyapunov's conditions with their evidence.
+    """
+
+    formula: PiecewiseExpression
+    radius: Number
+    result: LyapunovResult
+
+
+@dataclass
+class Budget:
+    """What a search may still spend, in inequalities."""
+
+    left: int
+
+
+def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov | None:
+    """A V that falls along every solution on a square about the equilibrium; None where none is found and proved.
+
+    Args:
+        system: in two states.
+        turn: what is done to the cells first: nothing, or time reversed.
+    """
+    budget = Budget(WORK)
+    for scale in SCALES:
+        radius = system.check.radius * scale
+        cells = turn(system_cells(system, square_regions(radius)))
+        if len(cells) > MAX_CELLS:
+            continue
+        for basis in families(system):
+            found = _found(system, cells, basis, budget)
+            if found is not None:
+                return FoundLyapunov(found[0], radius, found[1])
+    return None
+
+
+def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
+    """Bases from simple to rich; the simple ones alone where curves cut the plane, whose audits take long."""
+    field, lines = system.field, lines_through(system)
+    linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
+    first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
+    yield quadratic
+    if system.others:
+        yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
+    if lines:
+        yield first
+        yield (*first, *quadratic)
+    if any(surface.degree > 1 for surface in system.surfaces(system.displaced(PLANE))):
+        return
+    if lines:
+        yield (*second, *quadratic)
+        yield (*first, *linear, *second, *quadratic)
+    axes = tuple(Polynomial.variable(field, PLANE, name) for name in PLANE)
+    both = (*lines, *(axis for axis in axes if axis not in lines))
+    if lines and len(both) > len(lines):
+        yield (*bent_functions(field, both, 1), *linear, *bent_functions(field, both, 2), *quadratic)
+    higher = (function for degree in (3, 4) for function in smooth_functions(field, degree))
+    yield (*first, *second, *bent_functions(field, lines, 3), *quadratic, *higher)
+
+
+def searched_cells(
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, turn: Turn = tuple
+) -> tuple[LyapunovCell, ...]:
+    """The cells on which a searched V is judged."""
+    cells = turn(system_cells(system, square_regions(radius)))
+    return inhabited(lyapunov_cells(cells, formula, system.states, system.origin))
+
+
+def _found(
+    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction], budget: Budget
+) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+    """Rounds of proposals and refutations for one family."""
+    blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
+    try:
+        pieces = inhabited(lyapunov_cells(cells, blank, system.states, system.origin))
+    except SceneError:
+        return None
+    sides = build_sides(pieces, basis)
+    rows = build_rows(sides)
+    for _ in range(ROUNDS if budget.left > 0 else 0):
+        points: list[Point] = []
+        for coefficients in propose(rows):
+            try:
+                formula = build_formula(basis, coefficients, system.states)
+                judged = inhabited(lyapunov_cells(cells, formula, system.states, system.origin))
+            except (ExpressionError, SceneError):
+                return None
+            failures = first_failure(judged, budget)
+            result = None if failures else examine(judged)
+            if result is not None and result.verdict is Decrease.STRICT:
+                return formula, result
+            points += failures if result is None else refuting_points(result)
+        more = rows_at(sides, points) if points else np.zeros((0, 0))
+        if not len(more):
+            return None
+        rows = np.vstack([rows, more])
+    return None
+
+
+def first_failure(cells: Sequence[LyapunovCell], budget: Budget) -> list[Point]:
+    """Points of the first closed cell on which V is not positive or does not fall, or where that is left open."""
+    for cell in cells:
+        positive = (Sense.POSITIVE, cell.potential)
+        for sense, polynomial in (positive, *((Sense.NEGATIVE, rate) for rate in cell.rates)):
+            outcome = prove(sense, polynomial, cell.region, except_origin=True)
+            budget.left -= UNDECIDED_COST if isinstance(outcome, Undecided) else 1
+            if not isinstance(outcome, Proof):
+                return _points_of(outcome)
+    return []
+
+
+def _points_of(outcome: Outcome) -> list[Point]:
+    """Where an inequality fails, or the corners of the part on which its sign was not found."""
+    if isinstance(outcome, Undecided):
+        return [(corner[0], corner[1]) for corner in outcome.part]
+    return [] if isinstance(outcome, Proof) else [(outcome.point[0], outcome.point[1])]
+
+
+def refuting_points(result: LyapunovResult) -> list[Point]:
+    """Where an audit fails on an edge or at a corner."""
+    return [] if result.witness is None else [result.witness.point]

@@ -1,0 +1,120 @@
+"""Every search for a V of a plain system, in order, and whether a V that was found speaks of the system.
+
+Systems of cones with linear fields get a piecewise quadratic V on the whole plane.  For others a linear program
+proposes sums of monomials and bent functions on a square; then the linear parts of the cones propose.  With time
+reversed the same searches find a function that grows along every solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from nonsmooth.analysis.cells.region import cone_region
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions, system_cells
+from nonsmooth.proofs.systems.derivatives import LyapunovResult, inhabited
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, plane_cells
+from nonsmooth.proofs.systems.local_cells import conic_germ
+from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, searched_cells
+from nonsmooth.proofs.systems.piecewise_quadratic import (
+    HALVINGS,
+    find_near,
+    find_piecewise_quadratic,
+    linear_cones,
+    linear_parts,
+    restricted,
+)
+from nonsmooth.proofs.systems.ray_moves import are_cones
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+
+SEARCH_SCALES = (Fraction(1), SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square
+
+
+@dataclass(frozen=True)
+class SearchedLyapunov:
+    """A V that was searched and proved.
+
+    Attributes:
+        result: Lyapunov's conditions with their evidence.
+        domain: where they are proved.
+        formula: V as one formula; None where it is known by its pieces only.
+        grows: whether time was reversed.
+    """
+
+    result: LyapunovResult
+    domain: Domain
+    formula: PiecewiseExpression | None
+    grows: bool
+
+    def speaks_of(self, system: SwitchedSystem) -> bool:
+        """Whether the cells are those of the system, or of the reversed one, on the domain that is named."""
+        turn = reversed_cells if self.grows else tuple
+        if self.formula is not None:
+            radius = self.domain.radius
+            return radius is not None and self.result.cells == searched_cells(system, self.formula, radius, turn)
+        cells = turn(plane_cells(system))
+        if self.domain.radius is None:
+            return _are_the_cones(self.result.cells, cells)
+        on_square = turn(system_cells(system, square_regions(self.domain.radius)))
+        return _are_cut_by_cones(self.result.cells, cells, on_square)
+
+
+def search_lyapunov(
+    system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool = False
+) -> SearchedLyapunov | None:
+    """A V that is proved to fall along every solution (with time reversed: to grow); None where none is found.
+
+    Args:
+        system: in two states.
+        cells: of the whole plane.
+        grows: whether time is reversed.
+    """
+    turn = reversed_cells if grows else tuple
+    if are_cones(cells) and not system.others:
+        found = find_piecewise_quadratic(turn(cells))
+        if found is not None:
+            return SearchedLyapunov(found, Domain(None), None, grows)
+    proposed = find_lyapunov(system, turn)
+    if proposed is not None:
+        return SearchedLyapunov(proposed.result, Domain(proposed.radius), proposed.formula, grows)
+    near = None if are_cones(cells) or system.others else conic_germ(cells)
+    for scale in SEARCH_SCALES if near is not None else ():
+        radius = system.check.radius * scale
+        found = find_near(turn(near or ()), turn(system_cells(system, square_regions(radius))))
+        if found is not None:
+            return SearchedLyapunov(found, Domain(radius), None, grows)
+    return None
+
+
+def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:
+    """The system with time reversed."""
+    return tuple(replace(cell, velocities=tuple((-f, -g) for f, g in cell.velocities)) for cell in cells)
+
+
+def _are_the_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> bool:
+    """Whether cells of a searched V are the cones of the system, with its fields."""
+    for halvings in HALVINGS:
+        rays, cones = linear_cones(cells, halvings)
+        known = [(cone_region(rays[cone.start], rays[cone.end]), (cone.velocity,)) for cone in cones]
+        if known == [(cell.region, cell.velocities) for cell in found]:
+            return True
+    return False
+
+
+def _are_cut_by_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell], domain: Sequence[FieldCell]) -> bool:
+    """Whether cells of a searched V are the cells of a domain cut along the cones near the origin."""
+    near = conic_germ(cells)
+    linear = linear_parts(near) if near is not None else None
+    if linear is None:
+        return False
+    blank = Polynomial.constant(linear[0].velocities[0][0].field, PLANE, 0)
+    for halvings in HALVINGS:
+        rays, cones = linear_cones(linear, halvings)
+        pieces = [LyapunovCell(cone_region(rays[c.start], rays[c.end]), (c.velocity,), blank) for c in cones]
+        known = [(cell.region, cell.velocities) for cell in inhabited(restricted(pieces, domain))]
+        if known == [(cell.region, cell.velocities) for cell in found]:
+            return True
+    return False

@@ -1,0 +1,212 @@
+"""The largest sublevel set ``V < c`` of a square that is certified to be a region of attraction, by bisection in c.
+
+Solutions that start where ``V < c`` stay there and reach the equilibrium if V is at least c on the border of the square
+and falls where ``V < c``.  On each side of the border V is a polynomial in one variable, which is decided exactly.  A V
+that falls on the whole square needs nothing else.  For a V without bends that falls near the equilibrium only, the rate
+is proved negative with the guard ``c - V``, factor by factor over Q; or along rays, where V is a quadratic form and the
+rate has two homogeneous parts f and g: with ``f < 0``, and ``f + g <= 0`` on ``V = c``, it is negative where ``V < c``.
+Just above the largest certified c a point refutes: on the border with V below it, or inside with ``V' >= 0``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region, Segment
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell
+from nonsmooth.proofs.inequalities.binary_forms import Line
+from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
+from nonsmooth.proofs.inequalities.prover import Proof, Sense, Witness, prove
+from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.surfaces import factorize
+
+BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
+SMALLEST = Fraction(1, 2**40)  # level that is looked for
+MOST_OPEN = 2  # levels that are neither certified nor refuted, before the bisection ends
+SIMPLE = 64  # denominators of levels that are preferred within that part
+
+
+@dataclass(frozen=True)
+class SublevelRegion:
+    """Starts that stay in the square and reach the equilibrium.
+
+    Attributes:
+        level: every solution from ``V < level`` stays there.
+        refuted: a larger level for which that is not shown.
+        point: a point with V at most the refuted level, on the border or with a V that does not fall; None where the
+            larger level is merely undecided.
+        radius: half the side of the square.
+        falls: whether V is proved to fall on all of the square.
+    """
+
+    level: Fraction
+    refuted: Fraction
+    point: Point | None
+    radius: Number
+    falls: bool
+
+    def __str__(self) -> str:
+        return f"V < {self.level}"
+
+    def check(self, cells: Sequence[LyapunovCell]) -> bool:
+        """Verify the level again on cells of the square, and the point by evaluation."""
+        return self._is_refuted(cells) and _violation(cells, self.radius, self.level, falls=self.falls) is None
+
+    def _is_refuted(self, cells: Sequence[LyapunovCell]) -> bool:
+        point = self.point
+        if point is None:
+            return True
+        here = [cell for cell in cells if cell.region.contains(point)]
+        low = any(not sign(cell.potential(point) - self.refuted) > 0 for cell in here)
+        rises = any(sign(rate(point)) >= 0 for cell in here for rate in cell.rates)
+        return low and (rises or max(abs(x) for x in point) == self.radius)
+
+
+@dataclass(frozen=True)
+class Violation:
+    """Why a level is not certified, with a point where that is known."""
+
+    point: Point | None
+
+
+def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bool = True) -> SublevelRegion | None:
+    """The largest certified level of V on a square, up to bisection; None where no level is certified.
+
+    Args:
+        cells: cover the square; V is positive on it.
+        radius: half its side.
+        falls: whether V is proved to fall on all of the square; otherwise it must have no bends.
+    """
+    if not falls and any(cell.potential - cells[0].potential for cell in cells):
+        return None
+    bounds = _bounds(cells, radius)
+    if bounds is None:
+        return None
+    low, high = bounds if falls else (Fraction(0), bounds[1])
+    left_open = 0
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        found = _violation(cells, radius, middle, falls=falls)
+        low, high = (middle, high) if found is None else (low, middle)
+        left_open += found is not None and found.point is None
+        if left_open == MOST_OPEN:
+            break
+    simple = _simple_between(low, high)
+    if simple is not None and _violation(cells, radius, simple, falls=falls) is None:
+        low = simple
+    found = _violation(cells, radius, high, falls=falls)
+    point = None if found is None else found.point
+    return SublevelRegion(low, high, point, radius, falls) if low else None
+
+
+def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fraction] | None:
+    """Powers of two below and above the least value of V on the border; None where that is not clearly positive."""
+    high = Fraction(1)
+    while _violation(cells, radius, high, falls=True) is None:
+        high *= 2
+    while _violation(cells, radius, high / 2, falls=True) is not None:
+        high /= 2
+        if high < SMALLEST:
+            return None
+    return high / 2, high
+
+
+def _simple_between(low: Fraction, high: Fraction) -> Fraction | None:
+    """The fraction of least denominator above one number and below another."""
+    for denominator in range(1, SIMPLE + 1):
+        candidate = Fraction(int(low * denominator) + 1, denominator)
+        if candidate < high:
+            return candidate
+    return None
+
+
+def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *, falls: bool) -> Violation | None:
+    """Why a level is not certified; None where it is."""
+    for cell in cells:
+        for edge in border_edges(cell, radius):
+            found = _point_below(cell.potential - level, edge)
+            if found is not None:
+                return Violation(found)
+    for cell in () if falls else cells:
+        region = replace(cell.region, guards=(*cell.region.guards, -cell.potential + level))
+        for rate in cell.rates:
+            if _falls_along_rays(rate, cell.potential, level, cell.region):
+                continue
+            outcome = prove(Sense.NEGATIVE, rate, region, except_origin=True)
+            if isinstance(outcome, Witness):
+                return Violation((outcome.point[0], outcome.point[1]))
+            if not isinstance(outcome, Proof) and not _falls_by_factors(rate, region):
+                return Violation(None)
+    return None
+
+
+def _falls_along_rays(rate: Polynomial, potential: Polynomial, level: Fraction, region: Region) -> bool:
+    """Whether a sum of two forms f and g is negative where a quadratic form V is below a level: homogeneous claims.
+
+    On ``V = c``, ``f + g <= 0`` is ``f (V/c)^(d/2) + g <= 0`` for degrees that differ by an even d; for an odd d
+    ``g^2 <= f^2 (V/c)^d`` is enough.
+    """
+    degrees = sorted({sum(e) for e in rate.terms})
+    if len(degrees) != 2 or not potential.is_homogeneous or potential.degree != 2:
+        return False
+    f, g = (replace(rate, terms={e: c for e, c in rate.terms.items() if sum(e) == d}) for d in degrees)
+    d, plain = degrees[1] - degrees[0], Region(region.generators)
+    if d % 2:
+        on_level = g * g * level**d - f * f * potential**d
+    else:
+        on_level = f * potential ** (d // 2) + g * level ** (d // 2)
+    return isinstance(prove(Sense.NEGATIVE, f, plain, except_origin=True), Proof) and isinstance(
+        prove(Sense.NONPOSITIVE, on_level, plain), Proof
+    )
+
+
+def _falls_by_factors(rate: Polynomial, region: Region) -> bool:
+    """Whether a product of factors with proved signs is negative; each is tried without the guards first."""
+    factored = factorize(rate)
+    if factored is None:
+        return False
+    total = sign(factored[0])
+    for factor, exponent in factored[1]:
+        here = _sign_of_factor(factor, region)
+        if not here:
+            return False
+        total *= here if exponent % 2 else 1
+    return total < 0
+
+
+def _sign_of_factor(factor: Polynomial, region: Region) -> int:
+    """The strict sign of a factor on a region without the origin; 0 where none is proved."""
+    for part in (Region(region.generators), region):
+        for sense, side in ((Sense.POSITIVE, 1), (Sense.NEGATIVE, -1)):
+            if isinstance(prove(sense, factor, part, except_origin=True), Proof):
+                return side
+    return 0
+
+
+def border_edges(cell: LyapunovCell, radius: Number) -> Iterator[Segment]:
+    """The sides of a cell that lie on the border of the square."""
+    for g, h in cell.region.edges:
+        for axis in (0, 1):
+            ends = [end[axis] / end[2] for end in (g, h)]
+            if ends[0] == ends[1] and abs(ends[0]) == radius:
+                yield g, h
+
+
+def _point_below(polynomial: Polynomial, edge: Segment) -> Point | None:
+    """A point of an edge at which a polynomial is negative; None where it is negative nowhere."""
+    terms = in_generators(polynomial.homogenized().terms, list(edge))
+    top = polynomial.degree
+    along = trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)])
+    for end in ((x / w, y / w) for x, y, w in edge):
+        if sign(polynomial(end)) < 0:
+            return end
+    for t in Line.samples(positive_roots(along)) if along else []:
+        if value(along, t).sign() < 0:
+            x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
+            return x / w, y / w
+    return None

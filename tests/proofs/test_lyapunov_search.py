@@ -1,0 +1,186 @@
+"""The search for V, its region and its rate: against paths, closed forms and forged evidence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
+from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate, decay_rate
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.lyapunov_basis import bent_functions, build_formula, lines_through, smooth_functions
+from nonsmooth.proofs.systems.lyapunov_program import propose
+from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
+from nonsmooth.proofs.systems.search import reversed_cells
+from nonsmooth.proofs.systems.sublevel_region import largest_sublevel
+from nonsmooth.proofs.systems.system_stability import Method, scene_cells, system_check
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from tests.proofs.conftest import Load
+
+STEP, STEPS, STARTS = 1e-3, 1500, 12
+
+
+def slack(radius: float) -> float:
+    """By how much V may rise on a polygon that chatters with steps of this length."""
+    return 20 * STEP * radius
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("y", "-2*sign(x) - sign(y)"),
+        ("y", "-2*sign(x + y) + x/2"),
+        ("y - 2*sign(x + y)", "-x + y/3 - sign(y)"),
+        ("-sign(x) + y", "-y"),
+        ("y", "-3*sign(x - y)*(-1) - 6*sign(2*x + y)"),
+    ],
+)
+def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> None:
+    system = load(first, second)
+    found = find_lyapunov(system)
+    assert found is not None
+    assert found.result.check()
+    assert found.result.verdict is Decrease.STRICT
+    names = {"Abs": np.abs, "sign": np.sign}
+    rhs = [compile(f.text, "rhs", "eval") for f in system.rhs]
+    formula = compile(found.formula.text, "V", "eval")
+    radius = float(found.radius)
+    angles = np.linspace(0.1, 0.1 + 2 * np.pi, STARTS, endpoint=False)
+    points = 0.5 * radius * np.array([np.cos(angles), np.sin(angles)])
+    inside = np.ones(STARTS, dtype=bool)
+    values = eval(formula, names, {"x": points[0], "y": points[1]})  # noqa: S307 - found by the search
+    lowest = values.copy()
+    for _ in range(STEPS):
+        rates = [eval(f, names, {"x": points[0], "y": points[1]}) for f in rhs]  # noqa: S307 - texts of this test
+        points = points + STEP * np.array(np.broadcast_arrays(*rates))
+        inside &= np.abs(points).max(axis=0) <= radius
+        values = eval(formula, names, {"x": points[0], "y": points[1]})  # noqa: S307 - found by the search
+        assert np.all(values[inside] <= lowest[inside] + slack(1.0))
+        lowest = np.minimum(lowest, values)
+    assert np.all(lowest[inside] < 0.5 * eval(formula, names, {"x": radius / 2, "y": 0.0}) + slack(1.0))  # noqa: S307
+
+
+def test_nothing_is_found_where_there_is_nothing(load: Load) -> None:
+    for first, second in (("y", "-x"), ("x", "-y"), ("y", "-sign(x)"), ("-sign(x) + y", "y")):
+        assert find_lyapunov(load(first, second)) is None
+
+
+def test_in_reversed_time_it_grows(load: Load) -> None:
+    result = system_check(load("y + x**3", "-x + y**3"))
+    assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.GROWTH)
+    assert result.searched is not None
+    assert result.searched.grows
+    assert result.check()
+    turned = reversed_cells(system_cells(load("y", "-x"), square_regions(result.scene.check.radius)))
+    assert [str(p) for p in turned[0].velocities[0]] == ["-y", "x"]
+
+
+def test_sums_of_basis_functions_are_written_as_formulas(load: Load) -> None:
+    system = load("y - sign(x + 2*y)", "-sign(y)*sign(x - 1)")
+    lines = lines_through(system)
+    assert {str(line) for line in lines} == {"x + 2*y", "y"}
+    basis = (*bent_functions(system.field, lines, 1), *smooth_functions(system.field, 2))
+    coefficients = [Fraction(1, 2), Fraction(0), Fraction(1), Fraction(-9, 11), Fraction(-1)]
+    formula = build_formula(basis, coefficients, ("a", "b"))
+    assert formula.text == f"Abs({str(lines[0]).replace('x', 'a').replace('y', 'b')})/2 + a**2 - 9*a*b/11 - b**2"
+
+
+def test_programs_propose_what_all_rows_allow() -> None:
+    rows = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -0.5]])
+    for coefficients in propose(rows):
+        assert np.all(rows @ np.array([float(c) for c in coefficients]) > 0)
+    assert list(propose(np.array([[1.0, 0.0], [-1.0, 0.0]]))) == []
+
+
+# ---- regions and rates ---------------------------------------------------------------------------
+
+U = "(100*x**4 - 384*x**2*y**2 + 400*y**4)"
+
+
+def potential_flow(load: Load) -> SwitchedSystem:
+    """``c' = (U - 1) grad U``: the region of attraction is U < 1, and V = abs(c)^2 serves up to 1/20 exactly."""
+    return load(f"({U} - 1)*(400*x**3 - 768*x*y**2)", f"({U} - 1)*(1600*y**3 - 768*x**2*y)", radius='"1/4"')
+
+
+def test_a_region_up_to_its_exact_limit(load: Load) -> None:
+    """On the y axis U = 400 V^2, so V' = 8 U (U - 1) vanishes at V = 1/20 (Drake, issue 12876)."""
+    system = potential_flow(load)
+    region = largest_sublevel(
+        scene_cells(system, square_regions(system.check.radius)), system.check.radius, falls=False
+    )
+    assert region is not None
+    assert region.level == Fraction(1, 20)
+    assert Fraction(1, 20) < region.refuted < Fraction(1, 20) * Fraction(1001, 1000)
+    assert region.point is not None
+    x, y = map(float, region.point)
+    level = 100 * x**4 - 384 * x**2 * y**2 + 400 * y**4
+    assert 8 * level * (level - 1) > -1e-12
+    assert x**2 + y**2 <= float(region.refuted)
+    result = system_check(system)
+    assert result.region == region
+    assert result.check()
+    assert not replace(result, region=replace(region, level=Fraction(51, 1000))).check()
+    assert not replace(result, region=replace(region, falls=True)).check()
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "lyapunov", "level"),
+    [
+        ("-sign(x)", "-2*sign(y) + x", "Abs(x) + Abs(y)", Fraction(1, 2)),
+        ("-x + y**2", "-y", "x**2 + 2*y**2", Fraction(1, 4)),
+    ],
+)
+def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov: str, level: Fraction) -> None:
+    result = system_check(load(first, second, lyapunov=f'"{lyapunov}"'))
+    assert result.region is not None
+    assert result.region.level == level
+    assert result.region.point is not None
+    assert max(abs(float(v)) for v in result.region.point) == 0.5
+    assert result.check()
+    assert not replace(result, region=replace(result.region, level=level * 2)).check()
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "lyapunov", "decay", "bound"),
+    [
+        (
+            "-sign(x)",
+            "-2*sign(y) + x",
+            "Abs(x) + Abs(y)",
+            Decay.FINITE,
+            Fraction(1),
+        ),  # V' = -1 at worst, sliding on x = 0
+        ("-x", "-x**2*y - 2*y", "x**2 + y**2", Decay.EXPONENTIAL, Fraction(2)),
+        ("y", "-x - y", "x**2 + x*y + y**2", Decay.EXPONENTIAL, Fraction(1)),
+    ],
+)
+def test_rates_are_below_the_exact_ones(
+    load: Load, first: str, second: str, lyapunov: str, decay: Decay, bound: Fraction
+) -> None:
+    result = system_check(load(first, second, lyapunov=f'"{lyapunov}"'))
+    assert result.certificate is not None
+    cells = scene_cells(result.scene, square_regions(result.scene.check.radius))
+    rate = decay_rate(cells)
+    assert rate is not None
+    assert rate.decay is decay
+    assert bound / 2 <= rate.kappa <= bound
+    assert rate.check(cells)
+    assert not DecayRate(decay, bound * Fraction(9, 8)).check(cells)
+
+
+def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
+    """Twisting arrives in finite time, but V' vanishes to second order on the y axis: no rate of either kind."""
+    result = system_check(load("y", "-2*sign(x) - sign(y)"))
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.region is not None
+    assert isinstance(result.certificate.cells[0].potential, Polynomial)  # type: ignore[union-attr]
+    if result.rate is not None:
+        assert result.rate.check(result.certificate.cells)  # type: ignore[union-attr]

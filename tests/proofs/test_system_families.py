@@ -1,0 +1,40 @@
+"""Known systems in families: every third here, all of them in tests/benchmarks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
+from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.proofs.system_families import Known, families
+
+SLOW = {"relay, viscous 1/4", "damping at one side only"}
+CHOSEN = [known for known in list(families())[::3] if known.name not in SLOW]
+
+
+def system_of(known: Known) -> SwitchedSystem:
+    document = {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": dict(known.check)}
+    return build_system(document, known.name, Path("known.toml"))
+
+
+@pytest.mark.parametrize("known", CHOSEN, ids=lambda known: known.name)
+def test_known_systems(known: Known) -> None:
+    system = system_of(known)
+    result = system_check(system)
+    assert str(result.verdict) == known.truth
+    assert result.check()
+    if result.searched is not None and result.searched.formula is not None and not result.searched.grows:
+        document = {"equilibrium": known.check.get("equilibrium", [0, 0]), "radius": str(result.searched.domain.radius)}
+        smaller = build_system(
+            {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": document}, "again", Path("again.toml")
+        )
+        assert audit(smaller, result.searched.formula.text).verdict is AuditVerdict.VALID
+
+
+def test_there_are_enough_families() -> None:
+    assert len(list(families())) >= 60
+    assert len({known.name for known in families()}) == len(list(families()))
