@@ -312,7 +312,7 @@ def scattered_heading(source: Path, seed: int, share: Fraction, folder: Path) ->
 def standstill(scene: Scene, lowered: Floats, until: float) -> tuple[Floats, float]:
     """Where the centre of mass of the plate stays in the engine, and how fast the plate turns there.
 
-    The end of a path along the engine's settled velocities from the checked point; wheels run at the speeds of the scene.
+    The end of a path along the engine's settled velocities from the checked point; wheels run at the scene's speeds.
     """
 
     def motion(place: Floats) -> Floats:
@@ -359,7 +359,7 @@ def engine_heading(scene: Scene, start: Floats, until: float) -> float:
 
 
 def returning_heading(offset: float, folder: Path) -> tuple[float, float]:
-    """The nearest heading that ``check`` proves to return, and that of a plate in the engine turned away from it by an offset."""
+    """The nearest heading that ``check`` proves to return, and where a plate in the engine, turned off it, ends at."""
     file = folder / "swirl.toml"
     file.write_text(SWIRL, encoding="utf-8")
     found = command("check", str(file), "--rule", "ellipse")["answers"]["equilibrium_headings"]["found"]
