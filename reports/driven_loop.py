@@ -8,6 +8,7 @@ c*: each is the minimizer of D for these speeds at these loads, and none is used
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -21,7 +22,7 @@ from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, drive
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.proved import proved
-from nonsmooth.analysis.trajectories.held_law import follow_held
+from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -44,10 +45,12 @@ class DrivenLoop:
     Attributes:
         scene: the array, measured from the checked point.
         feedback: what the feedback clause says of it: stabilizable.
+        gain: k (1/time).
     """
 
     scene: Scene
     feedback: DrivenFeedback
+    gain: float = GAIN
 
     @property
     def length(self) -> float:
@@ -66,8 +69,36 @@ class DrivenLoop:
 
     @property
     def is_sampled(self) -> bool:
-        """Whether the law has too many cones to be followed event by event, and is sampled and held instead."""
-        return len(self.feedback.cones) > MOST_CONES
+        """Whether the law is sampled and held, and not followed event by event.
+
+        So it is where it has too many cones, where speeds end, and where the pose is late or wrong.
+        """
+        held = self.scene.loop_errors is not None or bool(self.scene.speed_limits)
+        return held or len(self.feedback.cones) > MOST_CONES
+
+    @property
+    def errors(self) -> PoseErrors | None:
+        """Of the pose that the law is given, with l for the unit of length; None where it is exact."""
+        stated = self.scene.loop_errors
+        if stated is None:
+            return None
+        turn = float(stated.heading) * math.pi
+        return PoseErrors(float(stated.delay), float(stated.position) / self.length, turn)
+
+    @cached_property
+    def held(self) -> HeldLaw:
+        """The law at samples, with l for the unit of length."""
+        limits = self.scene.speed_limits
+        if not limits:
+            return HeldLaw(self.cones, self.gain)
+        sizes = [float(limits[wheel.index]) if wheel.index in limits else math.inf for wheel in self.scene.wheels]
+        return HeldLaw(self.cones, self.gain, np.array(sizes) / self.length)
+
+    def speeds(self, pose: Sequence[float]) -> list[float]:
+        """The speeds of all wheels for a pose measured from the checked point."""
+        x, y, theta = (float(entry) for entry in pose)
+        own = np.array([x / self.length, y / self.length, theta])
+        return [float(speed) * self.length for speed in self.held.speeds(own)]
 
     def value(self, pose: Sequence[float]) -> float:
         """V of a pose measured from the checked point."""
@@ -83,11 +114,11 @@ class DrivenLoop:
     def _cone(self, own: Scene, cone: LawCone) -> ImposedMotions:
         rays = None if cone.rays is None else (_floats(cone.rays[0]), _floats(cone.rays[1]))
         twists = np.array([_floats(imposed.twist) for imposed in cone.twists])
+        speeds = np.array([rim_speeds(own, imposed) for imposed in cone.twists])
         if not self.is_smooth:
-            return ImposedMotions(rays, twists, tuple(_constant(twist) for twist in twists))
+            return ImposedMotions(rays, twists, tuple(_constant(twist) for twist in twists), speeds)
         model = contact_model(own)
-        speeds = [np.array(rim_speeds(own, imposed)) for imposed in cone.twists]
-        return ImposedMotions(rays, twists, tuple(_minimizing(model, targets) for targets in speeds))
+        return ImposedMotions(rays, twists, tuple(_minimizing(model, targets) for targets in speeds), speeds)
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
         """The path from a pose measured from the checked point: event by event, or sampled where cones are many.
@@ -105,8 +136,8 @@ class DrivenLoop:
     def _followed(self, own: tuple[float, float, float], until: float) -> Trajectory:
         """The path, with l for the unit of length."""
         if self.is_sampled:
-            return follow_held(self.cones, own, until, GAIN)
-        field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), GAIN)
+            return follow_held(self.held, own, until, self.errors)
+        field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), self.gain)
         if self.is_smooth:
             return follow_smooth(field, own, until, rtol=TOLERANCE, atol=TOLERANCE * field.size)
         return follow_smooth(field, own, until)
@@ -114,7 +145,7 @@ class DrivenLoop:
     def _refuse_contradiction(self, path: Trajectory) -> None:
         """Within the certified region V falls; outside of it a path that leaves the reach is none of this law."""
         values = np.array([self.value(pose) for pose in path.states])
-        if self.reach is None:
+        if self.reach is None or self.errors is not None:
             return
         if values[0] < self.reach**2:
             rise = float((values - np.minimum.accumulate(values)).max())

@@ -54,8 +54,10 @@ _LINEAR = '''
 def speeds(x, y, theta, k=1.0):
     """Rim speeds by wheel, with gain k (1/time)."""
     region = region_at(x, y)
-{terms}    return {{wheel: k * sum(c * t for c, t in zip(row, terms)) for wheel, row in region["speeds"].items()}}
+{terms}    return {result}
 '''
+
+_LINEAR_RESULT = '{wheel: k * sum(c * t for c, t in zip(row, terms)) for wheel, row in region["speeds"].items()}'
 
 _DRIVEN = '''
 
@@ -64,7 +66,17 @@ def speeds(x, y, theta, k=1.0):
     region = region_at(x, y)
     products = [x * a + y * b + WEIGHT * theta * c for a, b, c in region["axes"]]
     chosen = max(range(len(products)), key=lambda index: abs(products[index]))
-    return {wheel: -k * products[chosen] * row[chosen] for wheel, row in region["speeds"].items()}
+    return {result}
+'''
+
+_DRIVEN_RESULT = '{wheel: -k * products[chosen] * row[chosen] for wheel, row in region["speeds"].items()}'
+
+_WITHIN_LIMITS = '''
+
+def within_limits(speeds):
+    """All speeds times one factor, where one of them would exceed its limit: the body takes the same way, later."""
+    demand = max([abs(speeds[wheel]) / limit for wheel, limit in LIMITS.items() if wheel in speeds], default=0.0)
+    return speeds if demand <= 1 else {wheel: speed / demand for wheel, speed in speeds.items()}
 '''
 
 _NAMES = {"e": "E", "f": "F", "w": "WEIGHT", "l": "LENGTH"}
@@ -85,5 +97,17 @@ def law_program(law: LawTable, at: str) -> str:
     head = _HEAD.format(name=name, rule=law.scene.contact.rule, at=at, certified=law.certified, terms=law.kind)
     constants = {_NAMES[key]: value for key, value in law.constants.items()} | {"SIZE": float(law.scene.check.radius)}
     lines = "".join(f"{key} = {value!r}\n" for key, value in constants.items())
-    body = _DRIVEN if law.kind is LawKind.DRIVEN else _LINEAR.format(terms=_TERMS[law.kind])
-    return f"{head}{lines}REGIONS = {pformat(regions, width=WIDTH, sort_dicts=False)}\n{_PLACE}{body}"
+    limits = {index: float(limit) for index, limit in law.scene.speed_limits.items()}
+    lines += f"LIMITS = {limits!r}\n" if limits else ""
+    scaling = _WITHIN_LIMITS if limits else ""
+    regions_text = pformat(regions, width=WIDTH, sort_dicts=False)
+    return f"{head}{lines}REGIONS = {regions_text}\n{_PLACE}{scaling}{_speeds_function(law.kind, limited=bool(limits))}"
+
+
+def _speeds_function(kind: LawKind, *, limited: bool) -> str:
+    """The function ``speeds`` of the file."""
+    result = _DRIVEN_RESULT if kind is LawKind.DRIVEN else _LINEAR_RESULT
+    result = f"within_limits({result})" if limited else result
+    if kind is LawKind.DRIVEN:
+        return _DRIVEN.format(result=result)
+    return _LINEAR.format(terms=_TERMS[kind], result=result)

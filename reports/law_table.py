@@ -85,8 +85,13 @@ class LawTable:
     certified: str = NEARBY
 
     def rows(self) -> list[dict[str, str]]:
-        """One row for each region, twist and wheel: where, and the speed of its rim."""
-        return [row for region in self.regions for row in self._rows_of(region)]
+        """One row for each region, twist and wheel: where, and the speed of its rim.
+
+        With limits each row has its wheel's: all speeds of a region are scaled by one factor to keep them.
+        """
+        rows = [row for region in self.regions for row in self._rows_of(region)]
+        limits = {str(index): repr(float(limit)) for index, limit in self.scene.speed_limits.items()}
+        return [row | {"speed_limit": limits.get(row["wheel"], "")} for row in rows] if limits else rows
 
     def _rows_of(self, region: LawRegion) -> Iterable[dict[str, str]]:
         if self.kind is not LawKind.DRIVEN:

@@ -20,6 +20,7 @@ from functools import cached_property
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
+from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -173,7 +174,8 @@ class Scene(ShortRepr):
     field that the array stands for, where its file gives one; ``units`` are labels, which no result depends on.
     ``body`` is what lies on the array, None where every wheel carries at every pose; ``idle`` are the wheels that do
     not carry it at the checked pose, where they were set apart (:func:`nonsmooth.symbolic.contact_set.standing`).
-    ``tolerances`` are how far the array that is built may be from this one, None where nothing is said of it.
+    ``tolerances`` are how far the array that is built may be from this one, None where nothing is said of it;
+    ``loop_errors`` are how late and how wrong the pose is that a feedback law acts on, None where it is exact.
     """
 
     name: str
@@ -187,6 +189,7 @@ class Scene(ShortRepr):
     body: Body | None = None
     idle: tuple[Wheel, ...] = ()
     tolerances: Tolerance | None = None
+    loop_errors: LoopErrors | None = None
 
     @property
     def speed_limits(self) -> dict[int, Number]:

@@ -9,6 +9,7 @@ import pytest
 from pydantic import BaseModel
 
 from nonsmooth.symbolic.files.body_table import BodyTable
+from nonsmooth.symbolic.files.feedback_table import FeedbackTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     CheckTable,
@@ -34,6 +35,7 @@ TABLES: dict[str, type[BaseModel]] = {
     "[wheels]": WheelFile,
     "[body]": BodyTable,
     "[tolerance]": ToleranceTable,
+    "[feedback]": FeedbackTable,
     "[check]": CheckTable,
     "[vehicle]": VehicleTable,
 }

@@ -37,11 +37,13 @@ class ImposedMotions:
         rays: first and last direction of the cone, counterclockwise; None all around.
         twists: xi_l, shape (m, 3).
         motions: the motion that the speeds of each impose.
+        speeds: the speeds that impose each, wheel by wheel, shape (m, n).
     """
 
     rays: tuple[Vector, Vector] | None
     twists: Vector
     motions: tuple[Motion, ...]
+    speeds: Vector
 
 
 def driven_field(cones: Sequence[ImposedMotions], centre: Sequence[float], size: float, gain: float) -> SignField:

@@ -48,7 +48,18 @@ class ManyTwists:
         found, settled = self.track(rows, targets, loads, start)
         again = np.flatnonzero(~settled)
         if len(again):
-            found[again], settled[again] = self._from_smooth(flat[again], targets[again], loads[again])
+            at_rest = np.zeros((len(again), flat.shape[2]))
+            found[again], settled[again] = self._from_smooth(flat[again], targets[again], loads[again], at_rest, 1.0)
+        return found, settled
+
+    def follow(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """The same from near starts, where twists may have jumped since: g is first made larger, but not by much."""
+        flat = rows.reshape(len(rows), -1, rows.shape[-1])
+        found, settled = self.track(rows, targets, loads, start)
+        again = np.flatnonzero(~settled)
+        if len(again):
+            near = flat[again], targets[again], loads[again], start[again]
+            found[again], settled[again] = self._from_smooth(*near, COARSE / SHARPER)
         return found, settled
 
     def track(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
@@ -56,9 +67,11 @@ class ManyTwists:
         flat = rows.reshape(len(rows), -1, rows.shape[-1])
         return self._settle(flat, targets, loads, start, self._smoothing)
 
-    def _from_smooth(self, flat: Floats, targets: Floats, loads: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """From rest, with g large at first: there Newton's method settles from afar."""
-        found, smoothing = np.zeros((len(flat), flat.shape[2])), 1.0
+    def _from_smooth(
+        self, flat: Floats, targets: Floats, loads: Floats, start: Floats, smoothing: float
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """With g large at first: there Newton's method settles from afar."""
+        found = start.copy()
         known = np.zeros(len(flat), bool)
         while True:
             smoothing = max(smoothing, self._smoothing)
@@ -207,6 +220,7 @@ class MovingTwists:
             cuts = np.broadcast_to(self._model.cuts, loads.shape)
             start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
             rows, targets, loads = with_rollers(rows, targets, loads, cuts)
-        found, settled = self._twists.track(rows, targets, loads, start)
+        settle = self._twists.follow if self._turns else self._twists.track
+        found, settled = settle(rows, targets, loads, start)
         self._last[paths[settled]] = found[settled, :3]
         return found[:, :3] / self._unit, settled

@@ -3,11 +3,17 @@
 The event-driven path (:mod:`nonsmooth.analysis.fields.driven_field`) follows the exact Filippov solution; where many
 cones of directions of c meet at ``c = 0`` it has too many patterns of modes to try.  Here the law chooses at times h
 apart, so that switches are late by at most h; V falls to the order of ``h^2`` beside its start.
+
+The pose that the law is given may be late, and off: at every sample by the worst of 27 errors, the one after which V
+rises most (or falls least).  Speeds that would exceed a limit are scaled by one factor.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -18,40 +24,102 @@ from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajec
 STEP = 0.02  # h, of the shortest time in which a twist answers: 1 over the gain and its squared size
 MOST_STEPS = 20_000
 SHOWN = 1_000  # states that the trajectory keeps
+SIDES = 8  # directions of an error of the place
 
 
-def follow_held(cones: Sequence[ImposedMotions], start: Sequence[float], until: float, gain: float) -> Trajectory:
+@dataclass(frozen=True)
+class PoseErrors:
+    """How old a pose is that a law is given, and how far it may be off.
+
+    Attributes:
+        delay: its age (time).
+        place: largest distance from the true place, with l for the unit of length.
+        heading: largest difference of headings (radian).
+    """
+
+    delay: float = 0.0
+    place: float = 0.0
+    heading: float = 0.0
+
+    def candidates(self) -> Vector:
+        """Errors ``(x, y, theta)`` that are tried, shape (m, 3): none, and those on the border."""
+        turns = 2 * np.pi * np.arange(SIDES) / SIDES
+        places = [(0.0, 0.0), *zip(self.place * np.cos(turns), self.place * np.sin(turns), strict=True)]
+        found = [(*place, turn) for place, turn in product(places, (0.0, self.heading, -self.heading))]
+        return np.unique(np.array(found), axis=0)
+
+
+@dataclass(frozen=True)
+class HeldLaw:
+    """A law of imposed twists at samples.
+
+    Attributes:
+        cones: its twists; they go around.
+        gain: k (1/time).
+        limits: largest speeds, wheel by wheel, infinite where a wheel has none; None without limits.
+    """
+
+    cones: Sequence[ImposedMotions]
+    gain: float
+    limits: Vector | None = None
+
+    def speeds(self, seen: Vector) -> Vector:
+        """The speeds of all wheels for a pose that the law is given."""
+        cone, chosen, factor = self._choice(seen)
+        return np.asarray(factor * cone.speeds[chosen])
+
+    def twist(self, seen: Vector, pose: Vector) -> Vector:
+        """How a body at a pose moves under the speeds for another one."""
+        cone, chosen, factor = self._choice(seen)
+        return np.asarray(factor * cone.motions[chosen](pose[:2]))
+
+    def _choice(self, seen: Vector) -> tuple[ImposedMotions, int, float]:
+        """The cone, which of its twists, and the factor ``-k (g . xi_l)``, smaller where a speed would end."""
+        cone = next((cone for cone in self.cones if _holds(cone, seen)), self.cones[0])
+        products = cone.twists @ seen
+        chosen = int(np.argmax(np.abs(products)))
+        factor = -self.gain * float(products[chosen])
+        if self.limits is None:
+            return cone, chosen, factor
+        demand = float((np.abs(factor * cone.speeds[chosen]) / self.limits).max())
+        return cone, chosen, factor / max(1.0, demand)
+
+
+def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: PoseErrors | None = None) -> Trajectory:
     """The path of ``(x, y, theta)`` from a start, measured from the checked point and with l for the unit of length.
 
+    Before the start the body stood there.
+
     Args:
-        cones: the law; they go around.
+        law: what it samples.
         start: the pose.
         until: last time, unless 20,000 samples end before.
-        gain: k (1/time).
+        errors: of the pose that the law is given.
 
     Returns:
         Method ``sampled``: states without events, as no switch is located.
     """
-    fastest = max(float((cone.twists**2).sum(axis=1).max()) for cone in cones)
-    step = STEP / (gain * fastest)
-    count = min(int(np.ceil(until / step)), MOST_STEPS)
-    step = min(step, until / count)
-    pose, poses = np.array(start, dtype=float), [np.array(start, dtype=float)]
+    fastest = max(float((cone.twists**2).sum(axis=1).max()) for cone in law.cones)
+    step, errors = STEP / (law.gain * fastest), errors or PoseErrors()
+    late = math.ceil(errors.delay / step)
+    step = errors.delay / late if late else step
+    count = min(math.ceil(until / step), MOST_STEPS)
+    step = step if late else min(step, until / count)
+    wrong = errors.candidates()
+    poses = [np.array(start, dtype=float)]
     for _ in range(count):
-        pose = _moved(pose, _imposed(cones, pose, gain), step)
-        poses.append(pose)
+        pose = poses[-1]
+        poses.append(_moved(pose, _worst(law, pose, poses[max(0, len(poses) - 1 - late)] + wrong), step))
     kept = np.unique(np.linspace(0, count, min(count, SHOWN) + 1).round().astype(int))
     states: list[State] = [tuple(poses[k].tolist()) for k in kept]
     times = tuple(float(k * step) for k in kept)
     return Trajectory("exact", "sampled", times, tuple(states), (), End(times[-1], states[-1], EndReason.TIME), None)
 
 
-def _imposed(cones: Sequence[ImposedMotions], pose: Vector, gain: float) -> Vector:
-    """The twist ``-k (g . xi_l) xi_l`` of the largest ``|g . xi_l|``, as the body then moves."""
-    cone = next((cone for cone in cones if _holds(cone, pose)), cones[0])
-    products = cone.twists @ pose
-    chosen = int(np.argmax(np.abs(products)))
-    return np.asarray(-gain * products[chosen] * cone.motions[chosen](pose[:2]))
+def _worst(law: HeldLaw, pose: Vector, seen: Vector) -> Vector:
+    """Of the motions for several poses that the law may be given, the one with the largest V'."""
+    twists = [law.twist(each, pose) for each in seen]
+    return max(twists, key=lambda twist: float(pose @ twist))
 
 
 def _holds(cone: ImposedMotions, pose: Vector) -> bool:

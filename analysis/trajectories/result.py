@@ -185,18 +185,25 @@ class Trajectory(ShortRepr):
         """The same path of ``(x, y, theta)``, where x and y count a length, in the unit of that length."""
         if length == 1:
             return self
+        return self._with_states(lambda state: (state[0] * length, state[1] * length, *state[2:]))
 
-        def back(state: State) -> State:
-            return (state[0] * length, state[1] * length, *state[2:])
+    def shifted(self, x: float, y: float) -> Trajectory:
+        """The same path of ``(x, y, theta)``, measured from the point ``(-x, -y)``."""
+        if not (x or y):
+            return self
+        return self._with_states(lambda state: (state[0] + x, state[1] + y, *state[2:]))
+
+    def _with_states(self, seen: Callable[[State], State]) -> Trajectory:
+        """The same path with all its states mapped."""
 
         def later(piece: Piece) -> Piece:
-            return replace(piece, state=lambda time: back(piece.state(time)))
+            return replace(piece, state=lambda time: seen(piece.state(time)))
 
         return replace(
             self,
-            states=tuple(map(back, self.states)),
-            events=tuple(replace(event, state=back(event.state)) for event in self.events),
-            end=replace(self.end, state=back(self.end.state)),
+            states=tuple(map(seen, self.states)),
+            events=tuple(replace(event, state=seen(event.state)) for event in self.events),
+            end=replace(self.end, state=seen(self.end.state)),
             pieces=tuple(map(later, self.pieces)),
         )
 

@@ -2,7 +2,8 @@
 
 The field ``c' = v(c) + omega(c) J c`` is continuous, so all paths are integrated together (Bogacki and Shampine's pair
 of orders 2 and 3) until each has left the square or stands still; Newton's method then finds where the field vanishes.
-Where twists jump, as under rule ``roller``, paths along the jumps need very short steps, and may stay unknown.
+Where twists jump, as under rule ``roller``, bodies may slide to a point at full speed and stay there, in steps to and
+fro: one that gets nowhere for a while is taken to stand.
 Along the paths D is slightly smoothed, and each minimizer begins at the last one of its path; at the starts and where
 the bodies stand it is the rule's own, with its proof.
 """
@@ -31,6 +32,10 @@ TOLERANCE = 1e-3  # of the half side, for each step: enough to tell places apart
 STILL = 1e-3  # of the largest speed of the starts: slower bodies stand still
 NEWTON_STEPS = 8
 STEP = 1e-6  # of the half side: over which the field is differentiated
+PIECES = 24  # of a stretch, where twists jump; a body that gets nowhere in two of them stands
+BRISK = 0.1  # of the largest speed of the starts: bodies that get nowhere at such a speed step to and fro
+SHRINKING, TIMES = 14, 8  # steps to and fro get half as long so often, and are made so many times
+JUMPED = 1e-4  # of the half side: to which a place that jumps surround is rounded
 GRID = 1e-12  # of the half side: to which places are rounded, so that zero is zero
 TOGETHER = 1e-2  # of the half side: bodies that stand closer together stand at one place
 
@@ -67,6 +72,11 @@ class _Field:
         self._left, self._faces, self._work = MOST_MINIMA, MOST_FACES, MOST_WORK
         self._model = rule.contacts(scene)
         self._moving = MovingTwists(self._model, paths)
+
+    @property
+    def jumps(self) -> bool:
+        """Whether twists may jump: D is linear in pieces where rollers turn."""
+        return bool((self._model.cuts < 1).any())
 
     def __call__(self, points: Floats) -> Floats:
         """Velocities at points (m, 2), shape (m, 2), by proved minimizers.
@@ -138,7 +148,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
     try:
         _follow_all(field, points, reached, still, radius)
         found = _gathered(points, reached, still, radius)
-        places = [_where_it_vanishes(field, place, radius) for place in found.places]
+        places = [_where_it_stands(field, place, radius) for place in found.places]
     except _EnoughError:
         found = _gathered(points, reached, still, radius)
         places = list(found.places)
@@ -156,15 +166,21 @@ def _follow_all(
         still[:] = True
         return
     until = CROSSINGS * radius / fastest
+    pieces = PIECES if field.jumps else 1
+    earlier, before = np.full_like(points, np.inf), points.copy()
     for _ in range(STRETCHES):
-        moving = (reached == MOVING) & ~still
-        if not moving.any():
-            return
-        points[moving] = _followed(field, points[moving], np.flatnonzero(moving), until, radius)
-        reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
-        inside = moving & (reached == MOVING)
-        if inside.any():
-            still[inside] = np.hypot(*field.along(points[inside], np.flatnonzero(inside)).T) <= STILL * fastest
+        for _ in range(pieces):
+            moving = (reached == MOVING) & ~still
+            if not moving.any():
+                return
+            points[moving] = _followed(field, points[moving], np.flatnonzero(moving), until / pieces, radius)
+            reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
+            inside = np.flatnonzero(moving & (reached == MOVING))
+            if len(inside):
+                speeds = np.hypot(*field.along(points[inside], inside).T) / fastest
+                nowhere = np.hypot(*(points[inside] - earlier[inside]).T) <= TOGETHER * radius
+                still[inside] = (speeds <= STILL) | (nowhere & (speeds >= BRISK))
+            earlier, before = before, points.copy()
         until *= 2
 
 
@@ -183,6 +199,22 @@ def _followed(field: _Field, starts: Floats, paths: NDArray[np.int_], until: flo
     step = TOLERANCE * radius
     done = solve_ivp(rates, (0.0, until), starts.ravel(), method="RK23", rtol=TOLERANCE, atol=step, t_eval=[until])
     return np.asarray(done.y[:, -1].reshape(-1, 2))
+
+
+def _where_it_stands(field: _Field, place: Floats, radius: float) -> Floats:
+    """A zero of the field beside a place, or where it is not small the point to which jumps lead."""
+    if not field.jumps:
+        return _where_it_vanishes(field, place, radius)
+    path, speed = np.zeros(1, int), float(np.hypot(*field(place[None])[0]))
+    vanishing = _where_it_vanishes(field, place, radius)
+    if float(np.hypot(*field(vanishing[None])[0])) <= STILL * speed:
+        return vanishing
+    step = TOGETHER * radius / speed
+    for _ in range(SHRINKING):
+        for _ in range(TIMES):
+            place = place + step * field.along(place[None], path)[0]
+        step /= 2
+    return np.asarray(np.round(place / (JUMPED * radius)) * JUMPED * radius)
 
 
 def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> Floats:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
+from nonsmooth.proofs.answers.loop import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
@@ -62,6 +63,8 @@ def _facts(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     yield Fact("position_error", error, "" if error is None else _misjudging(error))
     if not held:
         yield said(_why_not(found))
+    if scene.loop_errors is not None:
+        yield late_and_wrong(found, scene.loop_errors, scene)
 
 
 def _knowing(found: AnyFeedback) -> str:

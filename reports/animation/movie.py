@@ -15,7 +15,7 @@ from nonsmooth.reports.figures.cell_map import INKED, LABEL
 from nonsmooth.reports.figures.labels import length_label, wrapped
 from nonsmooth.reports.figures.outline import placed
 from nonsmooth.reports.figures.trajectory import MARKERS, PATH, marked
-from nonsmooth.reports.figures.wheels import INK, draw_axis, floats
+from nonsmooth.reports.figures.wheels import AXIS_COLOR, INK, draw_axis, floats
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -196,6 +196,8 @@ def _explain(figure: Figure, film: Film) -> None:
         Line2D([], [], label="speed of the rim", color=INK, marker=r"$\rightarrow$", linestyle="none", markersize=10),
         Line2D([], [], label="body and heading", color=PATH, marker="o", linewidth=2),
     ]
+    if any(film.scene.wheels[k].axis is not None for k in film.shown):
+        entries.append(Line2D([], [], label="friction axis", color=AXIS_COLOR, linewidth=1.2))
     if len(film.shown) < len(film.places):
         entries.append(Line2D([], [], linestyle="none", label=f"{len(film.shown)} of {len(film.places)} wheels"))
     figure.legend(handles=entries, loc="lower center", ncols=3, frameon=False, fontsize="small")

@@ -10,6 +10,7 @@ import base64
 import hashlib
 import json
 import math
+from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -20,6 +21,7 @@ from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.labels import length_label
 from nonsmooth.reports.figures.outline import Floats
 from nonsmooth.reports.figures.trajectory import marked
+from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.symbolic.number_text import float_text
 
 WIDE = 1000.0  # width of the view box
@@ -76,21 +78,21 @@ class _Picture:
 
     @property
     def wheels(self) -> list[dict[str, Any]]:
-        """Place, ends of the rim, number, and where that is written."""
+        """Place, ends of the rim and of a friction axis of its own, number, and where that is written."""
         rows = []
         for k in self.film.shown:
             place, rim = self._point(self.film.places[k]), self._vector(self.film.rims[k] * self.film.rim)
             side = (place[0] - 3.4 * rim[1], place[1] + 3.4 * rim[0])
-            ends = [
-                round(v, DIGITS) for v in (place[0] - rim[0], place[1] - rim[1], place[0] + rim[0], place[1] + rim[1])
-            ]
+            axis = self._vector(AXIS * self.film.rim * self.film.axes[k])
+            has_axis = self.film.scene.wheels[k].axis is not None
             contact = CLASSES[self.film.frames.contacts[0, k]]
             rows.append(
                 {
                     "index": k + 1,
                     "contact": contact,
                     "place": place,
-                    "ends": ends,
+                    "ends": _line(place, rim),
+                    "axis": _line(place, axis) if has_axis else None,
                     "name": [round(v, DIGITS) for v in side],
                 }
             )
@@ -172,6 +174,12 @@ class _Picture:
 
     def _vectors(self, vectors: Floats) -> list[list[float] | None]:
         return [self._vector(vector) if np.isfinite(vector).all() else None for vector in vectors]
+
+
+def _line(place: Sequence[float], half: Sequence[float]) -> list[float]:
+    """Both ends of a line through a place."""
+    (x, y), (dx, dy) = place, half
+    return [round(value, DIGITS) for value in (x - dx, y - dy, x + dx, y + dy)]
 
 
 def _number(value: float) -> str:

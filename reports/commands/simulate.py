@@ -68,7 +68,7 @@ FeedbackOption = Annotated[
     typer.Option(
         "--feedback",
         rich_help_panel=LOOP,
-        help="Close the loop by the law that check certifies (rule nearest).",
+        help="Close the loop by the law that check certifies.",
     ),
 ]
 LawOption = Annotated[

@@ -25,11 +25,13 @@ from nonsmooth.reports.smooth_paths import SmoothPath
 from nonsmooth.reports.system_paths import SystemPath
 from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
 from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.driven_paths import DrivenPath
     from nonsmooth.reports.dynamics import ShownPath
     from nonsmooth.reports.feedback_loop import FeedbackLoop
     from nonsmooth.symbolic.scene import Scene
@@ -50,7 +52,7 @@ class PathResult(Tabular):
 
     name: str
     states: tuple[str, ...]
-    shown: ShownTrajectory | SmoothPath | SystemPath | ShownPath
+    shown: ShownTrajectory | SmoothPath | SystemPath | ShownPath | DrivenPath
     scene: Scene | None = None
 
     @property
@@ -153,6 +155,13 @@ def follow_array(scene: Scene, run: PathRun) -> PathResult:
     rule = rule_of(scene)
     if run.is_plain and (isinstance(rule, SmoothRule) or scene.body is not None):
         return PathResult(scene.name, POSE, SmoothPath(scene, _path(scene, rule, run)), scene)
+    if run.law is not None and not rule.keeps_rows:
+        from nonsmooth.reports.driven_paths import follow_driven
+
+        return PathResult(scene.name, POSE, follow_driven(scene, run), scene)
+    if run.law is not None and scene.loop_errors is not None:
+        expected = "one of the other contact rules for a law whose pose is late or wrong"
+        raise SceneError(scene.origin, "feedback", expected, StatedFact("nearest: it may lie in another contact state"))
     held = _held_wheels(scene, run)
     partition = build_partition(standing(scene))
     loop = loop_of(partition, run)

@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import Field, PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
+from nonsmooth.symbolic.files.feedback_table import FeedbackTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
@@ -136,4 +137,5 @@ class Document(Table):
     body: BodyTable | None = None
     contact: ContactTable = ContactTable()
     check: CheckTable = CheckTable()
+    feedback: FeedbackTable | None = None
     tolerances: Annotated[ToleranceTable | None, Field(alias="tolerance")] = None

@@ -19,6 +19,7 @@ from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.body_table import build_body
+from nonsmooth.symbolic.files.feedback_table import build_loop_errors
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
 from nonsmooth.symbolic.files.load_values import build_loads
 from nonsmooth.symbolic.files.scene_document import ContactTable, Document, StatedUnits, UnitsTable
@@ -263,6 +264,7 @@ def build_scene(
         units=document.units.labels,
         body=body,
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
+        loop_errors=None if document.feedback is None else build_loop_errors(document.feedback, numbers),
     )
 
 

@@ -143,7 +143,7 @@ def test_sampling_leads_where_events_lead() -> None:
     start, length = start_of(loop, (0.4, 0.8, 0.3), 0.9), loop.length
     exact = np.array(loop.follow(start, 1.5).end.state, dtype=float)
     own = (start[0] / length, start[1] / length, start[2])
-    found = follow_held(loop.cones, own, 1.5, 1.0).in_lengths(length)
+    found = follow_held(loop.held, own, 1.5).in_lengths(length)
     assert np.abs(np.array(found.end.state) - exact).max() <= 0.01 * np.abs(start).max()
 
 

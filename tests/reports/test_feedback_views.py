@@ -59,8 +59,8 @@ def test_the_cascade_is_followed(invoke: Invoke) -> None:
     ("arguments", "line"),
     [
         (("off-center", "--law", "cascade"), "--law cascade: required an array with a law that takes theta first"),
-        (("conveyor-3", "--rule", "box"), "--feedback: required rule nearest, received box"),
-        (("conveyor-3", "--rule", "box", "--law", "cascade"), "--feedback: required rule nearest, received box"),
+        (("differential-drive", "--rule", "box"), "--feedback: required, under rule box, a certified law"),
+        (("conveyor-3", "--rule", "box", "--law", "cascade"), "rule box, the certified law, received --law cascade"),
     ],
 )
 def test_laws_that_do_not_apply_are_refused_in_one_line(invoke: Invoke, arguments: tuple[str, ...], line: str) -> None:

@@ -130,6 +130,26 @@ def test_a_page_holds_what_the_frames_hold(tmp_path: Path) -> None:
     assert "http" not in page.replace("http-equiv", "")
 
 
+def test_a_friction_axis_is_drawn_where_it_is_not_the_rim(tmp_path: Path) -> None:
+    """Of mecanum wheels at 45 degrees to the rim, half as long again; of others there is none."""
+    array = ns.load("mecanum-4")
+    assert isinstance(array, ns.Array)
+    page = array.with_(rule="box").simulate((0.01, 0.02, 0.0), until=0.1).animate(tmp_path / "a.html").read_text()
+    lines = re.findall(r'<line class="(axis|rim)" x1="(.*?)" y1="(.*?)" x2="(.*?)" y2="(.*?)"/>', page)[:8]
+    assert [kind for kind, *_ in lines] == ["axis", "rim"] * 4
+    ends = np.array([[float(value) for value in line[1:]] for line in lines])
+    halves = (ends[:, 2:] - ends[:, :2]) @ [1, -1j]
+    turns = halves[0::2] / halves[1::2]
+    assert np.abs(turns) == pytest.approx(np.full(4, 1.5), abs=0.01)
+    angles = [np.angle(complex(*map(float, w.grip)) / complex(*map(float, w.direction))) for w in array.scene.wheels]
+    assert np.exp(2j * np.angle(turns)) == pytest.approx(np.exp(2j * np.array(angles)), abs=0.01)
+    assert "friction axis" in page
+    plain = ns.load("four-wheel")
+    assert isinstance(plain, ns.Array)
+    text = plain.simulate((0.2, 0.4, 0.0), until=0.1).animate(tmp_path / "b.html").read_text()
+    assert 'class="axis"' not in text
+
+
 def test_names_of_scenes_are_text(tmp_path: Path) -> None:
     array = ns.load("ring-3").with_(name="</script><b>&\"'")
     page = array.simulate((0.05, 0.02, 0.1), until=0.2).animate(tmp_path / "path.html").read_text(encoding="utf-8")
@@ -184,7 +204,7 @@ def test_a_rule_without_cells_moves_on_the_command_line_too(tmp_path: Path, caps
     capsys.readouterr()
     assert run(app, simulate) == 0
     assert "ring-6: exact kinematics, method minimizer (rule ellipse)" in capsys.readouterr().out
-    for refused in (("--method", "smoothed"), ("--kinematics", "leading"), ("--feedback",)):
+    for refused in (("--method", "smoothed"), ("--kinematics", "leading")):
         assert run(app, (*simulate, *refused)) == BAD_INPUT
         assert "ring-6: contact.rule: required" in capsys.readouterr().err
     assert run(app, (*simulate[:5], "3,0,0")) == BAD_INPUT

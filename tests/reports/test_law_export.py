@@ -117,6 +117,27 @@ def test_under_other_rules_the_program_imposes_the_twist_of_the_clause(name: str
             assert_close(law["speeds"](*pose.tolist(), k=2.0), imposed_speeds(check, pose, gain=2.0)[1])
 
 
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+def test_the_program_keeps_speed_limits_by_one_factor(rule: str, tmp_path: Path) -> None:
+    scene = load_scene("ring-5", rule=rule)
+    limits = [scene.field(Fraction(k, 10)) for k in (1, 2, 3, 4)]
+    wheels = [replace(wheel, speed_limit=limit) for wheel, limit in zip(scene.wheels, limits, strict=False)]
+    check = check_theorem4(replace(scene, wheels=(*wheels, scene.wheels[4])), prune=False)
+    law, at_a_limit = exported(check, tmp_path), 0
+    for pose in poses(check):
+        expected = imposed_speeds(check, pose, 1.0)[1] if rule == "ellipse" else library_speeds(check, pose)
+        excess = max((abs(u) / float(limits[w - 1]) for w, u in expected.items() if w <= 4), default=0.0)
+        if rule == "ellipse" and excess > 1:
+            expected = {wheel: speed / excess for wheel, speed in expected.items()}
+        found = law["speeds"](*pose.tolist())
+        assert_close(found, expected)
+        assert all(abs(found[w]) <= float(limits[w - 1]) * (1 + ROUNDING) for w in found if w <= 4)
+        at_a_limit += excess > 1 - ROUNDING
+    assert 5 < at_a_limit < POSES
+    limit_of = {int(row["wheel"]): row["speed_limit"] for row in certified_law_of(check).rows()}
+    assert limit_of == {1: "0.1", 2: "0.2", 3: "0.3", 4: "0.4", 5: ""}
+
+
 def imposed_speeds(check: Check, pose: Floats, gain: float) -> tuple[Floats, Mapping[int, float]]:
     """``-k (g . xi_l) xi_l`` and its speeds, from the evidence."""
     feedback = check.feedback

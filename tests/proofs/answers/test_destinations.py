@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.contact_rules.ellipse import EllipseRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -132,6 +133,17 @@ def test_without_cells_the_places_are_where_the_field_vanishes() -> None:
     assert path.end.state[:2] == pytest.approx((x, y), abs=1e-4)
     assert rest.share > 0.9
     assert sum(place.share for place in found.found) == pytest.approx(1)
+
+
+def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand() -> None:
+    """Rollers turn all around it: the twist jumps there, and the field has no zero. A path by events ends there too."""
+    scene = load_scene("spiral-30", rule="roller")
+    found = destinations_of(check_theorem4(scene))
+    assert found
+    (home,) = found.found
+    assert (home.goal, home.points, home.share) == (Goal.POINT, ((0.0, 0.0),), 1.0)
+    rule = smooth_rule_of(scene)
+    assert np.hypot(*rule.path(scene, (0.3, 0.1, 0.0), 2.0).end.state[:2]) < 1e-6
 
 
 def test_without_cells_bodies_leave_a_saddle() -> None:

@@ -1,0 +1,167 @@
+"""What a law of imposed twists still does where the pose it acts on is late and wrong.
+
+The law acts on ``g~(t) = g(t - tau) + e``, ``|e| <= eps``, ``g = (c, theta)`` with l for the unit of length: it imposes
+``-k (g~ . xi) xi`` with the ``xi = xi_l`` of the largest ``|g~ . xi_l|``, for which ``(g~ . xi)^2 > kappa |g~|^2``.
+With ``d = g~ - g`` and M the length of the longest xi_l::
+
+    V'/2 = -k (g~ . xi) (g~ . xi - d . xi) < 0      where      |g| > b |d|,      b = 1 + M/sqrt(kappa),
+
+since ``|g~| >= |g| - |d|``.  The pose moves at ``|g'| <= k M^2 (1 + r) |g~|`` as long as ``|c| <= r``, so where no
+``|g|`` of the last 2 tau exceeds m, ``|d| <= eps + a (m + eps)`` with ``a = k tau M^2 (1 + r)``.  Where b a < 1, the
+largest ``|g|`` of the last 2 tau hence falls as long as it exceeds ::
+
+    R = b eps (1 + a)/(1 - b a),
+
+and in the end ``|g| <= R`` (Razumikhin's argument).  It is assumed that the pose stood still before the start.  Where
+twists change, the velocities of their hull satisfy the same.  A factor below one, of speeds that end, changes nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
+from nonsmooth.proofs.verdicts import Certainty, Feedback
+from nonsmooth.symbolic.constraints import inner
+from nonsmooth.symbolic.loop_errors import LoopErrors
+from nonsmooth.symbolic.numbers.number import Number, sign
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+
+PI = Fraction(355, 113)  # above pi
+HALVINGS = 6  # of the level from which bodies start: smaller ones move more slowly
+BY_CELLS = (
+    "under rule nearest the law needs the contact state, and a pose that is late or wrong may lie in another cell"
+)
+BY_CONES = "the law depends on the direction of c, and a misjudged one may belong to other twists"
+NEAR_ONLY = "the law is certified near the point, and how near is not known: errors of the pose may be larger than that"
+TOO_LATE = "the pose is too old: with gain k = 1 the delay is certified below {:.4g}"
+TOO_WRONG = "the errors are too large for the disc in which the law is certified"
+
+
+@dataclass(frozen=True)
+class UltimateBound:
+    """Verdict with its numbers, of the array with l for its unit of length, at gain k = 1.
+
+    Attributes:
+        verdict: certified or undecided.
+        reason: why nothing is certified; empty where something is.
+        radius: R: in the end ``sqrt(V) <= l R``.
+        level: from starts with ``sqrt(V) < l level``; None where only starts close by are known to.
+        largest_delay: delays below it are certified where the pose is exact but late; None where none is.
+    """
+
+    verdict: Certainty
+    reason: str = ""
+    radius: Fraction | None = None
+    level: Fraction | None = None
+    largest_delay: Fraction | None = None
+
+
+@dataclass(frozen=True)
+class _Law:
+    """Rational bounds of a law.
+
+    Attributes:
+        size: M or more.
+        gain: ``b = 1 + M/sqrt(kappa)`` or more.
+    """
+
+    size: Fraction
+    gain: Fraction
+
+    def lag(self, level: Fraction) -> Fraction:
+        """``M^2 (1 + r)``: a over k tau."""
+        return self.size**2 * (1 + level)
+
+    def largest_delay(self, level: Fraction) -> Fraction:
+        """Delays below it leave ``b a < 1`` at k = 1."""
+        return rounded_down(float(1 / (self.gain * self.lag(level))))
+
+
+def ultimate_bound(feedback: DrivenFeedback, errors: LoopErrors) -> UltimateBound:
+    """What is certified of the loop of a law of imposed twists (module ``by_friction``) with these errors."""
+    if feedback.verdict is not Feedback.STABILIZABLE or feedback.kappa is None:
+        return _open(f"no law is certified even for an exact pose ({feedback.verdict})")
+    if any(cone.rays is not None for cone in feedback.cones):
+        return _open(BY_CONES)
+    law, delay = _law(feedback), _above(errors.delay)
+    wrong = _above(errors.position) / feedback.length + PI * errors.heading
+    level = _level(feedback)
+    if level is None:
+        return _near_the_point(law, delay, wrong)
+    limit = law.largest_delay(level / 2**HALVINGS)
+    for halvings in range(HALVINGS + 1):
+        start = level / 2**halvings
+        radius = _radius(law, delay, wrong, start)
+        if radius is not None and radius < start:
+            return UltimateBound(Certainty.CERTIFIED, "", radius, start, limit)
+    reason = TOO_LATE.format(float(limit)) if delay >= limit else TOO_WRONG
+    return UltimateBound(Certainty.UNDECIDED, reason, largest_delay=limit)
+
+
+def _near_the_point(law: _Law, delay: Fraction, wrong: Fraction) -> UltimateBound:
+    """Motions differ from the imposed ones by terms of second order: a strict inequality survives them."""
+    limit = law.largest_delay(Fraction(0))
+    if wrong:
+        return UltimateBound(Certainty.UNDECIDED, NEAR_ONLY, largest_delay=limit)
+    if delay >= limit:
+        return UltimateBound(Certainty.UNDECIDED, TOO_LATE.format(float(limit)), largest_delay=limit)
+    return UltimateBound(Certainty.CERTIFIED, "", Fraction(0), None, limit)
+
+
+def _radius(law: _Law, delay: Fraction, wrong: Fraction, level: Fraction) -> Fraction | None:
+    """R; None where the delay is too long."""
+    lag = delay * law.lag(level)
+    room = 1 - law.gain * lag
+    if room <= 0 or not wrong:
+        return None if room <= 0 else Fraction(0)
+    return -rounded_down(-float(law.gain * wrong * (1 + lag) / room))
+
+
+def _open(reason: str) -> UltimateBound:
+    return UltimateBound(Certainty.UNDECIDED, reason)
+
+
+def _law(feedback: DrivenFeedback) -> _Law:
+    squares = [inner(twist, twist) for cone in feedback.cones for twist in cone.vectors]
+    size = _root_above(squares)
+    kappa = feedback.kappa or Fraction(0)
+    least = rounded_down(math.sqrt(kappa))
+    while least**2 > kappa:
+        least *= Fraction(99, 100)
+    return _Law(size, 1 + size / least)
+
+
+def _root_above(squares: list[Number]) -> Fraction:
+    """A rational of few digits whose square is at least each of these."""
+    root = -rounded_down(-math.sqrt(max(map(float, squares))))
+    while any(sign(root**2 - square) < 0 for square in squares):
+        root *= Fraction(101, 100)
+    return root
+
+
+def _above(number: Number) -> Fraction:
+    """A rational not below a number >= 0; the number itself where it is rational."""
+    exact = number.as_rational()
+    if exact is not None:
+        return Fraction(int(exact.p), int(exact.q))
+    value = -rounded_down(-float(number))
+    while sign(value - number) < 0:
+        value *= Fraction(101, 100)
+    return value
+
+
+def _level(feedback: DrivenFeedback) -> Fraction | None:
+    """A radius of |g| within which the speeds impose their twists; None where that is not known."""
+    bounds = [bound for cone in feedback.cones for bound in cone.bounds]
+    if not bounds:
+        return None
+    value = rounded_down(min(float(slack) / float(fall) for slack, fall in bounds))
+    while any(sign(slack - value * fall) <= 0 for slack, fall in bounds):
+        value *= Fraction(99, 100)
+    return value
