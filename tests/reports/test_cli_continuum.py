@@ -97,7 +97,9 @@ def test_no_section_without_a_field(tmp_path: Path) -> None:
     file.write_text(
         '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n[field]\nkind = "squeeze"\n'
     )
-    titles = [section.title for section in derive_report(load_scene(file), parts=("continuum", "left-out")).document.sections]
+    titles = [
+        section.title for section in derive_report(load_scene(file), parts=("continuum", "left-out")).document.sections
+    ]
     assert "The continuous idealization" not in titles
     assert "What was left out, and why" in titles
 
