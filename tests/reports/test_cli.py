@@ -354,7 +354,7 @@ BAD = {
     "empty output": (["partition", "four-wheel", "-o", ""], "required a file name that ends in"),
     "picture suffix": (["partition", "four-wheel", "-o", "c.md"], "ends in .svg, .png or .pdf, received '.md'"),
     "missing folder": (["derive", "four-wheel", "-o", "no/r.md"], "no/r.md: required an existing folder"),
-    "unwritable": (["derive", "four-wheel", "--only", "verdict", "-o", "/proc/r.md"], "/proc/r.md: required a file that can be written"),
+    "unwritable": (["derive", "ring-3", "--only", "verdict", "-o", "/proc/r.md"], "/proc/r.md: required a file that"),
     "name too long": (["derive", "four-wheel", "-o", "a" * 300 + ".md"], "required a file that can be written"),
     "null character": (["derive", "four-wheel", "-o", "a\0b.md"], "required a file that can be written"),
     "tipping": (["check", "four-wheel", "--rule", "box", "--radius", "2"], "four-wheel: "),
