@@ -21,6 +21,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.vehicles.motion import require_friction
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads
@@ -168,6 +169,7 @@ def export_scene(scene: Scene, place: Vector | None = None) -> Export:
     rule = contact_rule(RULE)
     if not isinstance(rule, SmoothRule):
         raise TypeError(f"required a rule without cells, received {rule.name}")
+    require_friction(carried, rule)
     point = float(there[0]), float(there[1])
     twist = rule.minima(carried, np.array([point])).twists[0]
     fastest = max(abs(float(wheel.speed)) for wheel in carried.wheels) or 1.0

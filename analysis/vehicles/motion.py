@@ -17,6 +17,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.vehicles.equal_slips import equal_slip_twist, slips_somewhere
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number
@@ -153,6 +154,7 @@ def _under(vehicle: Vehicle, rule: ContactRule) -> Scene:
 
 def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
     scene = vehicle.scene
+    require_friction(scene, rule)
     centre = np.array([[float(x) for x in vehicle.centre_of_mass]])
     minimum = rule.minima(scene, centre)[0]
     twists = minimum.twist[None] if minimum.face is None else minimum.face
@@ -162,6 +164,20 @@ def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
         return replace(found, forces=np.zeros_like(minimum.forces), gap=0.0)  # no friction is needed
     scale = float(minimum.model.limits(minimum.loads).max(axis=-1).sum()) * found.speed
     return replace(found, gap=abs(minimum.gap) / scale)
+
+
+def require_friction(scene: Scene, rule: SmoothRule) -> None:
+    """Refuse contacts that leave a motion free.
+
+    Raises:
+        RefusalError: naming the motion.
+    """
+    free = free_motions(scene)
+    if free:
+        raise RefusalError(f"friction: required friction against every motion, received: {free}")
+    sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
+    if not any(one.along or one.across for one in sets):
+        raise RefusalError(f"friction: required a wheel that grips under rule {rule.name}, received none")
 
 
 def _by_cells(vehicle: Vehicle, rule: CellRule) -> VehicleMotion:

@@ -20,7 +20,7 @@ OTHERS = (  # the same vehicles by other files and people: how far such constant
         1.3,
         "remark in diff_drive_controller.yaml of husarion/rosbot_ros: about right",
     ),
-    ("lynx-wh05", "earlier file", 1.37, "WH05_controller.yaml of husarion/husarion_ugv_ros, January to March 2025"),
+    ("lynx-wh05", "earlier file", 1.37, "WH05_controller.yaml of husarion/husarion_ugv_ros at its commit db4e0a67"),
 )
 TREADS = "Mandow and others 2007 (cited from memory): the instant centres of treads hardly move with the curvature"
 

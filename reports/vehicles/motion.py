@@ -16,7 +16,7 @@ from nonsmooth.reports.exact_record import Record, exact_texts, floats
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.reports.vehicles.controller import controller_parameters
 from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.vehicles.multiplier import FORMULA, exact_friction_ratio, has_four_equal_wheels
 from nonsmooth.symbolic.vehicles.vehicle import Vehicle
 
@@ -31,10 +31,18 @@ class VehicleReport:
     Attributes:
         vehicle: with its commanded speeds.
         spin: measured rate of turn at these speeds (radian/time); None where none is given.
+
+    Raises:
+        SceneError: for a spin of a vehicle without two sides that turn it.
     """
 
     vehicle: Vehicle
     spin: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.spin is not None and not self.vehicle.turns_by_sides:
+            required = "a track and two sides that run at different speeds, for a measured spin"
+            raise SceneError(self.vehicle.scene.origin, "vehicle", required, StatedFact("a vehicle without"))
 
     @cached_property
     def own(self) -> VehicleMotion:

@@ -80,6 +80,7 @@ def test_parameters_of_the_controller(invoke: Invoke, tmp_path: Path) -> None:
         (("jackal", "--spin", "0"), "--spin: required a finite rate other than 0, received 0.0"),
         (("jackal", "--spin", "nan"), "--spin: required a finite rate"),
         (("jackal", "rosbot", "--spin", "1"), "--spin: required one vehicle, received 2"),
+        (("swerve-base", "--spin", "1"), "swerve-base: vehicle: required a track and two sides that run at different"),
         (("jackal", "-o", "x.txt"), "required a file name that ends in"),
         (("jackal", "rosbot", "-o", "x.yaml"), "required a file name that ends in"),
         (("swerve-base", "-o", "x.yaml"), "swerve-base: required a vehicle with a track"),
@@ -99,6 +100,28 @@ def test_a_vehicle_that_tips_over_is_refused(invoke: Invoke, tmp_path: Path) -> 
     done = invoke("vehicle", "tips.toml")
     assert done.status == 2
     assert "tips.toml: required centres of mass inside the support polygon" in done.err
+
+
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse", "roller"])
+def test_a_free_motion_is_refused(invoke: Invoke, tmp_path: Path, rule: str) -> None:
+    text = "[vehicle]\ntrack = 1\nwheel_base = 1\n[friction]\nmu_roll = 0\nmu_side = 1\n"
+    (tmp_path / "ice.toml").write_text(text, encoding="utf-8")
+    for command in (("vehicle", "ice.toml", "--rule", rule), ("export", "ice.toml")):
+        done = invoke(*command)
+        assert (done.status, done.err.count("\n")) == (2, 1)
+        assert "ice.toml: friction: required" in done.err
+
+
+def test_rules_that_say_nothing_are_named_in_the_record(invoke: Invoke, tmp_path: Path) -> None:
+    """Rims in three directions with friction across them only: a disc of radius zero grips nothing."""
+    wheels = "".join(
+        f"[[wheel]]\nposition = {place}\nheading = {angle}\nspeed = 1\n"
+        for place, angle in (("[1, 0]", 0), ("[-1, 1]", 120), ("[-1, -1]", 240))
+    )
+    (tmp_path / "side.toml").write_text(f"[vehicle]\n[friction]\nmu_roll = 0\nmu_side = 1\n{wheels}", encoding="utf-8")
+    rules = invoke("vehicle", "side.toml", "--json").record["rules"]
+    assert "required a wheel that grips under rule roller" in rules[-1]["refused"]
+    assert "roller" not in invoke("vehicle", "side.toml").out
 
 
 def test_python_holds_the_record_of_the_command(invoke: Invoke, tmp_path: Path) -> None:
