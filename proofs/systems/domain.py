@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -32,8 +33,10 @@ class Domain:
 
     radius: Number | None
 
-    def __str__(self) -> str:
-        return "the plane" if self.radius is None else f"abs(x), abs(y) <= {brief_text(self.radius)}"
+    def text(self, states: Sequence[str]) -> str:
+        """In words, with the names of the states."""
+        bounded = ", ".join(f"abs({name})" for name in states)
+        return "the plane" if self.radius is None else f"{bounded} <= {brief_text(self.radius)}"
 
 
 def domain_names(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[Domain]:

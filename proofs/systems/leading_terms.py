@@ -43,6 +43,7 @@ from nonsmooth.proofs.systems.tangent_fan import (
     turning,
 )
 from nonsmooth.proofs.systems.turn_growth import TurnGrowth, turn_growth
+from nonsmooth.proofs.systems.worst_turn import WorstTurn, worst_turn
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -87,7 +88,7 @@ class LeadingTerms:
     frame: Frame
     weights: Weights
     motions: tuple[RadialMotion, ...]
-    growth: TurnGrowth | FusedFocus | None
+    growth: TurnGrowth | FusedFocus | WorstTurn | None
 
     @property
     def reason(self) -> str:
@@ -123,6 +124,9 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
 
     The equilibrium must hold 0 in its Filippov set.
     """
+    if system.others:
+        worst = worst_turn(system)
+        return None if worst is None or not worst.sign else _by_turn(axes_frame(system), UNWEIGHTED, worst)
     for frame, weights in _coordinates(system):
         fan = build_tangent_fan(system, weights, frame)
         found = decide_fan_of_leading_terms(fan) if fan is not None else None
@@ -136,8 +140,7 @@ def _by_fused_focus(system: SwitchedSystem) -> LeadingTerms | None:
     for frame in _line_frames(system):
         focus = fused_focus(system, frame)
         if focus is not None and focus.sign:
-            verdict = Translation.UNSTABLE if focus.sign > 0 else Translation.ASYMPTOTICALLY_STABLE
-            return LeadingTerms(verdict, frame, LINE_WEIGHTS[0], (), focus)
+            return _by_turn(frame, LINE_WEIGHTS[0], focus)
     return None
 
 
@@ -175,10 +178,13 @@ def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
             return None
         return LeadingTerms(Translation.ASYMPTOTICALLY_STABLE, fan.frame, fan.weights, motions, None)
     growth = turn_growth(fan)
-    if growth is None or not growth.sign:
-        return None
+    return None if growth is None or not growth.sign else _by_turn(fan.frame, fan.weights, growth)
+
+
+def _by_turn(frame: Frame, weights: Weights, growth: TurnGrowth | FusedFocus | WorstTurn) -> LeadingTerms:
+    """What a full turn with a known sign of its growth says."""
     verdict = Translation.UNSTABLE if growth.sign > 0 else Translation.ASYMPTOTICALLY_STABLE
-    return LeadingTerms(verdict, fan.frame, fan.weights, (), growth)
+    return LeadingTerms(verdict, frame, weights, (), growth)
 
 
 def radial_motions(fan: TangentFan) -> Iterator[RadialMotion]:

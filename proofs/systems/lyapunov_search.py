@@ -77,8 +77,9 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         system: in two states.
         turn: what is done to the cells first: nothing, or time reversed.
     """
-    budget = Budget(WORK)
-    for scale in SCALES:
+    curved = _has_curves(system)
+    budget = Budget(WORK // 2 if curved else WORK)
+    for scale in SCALES[:2] if curved else SCALES:
         radius = system.check.radius * scale
         cells = turn(system_cells(system, square_regions(radius)))
         if len(cells) > MAX_CELLS:
@@ -91,7 +92,7 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
 
 
 def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
-    """Bases from simple to rich; the simple ones alone where curves cut the plane, whose audits take long."""
+    """Bases from simple to rich; the simple ones alone where curves cut the plane."""
     field, lines = system.field, lines_through(system)
     linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
     first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
@@ -101,7 +102,7 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     if lines:
         yield first
         yield (*first, *quadratic)
-    if any(surface.degree > 1 for surface in system.surfaces(system.displaced(PLANE))):
+    if _has_curves(system):
         return
     if lines:
         yield (*second, *quadratic)
@@ -112,6 +113,11 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
         yield (*bent_functions(field, both, 1), *linear, *bent_functions(field, both, 2), *quadratic)
     higher = (function for degree in (3, 4) for function in smooth_functions(field, degree))
     yield (*first, *second, *bent_functions(field, lines, 3), *quadratic, *higher)
+
+
+def _has_curves(system: SwitchedSystem) -> bool:
+    """Whether a switching surface is no line: audits beside curves take long."""
+    return any(surface.degree > 1 for surface in system.surfaces(system.displaced(PLANE)))
 
 
 def searched_cells(

@@ -28,19 +28,19 @@ DERIVATIVES = {
 
 def system_facts(result: SystemResult) -> Iterator[Fact]:
     """Stability of a plain system; points are measured from the equilibrium."""
-    proving, check = result.proving, result.scene.check
+    proving, check, states = result.proving, result.scene.check, result.scene.states
     holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
     yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
     if proving is not result.lyapunov:
-        reason = f"{result.lyapunov.reason} (on {result.reported_domain})"
+        reason = f"{result.lyapunov.reason} (on {result.reported_domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
     yield Fact("lyapunov", tuple(_potential(result)))
     yield Fact("translation", tuple(_stability(result)))
-    if proving is not None:
+    if proving is not None and result.domain is not None:
         yield row_fact("with", f"V = {proving_text(result)}")
-        yield row_fact("on", str(result.domain))
+        yield row_fact("on", result.domain.text(states))
     if result.region is not None:
-        yield row_fact("region", _region_words(result.region))
+        yield row_fact("region", _region_words(result.region, states))
     if result.rate is not None:
         yield row_fact("rate", str(result.rate))
 
@@ -59,25 +59,30 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     if proving is None:
         yield Fact("V", given)
         yield Fact("pieces")
-        yield _domain(result.reported_domain)
+        yield _domain(result.reported_domain, result.scene.states)
         yield from _conditions(result.lyapunov)
     else:
         yield Fact("V", proving_text(result))
         yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] or None)
-        yield _domain(result.domain or result.reported_domain)
+        yield _domain(result.domain or result.reported_domain, result.scene.states)
         yield from _conditions(proving)
     yield Fact("proves", proving is not None)
-    yield Fact("region", None if result.region is None else _region_record(result.region))
+    yield Fact("region", None if result.region is None else _region_record(result.region, result.scene.states))
     yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
     if proving is None or proving is result.lyapunov:
         yield Fact("tried")
         return
-    own = (Fact("V", given), Fact("pieces"), _domain(result.reported_domain), *_conditions(result.lyapunov))
+    own = (
+        Fact("V", given),
+        Fact("pieces"),
+        _domain(result.reported_domain, result.scene.states),
+        *_conditions(result.lyapunov),
+    )
     yield Fact("tried", unsaid(own))
 
 
-def _region_words(region: SublevelRegion) -> str:
-    inside = Domain(region.radius)
+def _region_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
+    inside = Domain(region.radius).text(states)
     reached = f"every start with {region} within {inside} reaches the equilibrium"
     if region.point is None:
         return f"{reached}; V < {region.refuted} is not decided"
@@ -87,13 +92,13 @@ def _region_words(region: SublevelRegion) -> str:
     return f"{reached}; V < {region.refuted} {why}, {where}"
 
 
-def _region_record(region: SublevelRegion) -> dict[str, object]:
+def _region_record(region: SublevelRegion, states: tuple[str, ...]) -> dict[str, object]:
     return {
         "level": Quantity(region.level),
         "within": Quantity(region.radius),
         "refuted": Quantity(region.refuted),
         "point": Quantity(region.point),
-        "text": _region_words(region),
+        "text": _region_words(region, states),
     }
 
 
@@ -122,9 +127,9 @@ def _piece(piece: PotentialPiece) -> dict[str, object]:
     return {"V": str(piece.potential), "cone": cone}
 
 
-def _domain(domain: Domain) -> Fact:
+def _domain(domain: Domain, states: tuple[str, ...]) -> Fact:
     kind = "plane" if domain.radius is None else "square"
-    return Fact("domain", {"kind": kind, "radius": Quantity(domain.radius), "text": str(domain)})
+    return Fact("domain", {"kind": kind, "radius": Quantity(domain.radius), "text": domain.text(states)})
 
 
 def _conditions(result: LyapunovResult) -> Iterator[Fact]:

@@ -243,7 +243,7 @@ def _searched(
     if rays or (fan is not None and decided is not Translation.ASYMPTOTICALLY_STABLE):
         return None
     if decided is Translation.UNSTABLE:
-        spirals = leading is not None and leading.growth is not None and are_cones(cells)
+        spirals = leading is not None and leading.growth is not None and are_cones(cells) and not scene.others
         return search_lyapunov(scene, cells, grows=True) if spirals and may_grow else None
     found = search_lyapunov(scene, cells)
     if found is None and may_grow and decided is Translation.UNDECIDED:

@@ -8,6 +8,7 @@ over all cones, in the sense in which solutions turn, is the logarithm of the fa
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from flint import acb, acb_poly, arb, ctx
@@ -49,9 +50,14 @@ def turn_growth(fan: TangentFan) -> TurnGrowth | None:
     total = arb(0)
     for bits in PRECISIONS:
         with ctx.workprec(bits):
-            total = sum((_integral(cone) for cone in fan.cones), arb(0)) * sense
+            total = sum((_integral(cone, sense) for cone in fan.cones), arb(0))
             if total > 0 or total < 0:
                 break
+    return growth_of_logarithm(total, sense)
+
+
+def growth_of_logarithm(total: arb, sense: int) -> TurnGrowth:
+    """The turn whose factor has an enclosed logarithm."""
     found = 1 if total > 0 else -1 if total < 0 else 0
     factor = total.exp()
     return TurnGrowth(sense, factor.lower().str(8, radius=False), factor.upper().str(8, radius=False), found)
@@ -65,13 +71,18 @@ def _sense(cone: TangentCone) -> int:
     return signs.pop() if len(signs) == 1 else 0
 
 
-def _integral(cone: TangentCone) -> arb:
+def _integral(cone: TangentCone, sense: int) -> arb:
+    rate = growth_on_chord(cone, sense)
+    return arb(acb.integral(lambda t, _: rate(t), 0, 1).real)
+
+
+def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
+    """``d log|c| / dt`` along ``c = (1 - t) start + t end`` for solutions that turn in the given sense."""
     across, radial = (_on_chord(form, cone) for form in turning(cone.leading))
     x, y = (Polynomial.variable(cone.leading[0].field, cone.leading[0].variables, name) for name in "xy")
     square = _on_chord(dot((x, y), (x, y)), cone)
-    area = acb(_ball(cross(cone.start, cone.end)))
-    found = acb.integral(lambda t, _: radial(t) * area / (across(t) * square(t)), 0, 1)
-    return arb(found.real)
+    area = acb(_ball(cross(cone.start, cone.end))) * sense
+    return lambda t: radial(t) * area / (across(t) * square(t))
 
 
 def _on_chord(form: Polynomial, cone: TangentCone) -> acb_poly:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
+from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
 from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.worst_turn import WorstTurn
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
@@ -49,9 +50,24 @@ def test_certified_below_the_exact_limit(alpha: str) -> None:
     assert result.check()
 
 
-def test_the_limit_by_the_worst_switching() -> None:
-    assert worst_factor(6.9) < 1 < worst_factor(7.05)
-    assert find_lyapunov(zelentsovsky("7.05")) is None
+@pytest.mark.parametrize("alpha", ["3", "6.98", "6.99", "9"])
+def test_the_worst_turn_against_fine_steps(alpha: str) -> None:
+    found = decide_leading_terms(zelentsovsky(alpha))
+    assert found is not None
+    assert isinstance(found.growth, WorstTurn)
+    measured = worst_factor(float(alpha))
+    assert float(found.growth.turn.low) == pytest.approx(measured, rel=1e-6)
+    assert float(found.growth.turn.high) == pytest.approx(measured, rel=1e-6)
+    assert (found.verdict is Translation.UNSTABLE) == (measured > 1)
+
+
+def test_three_fields_and_terms_of_higher_order() -> None:
+    two = ("y", "-2*x - y + x**2"), ("y", "-5*x - y")
+    for sides, expected in (((*two, ("y", "-4*x - y + y**3")), Translation.ASYMPTOTICALLY_STABLE),
+                            ((*two, ("y", "-12*x - y")), Translation.UNSTABLE)):  # fmt: skip
+        found = decide_leading_terms(switching(*sides))
+        assert found is not None
+        assert found.verdict is expected
 
 
 @pytest.mark.parametrize(
