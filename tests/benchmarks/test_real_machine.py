@@ -191,17 +191,15 @@ def test_a_loop_whose_speeds_end(stopwatch: Stopwatch, tmp_path: Path) -> None:
 
 def test_loops_on_wheels_of_unequal_height(stopwatch: Stopwatch, tmp_path: Path) -> None:
     """No law is certified for unknown loads; most of these bodies come home all the same, and not as certified."""
-    ends = {}
-    for name in LOOPS:
-        source = source_of(name, tmp_path)
-        driving = machine(source, tmp_path)
-        lowered = (
-            UNEVEN * deflection(driving.scene) * np.random.default_rng(1).choice([-1, 1], len(driving.scene.wheels))
-        )
-        loop = driven(driving, lowered)
-        ends[name] = loop.late
+    late: dict[str, float] = {}
+    for name in (*LOOPS, "mirrored 2", "mirrored 5"):
+        driving = machine(source_of(name, tmp_path), tmp_path)
+        signs = np.random.default_rng(1).choice([-1, 1], len(driving.scene.wheels))
+        depth = deflection(driving.scene, time_constant=TIME_CONSTANT)
+        loop = driven(driving, UNEVEN * depth * signs)
+        late[name] = loop.late
         stopwatch.report(
             f"{name}, heights scattered by 30 %: error {loop.errors[-1] / loop.errors[0]:.3f} of the start at "
             f"2/(kappa k), at most {loop.late:.3f} of what is certified of level wheels"
         )
-    assert max(ends.values()) > 0
+    assert min(late.values()) < 1 + LAG
