@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.console import json_text
@@ -24,7 +23,7 @@ from nonsmooth.reports.parts import PART_NAMES, PARTS
 from nonsmooth.reports.records import check_record, partition_record, states_record
 from nonsmooth.reports.subject import Invocation, Subject
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.scene import Scene, require_known_loads
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 REPORT_FORMATS = (".html", ".tex", ".md", ".json")
@@ -55,11 +54,8 @@ def derive_report(
 
     Raises:
         RefusalError: where the motion is not determined.
-        SceneError: under a rule that needs loads, where the scene leaves them open.
         RuntimeError: if the evidence of a verdict does not verify.
     """
-    if rule_of(scene).needs_loads:
-        require_known_loads(scene, "to derive the motion")
     subject = Subject(scene, invocation or Invocation(scene.origin), parts, announce)
     sections = []
     for part in PARTS:

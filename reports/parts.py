@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
@@ -33,6 +34,7 @@ from nonsmooth.reports.sections.stability import (
 )
 from nonsmooth.reports.sections.trajectories import trajectories_section
 from nonsmooth.reports.subject import Subject
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 
 def _always(subject: Subject) -> str:
@@ -40,6 +42,8 @@ def _always(subject: Subject) -> str:
 
 
 def _no_cells(subject: Subject) -> str:
+    if _unknown_loads(subject):
+        return _unknown_loads(subject)
     has_cells = isinstance(subject.result, CellCheck)
     return "" if has_cells else f"rule {subject.scene.contact.rule} has no cells with one twist each"
 
@@ -52,6 +56,16 @@ def _no_whole_partition(subject: Subject) -> str:
     if isinstance(subject.result, CellCheck) and not subject.result.partition.complete:
         return "cells away from the point were not built, and no verdict needs them"
     return _no_cells(subject)
+
+
+def _unknown_loads(subject: Subject) -> str:
+    """The motion away from the point is that of one load."""
+    needs = rule_of(subject.scene).needs_loads and isinstance(subject.scene.contact.loads, UnknownLoads)
+    return "the loads are not known, and this is about one load" if needs else ""
+
+
+def _no_situation(subject: Subject) -> str:
+    return _no_ellipse(subject) or _unknown_loads(subject)
 
 
 def _not_the_papers(subject: Subject) -> str:
@@ -121,17 +135,17 @@ PARTS = (
     Part("contact-states", lambda subject: contact_states_section(subject.cells), _no_cells),
     Part("cells", cells_section, _no_cells),
     Part("sgn-form", sign_form_section, lambda subject: _no_whole_partition(subject) or without_sign_form(subject)),
-    Part("situation", _situation, _no_ellipse),
+    Part("situation", _situation, _no_situation),
     Part("filippov", lambda subject: filippov_section(subject.cells), _no_cells),
     Part("equilibria", lambda subject: equilibria_section(subject.cells), _no_cells),
-    Part("derivative", _derivative),
+    Part("derivative", _derivative, _unknown_loads),
     Part("theorem", lambda subject: theorem_section(subject.result)),
-    Part("feedback", law_section, without_law),
+    Part("feedback", law_section, lambda subject: _unknown_loads(subject) or without_law(subject)),
     Part("trajectories", trajectories_section, _no_whole_partition),
-    Part("rules", rules_section, without_rules),
+    Part("rules", rules_section, lambda subject: _unknown_loads(subject) or without_rules(subject)),
     Part("continuum", _continuum, _no_idealization),
     Part("precision", precision_section, lambda subject: _no_whole_partition(subject) or without_precision(subject)),
-    Part("stress", stress_section),
+    Part("stress", stress_section, _unknown_loads),
     Part("audit", lambda subject: audit_section(), _not_the_papers),
     Part("left-out", _left_out),
     Part("references", references_section),

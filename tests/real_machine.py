@@ -225,12 +225,14 @@ class Machine:
         speeds: the function of the exported file.
         feedback: what the check says of it.
         rate: certified kappa: the error falls at least like ``exp(-kappa k t)``.
+        speed: at which sqrt(V) falls where a wheel is at its limit; infinite without limits.
     """
 
     scene: Scene
     speeds: Speeds
     feedback: Mapping[str, Any]
     rate: float
+    speed: float
 
     def lyapunov(self, pose: Floats) -> float:
         """``sqrt(V)``."""
@@ -267,7 +269,8 @@ def machine(source: str, folder: Path) -> Machine:
     program = folder / "law.py"
     record = command("check", source, "--rule", "ellipse", "--law", str(program))
     scene = covered(load_scene(source, rule="ellipse").recentred())
-    return Machine(scene, runpy.run_path(str(program))["speeds"], record["feedback"], record["answers"]["pose"]["rate"])
+    pose, speeds = record["answers"]["pose"], runpy.run_path(str(program))["speeds"]
+    return Machine(scene, speeds, record["feedback"], pose["rate"], pose["speed"] or np.inf)
 
 
 # ---- headings on wheels of unequal height --------------------------------------------------------

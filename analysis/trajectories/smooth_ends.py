@@ -222,6 +222,8 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> Floats:
     step = STEP * radius
     best, least = place, float("inf")
     for _ in range(NEWTON_STEPS):
+        if np.abs(place).max() > radius:
+            break
         around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
         here, east, west, north, south = field(around)
         speed = float(np.hypot(*here))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -30,7 +31,6 @@ def scene(tmp_path: Path, rule: str, loads: str) -> str:
     [
         "simulate {} --from 0.1,0,0",
         "simulate {} --from 0.1,0,0 --method dynamics",
-        "derive {} -o {}.html",
         "precision {}",
         "stress {}",
         "check {} --certificate {}.json",
@@ -67,3 +67,19 @@ def test_json_holds_the_load_that_refutes(tmp_path: Path, capsys: pytest.Capture
     load = json.loads(capsys.readouterr().out)["equilibrium"]["load"]
     assert len(load) == 12
     assert sum(load) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "box"])
+def test_reports_show_the_load_that_refutes_and_say_what_is_about_one_load(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rule: str
+) -> None:
+    path = tmp_path / "grid.toml"
+    text = TEXT.replace("[ring]\ncount = 5", "[grid]\nrows = 3\ncolumns = 4").format(rule, '"any"')
+    path.write_text(text, encoding="utf-8")
+    assert run(app, ["derive", str(path)]) == 0
+    report = capsys.readouterr().out
+    assert re.search(r"under the load \(0\.\d+ on wheel \d+, ", report)
+    left_out = report[report.index("What was left out") :]
+    for section in ("cells", "derivative", "trajectories", "feedback"):
+        assert f"Section {section}: the loads are not known, and this is about one load." in left_out
+    assert run(app, ["derive", str(path), "-o", str(tmp_path / "grid.html")]) == 0
