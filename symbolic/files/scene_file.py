@@ -15,31 +15,23 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.characteristic_length import default_length
-from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.body_table import build_body
 from nonsmooth.symbolic.files.feedback_table import build_loop_errors
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
-from nonsmooth.symbolic.files.load_values import build_loads
-from nonsmooth.symbolic.files.scene_document import ContactTable, Document, StatedUnits, UnitsTable
+from nonsmooth.symbolic.files.scene_document import Document, StatedUnits, UnitsTable
+from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angle_remarks, angles, field_of
+from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
 from nonsmooth.symbolic.files.text_files import path_beside, read_text
 from nonsmooth.symbolic.files.tolerance_table import build_tolerance
 from nonsmooth.symbolic.files.toml_bounds import toml_excess
-from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
-from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, speed_of_field
+from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
-from nonsmooth.symbolic.number_text import short_text
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import CheckedSquare, Contact, Scene, Wheel
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.support_polygon import default_radius
 
 __all__ = [
     "SceneError",
-    "build_contact",
     "build_scene",
     "builtin_descriptions",
     "builtin_scenes",
@@ -54,6 +46,10 @@ __all__ = [
 
 MAX_TOML_BYTES = 1 << 20
 MAX_CSV_BYTES = 64 << 20
+KEYS_OF_OTHERS = {  # tables of other documents, with the keys that tell them
+    "system": {"states", "rhs"},
+    "vehicle": {"track", "wheel_base", "urdf"},
+}
 _SCENES = Path(__file__).parents[1] / "scenes"
 _BUILTIN = (
     "four-wheel",
@@ -243,11 +239,7 @@ def build_scene(
     Raises:
         SceneError: for whatever cannot be used.
     """
-    if "system" in data:
-        raise SceneError(file, "system", "an array of wheels", StatedFact("a plain switched system"))
-    if "vehicle" in data:
-        expected = "an array of wheels (the command vehicle reads vehicles)"
-        raise SceneError(file, "vehicle", expected, StatedFact("a vehicle on its own wheels"))
+    _require_array(data, file)
     document = _document(data, file)
     layout = _layout(document, file, lambda: wheels or wheel_table(data, file, path, allow_outside=allow_outside) or "")
     numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
@@ -258,14 +250,26 @@ def build_scene(
         field=numbers.field,
         wheels=built,
         contact=build_contact(document.contact, numbers, built),
-        check=_check(document, numbers, built),
+        check=build_check(document, numbers, built),
         source=file,
-        continuum=_continuum(document, numbers, built, body),
+        continuum=build_continuum(document, numbers, built, body),
         units=document.units.labels,
         body=body,
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
         loop_errors=None if document.feedback is None else build_loop_errors(document.feedback, numbers),
     )
+
+
+def _require_array(data: Mapping[str, Any], file: str) -> None:
+    """Refuse documents of other kinds, also where their keys stand outside of their table."""
+    if "system" in data:
+        raise SceneError(file, "system", "an array of wheels", StatedFact("a plain switched system"))
+    if "vehicle" in data:
+        expected = "an array of wheels (the command vehicle reads vehicles)"
+        raise SceneError(file, "vehicle", expected, StatedFact("a vehicle on its own wheels"))
+    for table, keys in KEYS_OF_OTHERS.items():
+        for key in keys & data.keys():
+            raise SceneError(file, key, f"this key in the table [{table}]", StatedFact("it outside of every table"))
 
 
 def _document(data: dict[str, Any], file: str) -> Document:
@@ -313,60 +317,3 @@ def _remarks(document: Document, layout: Layout) -> Iterator[str]:
     table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
     yield from table.remarks
     yield from angle_remarks([document, table.cells])
-
-
-def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
-    """The contact rule and the loads that a ``[contact]`` table names.
-
-    Raises:
-        SceneError: for loads that are stated twice, or cannot be used.
-    """
-    if table.loads is not None and table.table is not None:
-        raise SceneError(numbers.file, "contact.table", "either loads or table", StatedFact("both"))
-    stated = table.table if table.loads is None else table.loads
-    return Contact(table.rule, build_loads(stated, numbers, [wheel.position for wheel in wheels]))
-
-
-def _continuum(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None) -> ContinuousField:
-    """The field that the wheels stand for."""
-    field, zero, one = document.field, numbers.field.zero, numbers.field.one
-    footprint = None if body is None else body.outline
-    if field is None:  # inward or outward, as the first wheel is, at its speed
-        first = wheels[0]
-        outward = dot(first.direction, first.position).sign() > 0
-        kind, pull = ("outward", one) if outward else ("radial", -one)
-        return ContinuousField(kind, ((pull, zero), (zero, pull)), first.speed, (zero, zero), footprint)
-    matrix = None
-    if field.kind in LINEAR_KINDS:
-        psi = field.psi(numbers, "field")
-        (a, c), (b, d) = psi((one, zero)), psi((zero, one))
-        matrix = ((a, b), (c, d))
-    return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero), footprint)
-
-
-def _check(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:
-    table = document.check
-    x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
-    if table.radius is None:
-        radius = default_radius([wheel.position for wheel in wheels], (x, y))
-    else:
-        radius = numbers.positive(table.radius, "check.radius")
-    defaults = {"has_default_radius": table.radius is None, "has_default_length": table.length is None}
-    if table.length is not None:
-        length = _stated_length(table.length, numbers)
-    else:
-        length = default_length([wheel.position for wheel in wheels], (x, y))
-    return CheckedSquare((x, y), radius, table.lyapunov, length, **defaults)
-
-
-def _stated_length(value: Exact, numbers: Numbers) -> Fraction:
-    """The length l of ``V = |c|^2 + l^2 theta^2``.
-
-    Raises:
-        SceneError: where it is not positive, or irrational.
-    """
-    number = numbers.positive(value, "check.length")
-    rational = number.as_rational()
-    if rational is None:
-        raise SceneError(numbers.file, "check.length", "a rational number", StatedFact(short_text(number)))
-    return Fraction(int(rational.p), int(rational.q))

@@ -19,12 +19,12 @@ from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.layouts import Own, Place, WheelTable
 from nonsmooth.symbolic.files.scene_document import ContactTable, Document, DriveTable, FrictionTable, Name, UnitsTable
 from nonsmooth.symbolic.files.scene_file import (
-    build_contact,
     builtin_vehicles,
     deep_nesting_refused,
     read_document,
     stated_units,
 )
+from nonsmooth.symbolic.files.scene_parts import build_contact
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import (
     Exact,

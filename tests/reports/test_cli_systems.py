@@ -311,3 +311,14 @@ def test_options_of_arrays_are_refused_for_portraits(tmp_path: Path, invoke: Inv
     outcome = invoke("partition", portrayed(tmp_path, *PORTRAIT), *option)
     assert outcome.status == BAD_INPUT
     assert f"{option[0]}: required an array of wheels, received a plain system" in outcome.err
+
+
+@pytest.mark.parametrize(("key", "table"), [("states", "system"), ("wheel_base", "vehicle")])
+def test_a_key_outside_of_its_table_is_told_where_it_belongs(
+    invoke: Invoke, tmp_path: Path, key: str, table: str
+) -> None:
+    (tmp_path / "my.toml").write_text(f'{key} = ["x", "y"]\n', encoding="utf-8")
+    outcome = invoke("check", "my.toml")
+    expected = f"my.toml: {key}: required this key in the table [{table}], received it outside of every table"
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == f"nonsmooth: {expected}\n"

@@ -22,20 +22,17 @@ under rules without cells twists that are neither proved nor excluded.  Two laws
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import partial
 from itertools import pairwise
-from math import comb
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
-from nonsmooth.proofs.clauses.feedback.by_rows import askew_reason, side_friction_rules
+from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
@@ -47,10 +44,10 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     in_scene,
     rank_of,
 )
-from nonsmooth.proofs.clauses.feedback.ellipse_twists import balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.inscribed_box import inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
-from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
+from nonsmooth.proofs.clauses.feedback.row_hypotheses import askew_reason, side_friction_rules
+from nonsmooth.proofs.clauses.feedback.twist_candidates import candidates_of, with_exclusions
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
@@ -68,12 +65,7 @@ if TYPE_CHECKING:
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
 WEIGHED_LAW = "impose -k (g . xi_l) xi_l, g = (c, w theta), with the xi_l of the largest |g . xi_l|, w = {}"
-ENOUGH = 60  # candidates beyond which three independent unique minimizers end the search: a better rate is not sought
-LOOKED_AT = 20_000  # wheels times candidates that are looked at: a minute or so under rule ellipse
-TIES = 16  # candidates that seem to balance exactly, of which a law by directions of c is made
 SAME_REACH = 2.0**-20  # relative: reaches as close as this are compared exactly
-FEW_OF = 6  # part of them beyond which the search may end
-TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
 NEEDS_LOADS = "which twists speeds impose depends on the loads, and these are unknown"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 # Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
@@ -212,7 +204,7 @@ def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
 def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
     zero = scene.field.zero
     regions = load_regions(scene, (zero, zero))
-    candidates, complete = _candidates(scene, regions[0])
+    candidates, complete = candidates_of(scene, regions[0])
     unique = [imposed for imposed in candidates if imposed.is_unique]
     if rank_of(unique) == 3:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
@@ -222,7 +214,7 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
     if not complete:
         return _decide_by_ties(scene, regions, candidates)
-    candidates = _with_exclusions(candidates)
+    candidates = with_exclusions(candidates)
     possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
     normal = common_normal([in_scene(twist, length) for twist in possible], scene.field)
     if normal is not None:
@@ -278,65 +270,6 @@ def _worst_rate(sample: LoopSample) -> float:
 def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
     kappa = min(certified_gain(cone.vectors) for cone in cones)
     return DrivenFeedback(Feedback.STABILIZABLE, reason, cones, kappa)
-
-
-def _candidates(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist], bool]:
-    """The candidates, and whether these are all; of many only the most promising.
-
-    The more wheels, the longer each takes, and the fewer are looked at.
-    """
-    most = LOOKED_AT // len(scene.wheels)
-    impose = _imposer(scene, region)
-    if comb(len(scene.wheels), 2) > most:
-        return _promising_candidates(scene, region, impose, most), False
-    found: list[ImposedTwist] = []
-    for twist in candidate_twists(scene):
-        if len(found) >= most:
-            return found, False
-        found.append(impose(twist))
-        enough = len(found) > min(ENOUGH, most // FEW_OF)
-        if enough and found[-1].is_unique and rank_of([entry for entry in found if entry.is_unique]) == 3:
-            return found, False
-    return found, True
-
-
-def _imposer(scene: Scene, region: LoadRegion) -> Callable[[Triple], ImposedTwist]:
-    """What imposes a twist under the rule of the scene."""
-    if isinstance(rule_of(scene), CellRule):
-        return Drives(scene, region).hold
-    return partial(balance_twist, scene, region)
-
-
-def _promising_candidates(
-    scene: Scene, region: LoadRegion, impose: Callable[[Triple], ImposedTwist], most: int
-) -> list[ImposedTwist]:
-    """Candidates off the span of the unique minimizers found so far, until there are three; then those that may tie."""
-    proposals = PromisingTwists(scene, region)
-    found: list[ImposedTwist] = []
-    unique: list[ImposedTwist] = []
-    while len(unique) < 3 and len(found) < most // 2:
-        twist = proposals.next([imposed.twist for imposed in unique])
-        if twist is None:
-            break
-        found.append(impose(twist))
-        unique += [found[-1]] if found[-1].is_unique else []
-    if len(unique) < 3:
-        found += [impose(twist) for twist in proposals.ties([imposed.twist for imposed in unique], TIES)]
-    return found
-
-
-def _with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
-    """The candidates with the proof, where it is sought apart, that no speeds impose them; no more than matters."""
-    judged: list[ImposedTwist] = []
-    tried = 0
-    for candidate in candidates:
-        open_ones = [entry for entry in judged if not entry.is_excluded]
-        if isinstance(candidate, HeldTwist) or candidate.is_unique or rank_of(open_ones) == 3 or tried == TRIED:
-            judged.append(candidate)
-        else:
-            tried += 1
-            judged.append(exclude_twist(candidate))
-    return judged
 
 
 def _go_around(cones: Sequence[LawCone]) -> bool:

@@ -15,7 +15,6 @@ equilibrium lie in one plane no static feedback does (:mod:`nonsmooth.proofs.cla
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -42,14 +41,21 @@ from nonsmooth.proofs.clauses.feedback.level_region import (
     least_level,
 )
 from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate, build_limited_rate
-from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
+from nonsmooth.proofs.clauses.feedback.row_hypotheses import (
+    acting_wheels,
+    obstruction_of,
+    obstructs,
+    side_friction_rules,
+    single_input,
+    why_not_followed,
+)
 from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion, build_turn_region
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.plane import dot, turned
-from nonsmooth.symbolic.scene import Wheel
 
 LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
 WEIGHED_LAW = (
@@ -159,7 +165,7 @@ class FeedbackResult:
             or not any(data.is_idle(self.witness, self.lyapunov.weight) for data in local)
         ):
             return False
-        return _obstructs(self.obstruction, local) and (
+        return obstructs(self.obstruction, local) and (
             not self.none_serves or not shape_regions([data.demand for data in local])
         )
 
@@ -196,12 +202,12 @@ def gradient_text(lyapunov: ControlLyapunov) -> str:
 def decide_feedback(partition: Partition) -> FeedbackResult:
     """Decide the feedback clause for a centred partition of rule ``nearest``."""
     squares = sum_of_squares(partition.scene.check.length)
-    blocked = side_friction_rules(_acting_wheels(partition))
-    unfollowed = _unfollowed(partition)
+    blocked = side_friction_rules(acting_wheels(partition))
+    unfollowed = why_not_followed(partition)
     if unfollowed is not None:
         verdict = Feedback.NOT_APPLICABLE if blocked else Feedback.UNDECIDED
         return FeedbackResult(verdict, (), frozenset(), None, blocked or unfollowed)
-    single = _single_input(partition)
+    single = single_input(partition)
     witness = None if single is None else single.idle_plane(squares.weight)
     if blocked:
         return FeedbackResult(Feedback.NOT_APPLICABLE, (), frozenset(), witness, blocked, lyapunov=squares)
@@ -329,7 +335,7 @@ def _refused(
     none_serves: bool = False,
 ) -> FeedbackResult:
     """No certificate; where all motions at the equilibrium keep to a plane of twists, for any feedback."""
-    normal = _obstruction([data for data in cells if data.cell.index in local])
+    normal = obstruction_of([data for data in cells if data.cell.index in local])
     if normal is not None:
         reason = f"{reason}; {obstruction_text(normal)}"
     return FeedbackResult(
@@ -344,18 +350,6 @@ def _refused(
     )
 
 
-def _obstructs(normal: Triple | None, local: Sequence[InputCell]) -> bool:
-    """Whether a nonzero normal, if there is one, is orthogonal to every control vector field at the equilibrium."""
-    fields = [field for data in local for field in data.state.control_fields.values()]
-    return normal is None or (any(normal) and not any(inner(normal, field) for field in fields))
-
-
-def _obstruction(local: Sequence[InputCell]) -> Triple | None:
-    """The normal of a plane that holds every control vector field at the equilibrium, if there is one."""
-    fields = [field for data in local for field in data.state.control_fields.values()]
-    return common_normal(fields, local[0].state.twist.omega.field)
-
-
 def rim_signs(feedback: FeedbackResult) -> list[int]:
     """The sign of ``v = +-|c| d_i`` in each cell at the equilibrium with which c comes home while theta is held.
 
@@ -366,51 +360,3 @@ def rim_signs(feedback: FeedbackResult) -> list[int]:
         return [-data.demand.sign(feedback.lyapunov) for data in local]
     signs = {wheel.index: s for wheel, s in zip(feedback.cascade.wheels, feedback.cascade.signs, strict=True)}
     return [signs[data.nearest.index] for data in local]
-
-
-def _unfollowed(partition: Partition) -> str | None:
-    """Why cells are not followed: rows that are not those of a pair of wheels, or not along a rim; None without."""
-    held = {row.wheel.index: row.wheel for cell in partition.cells for state in cell.states for row in state.rows}
-    if any(wheel.axis is not None for wheel in held.values()):
-        return askew_reason(held.values())
-    for cell in partition.cells:
-        for state in cell.states:
-            if not state.is_of_a_pair:
-                return (
-                    f"rows without friction are left out, so cell {cell.index} holds {state.name}; "
-                    "only both rows of one wheel with one row of another are followed"
-                )
-    return None
-
-
-def askew_reason(wheels: Iterable[Wheel]) -> str:
-    """Why no law is sought for wheels of which one has a friction axis that is not its rim."""
-    index = next(wheel.index for wheel in wheels if wheel.axis is not None)
-    return (
-        f"the friction axis of wheel {index} is not its rim; laws are sought for such wheels only under rules that "
-        "minimize D, without friction across the axis, and not for a drive at right angles to it"
-    )
-
-
-def _single_input(partition: Partition) -> InputCell | None:
-    """A closed cell at the equilibrium whose side row in third place leaves one input alone."""
-    local = (build_input_cell(cell, state) for cell in partition.cells if is_local(cell) for state in cell.states)
-    return next((data for data in local if data.lever is None), None)
-
-
-def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
-    """Why the clause does not apply, or None: it speaks of arrays with mu_S < mu_R."""
-    for wheel in wheels:
-        if wheel.friction.side >= wheel.friction.roll:
-            return (
-                f"mu_side < mu_roll is required, received mu_side = {wheel.friction.side}, "
-                f"mu_roll = {wheel.friction.roll} at wheel {wheel.index}"
-            )
-    return None
-
-
-def _acting_wheels(partition: Partition) -> list[Wheel]:
-    """The wheels whose rows are held at the equilibrium."""
-    near = [state for cell in partition.cells if is_local(cell) for state in cell.states]
-    held = {row.wheel.index for state in near for row in state.rows}
-    return [wheel for wheel in partition.scene.wheels if wheel.index in held]

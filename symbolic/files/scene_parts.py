@@ -1,0 +1,83 @@
+"""Parts of a scene from the tables of its document: the contact rule, the continuous field, the checked square."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.characteristic_length import default_length
+from nonsmooth.symbolic.continuum import ContinuousField
+from nonsmooth.symbolic.files.load_values import build_loads
+from nonsmooth.symbolic.files.scene_document import ContactTable, Document
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers
+from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
+from nonsmooth.symbolic.files.wheel_builder import speed_of_field
+from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import CheckedSquare, Contact, Wheel
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.support_polygon import default_radius
+
+
+def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
+    """The contact rule and the loads that a ``[contact]`` table names.
+
+    Raises:
+        SceneError: for loads that are stated twice, or cannot be used.
+    """
+    if table.loads is not None and table.table is not None:
+        raise SceneError(numbers.file, "contact.table", "either loads or table", StatedFact("both"))
+    stated = table.table if table.loads is None else table.loads
+    return Contact(table.rule, build_loads(stated, numbers, [wheel.position for wheel in wheels]))
+
+
+def build_continuum(
+    document: Document, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None
+) -> ContinuousField:
+    """The continuous field that the wheels stand for: that of ``[field]``, or towards or away from the origin."""
+    field, zero, one = document.field, numbers.field.zero, numbers.field.one
+    footprint = None if body is None else body.outline
+    if field is None:  # inward or outward, as the first wheel is, at its speed
+        first = wheels[0]
+        outward = dot(first.direction, first.position).sign() > 0
+        kind, pull = ("outward", one) if outward else ("radial", -one)
+        return ContinuousField(kind, ((pull, zero), (zero, pull)), first.speed, (zero, zero), footprint)
+    matrix = None
+    if field.kind in LINEAR_KINDS:
+        psi = field.psi(numbers, "field")
+        (a, c), (b, d) = psi((one, zero)), psi((zero, one))
+        matrix = ((a, b), (c, d))
+    return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero), footprint)
+
+
+def build_check(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:
+    """What ``[check]`` says is checked; the square and the length follow from the wheels where it does not say.
+
+    Raises:
+        SceneError: for a radius or a length that is not positive, or a length that is irrational.
+    """
+    table = document.check
+    x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
+    if table.radius is None:
+        radius = default_radius([wheel.position for wheel in wheels], (x, y))
+    else:
+        radius = numbers.positive(table.radius, "check.radius")
+    defaults = {"has_default_radius": table.radius is None, "has_default_length": table.length is None}
+    if table.length is not None:
+        length = _stated_length(table.length, numbers)
+    else:
+        length = default_length([wheel.position for wheel in wheels], (x, y))
+    return CheckedSquare((x, y), radius, table.lyapunov, length, **defaults)
+
+
+def _stated_length(value: Exact, numbers: Numbers) -> Fraction:
+    """The length l of ``V = |c|^2 + l^2 theta^2``.
+
+    Raises:
+        SceneError: where it is not positive, or irrational.
+    """
+    number = numbers.positive(value, "check.length")
+    rational = number.as_rational()
+    if rational is None:
+        raise SceneError(numbers.file, "check.length", "a rational number", StatedFact(short_text(number)))
+    return Fraction(int(rational.p), int(rational.q))
