@@ -72,6 +72,7 @@ class _Field:
         self._left, self._faces, self._work = MOST_MINIMA, MOST_FACES, MOST_WORK
         self._model = rule.contacts(scene)
         self._moving = MovingTwists(self._model, paths)
+        self.fastest = 0.0  # of the starts
 
     @property
     def jumps(self) -> bool:
@@ -161,7 +162,7 @@ def _follow_all(
     field: _Field, points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float
 ) -> None:
     """Move the points along until they have left or stand still; all three arrays are changed in place."""
-    fastest = float(np.hypot(*field.begin(points).T).max())
+    fastest = field.fastest = float(np.hypot(*field.begin(points).T).max())
     if not fastest:  # all stand where they start
         still[:] = True
         return
@@ -202,19 +203,18 @@ def _followed(field: _Field, starts: Floats, paths: NDArray[np.int_], until: flo
 
 
 def _where_it_stands(field: _Field, place: Floats, radius: float) -> Floats:
-    """A zero of the field beside a place, or where it is not small the point to which jumps lead."""
-    if not field.jumps:
-        return _where_it_vanishes(field, place, radius)
-    path, speed = np.zeros(1, int), float(np.hypot(*field(place[None])[0]))
+    """A zero of the field beside a place; where the field is not small there, the point to which jumps lead."""
     vanishing = _where_it_vanishes(field, place, radius)
-    if float(np.hypot(*field(vanishing[None])[0])) <= STILL * speed:
+    if not field.jumps or float(np.hypot(*field(vanishing[None])[0])) < BRISK * field.fastest:
         return vanishing
-    step = TOGETHER * radius / speed
+    path, step, found = np.zeros(1, int), TOGETHER * radius / field.fastest, place
     for _ in range(SHRINKING):
         for _ in range(TIMES):
-            place = place + step * field.along(place[None], path)[0]
+            found = found + step * field.along(found[None], path)[0]
+            if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or np.abs(found).max() > radius:
+                return vanishing
         step /= 2
-    return np.asarray(np.round(place / (JUMPED * radius)) * JUMPED * radius)
+    return np.asarray(np.round(found / (JUMPED * radius)) * JUMPED * radius)
 
 
 def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> Floats:

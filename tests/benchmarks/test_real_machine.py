@@ -190,7 +190,7 @@ def test_a_loop_whose_speeds_end(stopwatch: Stopwatch, tmp_path: Path) -> None:
 
 
 def test_loops_on_wheels_of_unequal_height(stopwatch: Stopwatch, tmp_path: Path) -> None:
-    """No law is certified for unknown loads; most of these bodies come home all the same, and not as certified."""
+    """No law is certified for unknown loads; these bodies come home all the same."""
     late: dict[str, float] = {}
     for name in (*LOOPS, "mirrored 2", "mirrored 5"):
         driving = machine(source_of(name, tmp_path), tmp_path)
