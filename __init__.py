@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.interface.design_result import DesignResult as DesignResult
     from nonsmooth.reports.interface.evidence_result import EvidenceResult as EvidenceResult
     from nonsmooth.reports.interface.evidence_result import validate as validate
     from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
@@ -50,6 +51,7 @@ _MODULES = {
     "CellsResult": "reports.interface.cells_result",
     "CheckResult": "reports.interface.check_result",
     "ComparisonResult": "reports.interface.comparison_result",
+    "DesignResult": "reports.interface.design_result",
     "EvidenceResult": "reports.interface.evidence_result",
     "FieldResult": "reports.interface.field_result",
     "FilippovSet": "reports.interface.filippov_set",

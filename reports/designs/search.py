@@ -160,8 +160,9 @@ def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: T
         return
 
 
-def named(design: Design, name: str, wish: Wish) -> Design:
-    """With a name and a description that say where the scene comes from."""
+def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> Design:
+    """The same as :func:`find_design`, with a name and a description that say where the scene comes from."""
+    design, name = find_design(base, folder, scene, freedom, wish, told), f"{scene.name}-designed"
     how = f"designed from {design.scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
     return replace(design, document={"name": name, "description": how, **_without(design.document)})
 

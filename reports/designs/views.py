@@ -28,7 +28,7 @@ WHAT = {
 
 def design_view(design: Design, wish: Wish) -> RenderableType:
     """The outcome, both arrays side by side, and the wheels that were found."""
-    parts: list[RenderableType] = [Text(_headline(design, wish))]
+    parts: list[RenderableType] = [Text(headline(design, wish))]
     answers = header_table("question", "the given array", "the best found", widest="the best found")
     for before, after in zip(design.base.answers, design.best.answers, strict=False):
         answers.add_row(before.name, verdict_text(before.verdict), Text(f"{after.verdict}: {after.sentence}"))
@@ -40,7 +40,8 @@ def design_view(design: Design, wish: Wish) -> RenderableType:
     return Group(*parts)
 
 
-def _headline(design: Design, wish: Wish) -> str:
+def headline(design: Design, wish: Wish) -> str:
+    """What was found, in a line."""
     name = one_line(design.scene.name)
     if design.impossible:
         return f"{name}: no speeds meet the requirements: {design.impossible}"

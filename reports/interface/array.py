@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.cells_result import CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult
+    from nonsmooth.reports.interface.design_result import DesignResult
     from nonsmooth.reports.interface.field_result import FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.map_result import MapResult
@@ -204,6 +205,48 @@ class Array(MadeArray):
         from nonsmooth.reports.sweeps.sweep import Means
 
         return sweep_array(self, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+
+    def design(
+        self,
+        *,
+        free: str = "headings",
+        require: str = "position",
+        maximize: str = "rate",
+        move: Any = None,
+        symmetry: int | None = None,
+        checks: int = 300,
+        seed: int = 1,
+    ) -> DesignResult:
+        """Search for headings, speeds and positions of the wheels that meet requirements and do best.
+
+        Every candidate is an exact array whose answers are proved; that none is better is not.
+
+        Args:
+            free: what may change: names among ``headings,speeds,positions``.
+            require: answers that must be good: names among ``position,heading,pose``.
+            maximize: ``rate`` at which bodies come home, ``gain`` of feedback, ``basin`` whence they come home, or
+                ``tolerance``, the multiple of the tolerances that is certified.
+            move: how far a wheel may move in x and y; None for a quarter of the side of the checked square.
+            symmetry: turns that leave the array as it is, 1, 2 or 4; None for the most that it has.
+            checks: how many arrays are checked at most.
+            seed: of the search, which is repeatable.
+
+        Raises:
+            SceneError: for a tolerance to maximize that the array does not state.
+            ValueError: for other things that cannot be used.
+        """
+        from nonsmooth.reports.interface.design_result import design_array
+
+        return design_array(
+            self,
+            free=free,
+            require=require,
+            maximize=maximize,
+            move=move,
+            symmetry=symmetry,
+            checks=checks,
+            seed=seed,
+        )
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.

@@ -115,6 +115,25 @@ def test_bad_input_is_one_line(invoke: Invoke, options: tuple[str, ...], said: s
     assert len(outcome.err.strip().splitlines()) == 1
 
 
+def test_python_finds_what_the_command_finds(invoke: Invoke, tmp_path: Path) -> None:
+    saddle = ns.load("saddle")
+    assert isinstance(saddle, ns.Array)
+    found = saddle.design(checks=20)
+    assert found.to_dict() == invoke("design", "saddle", "--checks", "20", "--json").record
+    assert (found.is_found, found.unmet, found.impossible, found.given_value) == (True, (), "", None)
+    assert "comes home" in repr(found)
+    assert len(repr(found).splitlines()) <= 12
+    assert found.save(tmp_path / "found.toml").exists()
+    again, own = ns.load(tmp_path / "found.toml"), found.array
+    assert isinstance(again, ns.Array)
+    assert isinstance(own, ns.Array)
+    assert str(again.check().position) == str(own.check().position)
+    with pytest.raises(ValueError, match=r"^free: required names among headings, speeds, positions, received 'colour'"):
+        saddle.design(free="colour")
+    with pytest.raises(ns.SceneError, match=r"required a .tolerance. table"):
+        saddle.design(maximize="tolerance")
+
+
 def test_documents_are_read_again_as_they_were_written() -> None:
     document = {
         "name": 'a "quoted" \\ name',

@@ -1,0 +1,98 @@
+"""What is asked of a design, read from what a user wrote: what may change, what is required, how long to search."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from nonsmooth.reports.designs.freedom import Freedom
+from nonsmooth.reports.designs.objective import OBJECTIVES
+from nonsmooth.reports.designs.search import Wish
+from nonsmooth.reports.designs.symmetry import ORDERS, largest_symmetry, orbits_of
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.scene_values import read_exact
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+
+FREE = ("headings", "speeds", "positions")
+REQUIRED = ("position", "heading", "pose")
+MOST_CHECKS = 100_000
+FINEST = 1000  # denominator of the usual distance that wheels may move
+
+
+class DesignError(ValueError):
+    """``keyword: required ..., received ...``; the command line puts two dashes before it."""
+
+
+def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int) -> Wish:
+    """What is required and maximized.
+
+    Args:
+        scene: the given array.
+        require: names of answers, with commas.
+        maximize: name of an objective.
+        checks: how many arrays are checked at most.
+        seed: of the search.
+
+    Raises:
+        DesignError: for what cannot be used.
+        SceneError: for a tolerance to maximize that the scene does not state.
+    """
+    (objective, *others) = _names(maximize, "maximize", tuple(OBJECTIVES))
+    if others:
+        raise DesignError(f"maximize: required one name, received {maximize[:60]!r}")
+    if not 1 <= checks <= MOST_CHECKS:
+        raise DesignError(f"checks: required a number from 1 to {MOST_CHECKS}, received {checks}")
+    if seed < 0:
+        raise DesignError(f"seed: required a number of at least 0, received {seed}")
+    if objective == "tolerance" and scene.tolerances is None:
+        raise SceneError(scene.source, "tolerance", "a [tolerance] table to maximize it", StatedFact("nothing"))
+    return Wish(_names(require, "require", REQUIRED), objective, checks, seed)
+
+
+def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Freedom:
+    """What may change.
+
+    Args:
+        scene: the given array.
+        free: names of what may change, with commas.
+        move: how far wheels may move in x and y; None for a quarter of the side of the checked square.
+        symmetry: turns that leave the array as it is: 1, 2 or 4; None for the most that it has.
+
+    Raises:
+        DesignError: for what cannot be used.
+    """
+    kinds = _names(free, "free", FREE)
+    return replace(Freedom(kinds, move=_distance(scene, move)), order=_order(scene, symmetry))
+
+
+def _names(text: str, keyword: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of a list with commas, in the order in which they are known."""
+    names = {name.strip() for name in text.split(",")}
+    unknown = sorted(names - set(known))
+    if unknown:
+        raise DesignError(f"{keyword}: required names among {', '.join(known)}, received {unknown[0][:60]!r}")
+    return tuple(name for name in known if name in names)
+
+
+def _distance(scene: Scene, move: Any) -> Fraction:
+    if move is None:
+        return (Fraction(float(scene.check.radius)) / 2).limit_denominator(FINEST)
+    try:
+        number = read_exact(move)
+    except ExpressionError:
+        number = Fraction(0)
+    if not isinstance(number, Fraction) or number <= 0:
+        raise DesignError(f"move: required a positive rational number such as 1/10, received {str(move)[:60]!r}")
+    return number
+
+
+def _order(scene: Scene, asked: int | None) -> int:
+    """Of the symmetry to keep: the largest that the scene has unless another is asked for."""
+    if asked is None:
+        return largest_symmetry(scene)
+    if asked not in ORDERS or orbits_of(scene, asked) is None:
+        allowed = ", ".join(str(order) for order in ORDERS if orbits_of(scene, order) is not None)
+        raise DesignError(f"symmetry: required one of {allowed} for the places of these wheels, received {asked}")
+    return asked
