@@ -37,9 +37,8 @@ SPEED = 1e-6  # largest speed of a surface in the file (metre/second)
 RADIUS, HALF_LENGTH = 0.05, 1e-4  # of the capsules (metre)
 LEAST_FRICTION = 1e-5  # of the engine
 SETTLING = 1.0  # seconds in which contacts settle: a hundred of their time constants
-CONFORMS = (
-    2e-3  # of the largest entry of the predicted twist; a body at rest may creep at this share of the wheels' speed
-)
+# Of the largest entry of the predicted twist; a body at rest may creep at this share of the wheels' speed.
+CONFORMS = 2e-3
 AT_REST = 1e-9  # of the wheels' speed: slower is rounding of rest
 
 

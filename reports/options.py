@@ -165,6 +165,9 @@ Picture = Annotated[
     str | None,
     typer.Option("-o", "--output", metavar="FILE", help="Draw them, instead of a table: .svg, .png or .pdf."),
 ]
+RowsFile = Annotated[
+    str | None, typer.Option("-o", "--output", metavar="FILE", help="Rows: .json or .csv; picture: .svg, .png or .pdf.")
+]
 ReportFile = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="Report: .html, .tex, .md or .json.")
 ]

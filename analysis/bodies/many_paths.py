@@ -92,9 +92,11 @@ class _State:
 
     @property
     def going(self) -> Numbers:
+        """The numbers of the paths that have not ended."""
         return np.flatnonzero(self.reasons < 0)
 
     def end(self, paths: Numbers, reason: BodyEnd) -> None:
+        """Note why these paths end."""
         self.reasons[paths] = ENDS.index(reason)
 
 

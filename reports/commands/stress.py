@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
 from nonsmooth.reports.console import INTERRUPTED
-from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
-
-Output = Annotated[
-    str | None, typer.Option("-o", "--output", metavar="FILE", help="Rows: .json or .csv; picture: .svg, .png or .pdf.")
-]
+from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RowsFile, RuleOption, SceneText
 
 
 def stress(
     scene: SceneText,
-    output: Output = None,
+    output: RowsFile = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,

@@ -7,18 +7,15 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import RefusedError
-from nonsmooth.reports.options import Json
+from nonsmooth.reports.options import Json, RowsFile
 
 Only = Annotated[
     str | None,
     typer.Option("--only", metavar="NAME,...", help="Of vehicles, pushes and claims; all three unless given."),
 ]
-Output = Annotated[
-    str | None, typer.Option("-o", "--output", metavar="FILE", help="Rows: .json or .csv; picture: .svg, .png or .pdf.")
-]
 
 
-def validate(only: Only = None, output: Output = None, json: Json = False) -> int:
+def validate(only: Only = None, output: RowsFile = None, json: Json = False) -> int:
     """Validate predictions against vehicles, 400 measured pushes and published claims; nothing is fitted to them.
 
     Exit status: 0 done, 2 bad input.
