@@ -40,7 +40,7 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact("with", f"V = {proving_text(result)}")
         yield row_fact("on", result.domain.text(states))
     if result.region is not None:
-        yield row_fact("region", _region_words(result.region, states))
+        yield row_fact("region", region_words(result.region, states))
     if result.rate is not None:
         yield row_fact("rate", str(result.rate))
 
@@ -81,7 +81,8 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     yield Fact("tried", unsaid(own))
 
 
-def _region_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
+def region_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
+    """What is certified of a sublevel set of V, and what refutes a larger one."""
     inside = Domain(region.radius).text(states)
     reached = f"every start with {region} within {inside} reaches the equilibrium"
     if region.point is None:
@@ -98,7 +99,7 @@ def _region_record(region: SublevelRegion, states: tuple[str, ...]) -> dict[str,
         "within": Quantity(region.radius),
         "refuted": Quantity(region.refuted),
         "point": Quantity(region.point),
-        "text": _region_words(region, states),
+        "text": region_words(region, states),
     }
 
 

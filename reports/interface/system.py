@@ -12,6 +12,7 @@ from nonsmooth.reports.interface.entries import entry, table
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -102,6 +103,24 @@ class System:
         from nonsmooth.reports.interface.system_result import check_system
 
         return check_system((self.with_(**changes) if changes else self).system)
+
+    def derive(
+        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
+    ) -> ReportResult:
+        """The derivation report: cells, borders, Lyapunov function or leading terms, phase portrait, solutions.
+
+        Args:
+            only: names of the sections to write, or a text with commas; all unless given.
+            without: less these.
+
+        Raises:
+            SceneError: for a system in another number of states than two.
+            ValueError: for a name that is no section.
+        """
+        from nonsmooth.reports.interface.report_result import derive_system, named_parts
+        from nonsmooth.reports.plain_systems.report import chosen_system_parts
+
+        return derive_system(self.system, named_parts(only, without, chosen_system_parts))
 
     def simulate(
         self, start: Sequence[float], until: float = UNTIL, *, method: str = "events", width: float = 1e-3

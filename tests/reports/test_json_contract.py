@@ -28,6 +28,7 @@ CASES = {
     "partition four-wheel --compare": "nonsmooth-agreement/1",
     "sweep four-wheel --vary mu_side=1/2:2:2 --borders --fail 1 --workers 1": "nonsmooth-sweep/1",
     "derive four-wheel --only verdict,cells": "nonsmooth-derivation/1",
+    "derive eq-4 --only verdict": "nonsmooth-derivation/1",
     "simulate four-wheel --from 0.2,0.4,0": "nonsmooth-trajectory/1",
     "simulate eq-3 --from 0.2,0.4": "nonsmooth-trajectory/1",
     "simulate four-wheel --from 0.2,0.4,0 --method dynamics": "nonsmooth-trajectory/1",
