@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.fields.cell_values import inside, polynomial_values
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
     from nonsmooth.analysis.cells.switched_cells import FieldCell
     from nonsmooth.reports.phase_portrait import PhasePortrait
-    from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -64,37 +64,20 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     axes.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
     _draw_nullclines(axes, portrait, xs, ys)
     _draw_curves(axes, portrait, xs, ys)
-    _draw_borders(axes, portrait)
-    _draw_potential(axes, portrait)
+    draw_borders(axes, portrait)
+    draw_potential(axes, portrait)
     axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
     x, y = portrait.system.states
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
-
-
-def _values(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
-    total = np.zeros_like(xs)
-    for (a, b), c in polynomial.terms.items():
-        total += float(c) * xs**a * ys**b
-    return total
-
-
-def _inside(cell: FieldCell, xs: Floats, ys: Floats) -> NDArray[np.bool_]:
-    """The points of a cell."""
-    kept = np.ones(xs.shape, dtype=bool)
-    for a, b, c in cell.region.sides:
-        kept &= float(a) * xs + float(b) * ys + float(c) >= 0
-    for guard in cell.region.guards:
-        kept &= _values(guard, xs, ys) >= 0
-    return kept
 
 
 def _sampled(cells: tuple[FieldCell, ...], xs: Floats, ys: Floats) -> tuple[Floats, Floats]:
     """The field at many points, that of one cell where several meet."""
     first, second = np.zeros_like(xs), np.zeros_like(xs)
     for cell in cells:
-        here = _inside(cell, xs, ys)
+        here = inside(cell, xs, ys)
         f, g = cell.velocities[0]
-        first[here], second[here] = _values(f, xs, ys)[here], _values(g, xs, ys)[here]
+        first[here], second[here] = polynomial_values(f, xs, ys)[here], polynomial_values(g, xs, ys)[here]
     return first, second
 
 
@@ -103,7 +86,7 @@ def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats
     for k, (name, color) in enumerate(zip(portrait.system.states, NULLCLINES, strict=True)):
         drawn = False
         for cell in portrait.cells:
-            values = np.where(_inside(cell, xs, ys), _values(cell.velocities[0][k], xs, ys), np.nan)
+            values = np.where(inside(cell, xs, ys), polynomial_values(cell.velocities[0][k], xs, ys), np.nan)
             known = values[~np.isnan(values)]
             if known.size and known.min() < 0 < known.max():
                 axes.contour(xs, ys, values, levels=[0.0], colors=color, linewidths=1.4, zorder=2)
@@ -115,12 +98,13 @@ def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats
 def _draw_curves(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
     """Switching curves, each once."""
     for guard in dict.fromkeys(guard for cell in portrait.cells for guard in cell.region.guards):
-        values = _values(guard, xs, ys)
+        values = polynomial_values(guard, xs, ys)
         if values.min() < 0 < values.max():
             axes.contour(xs, ys, values, levels=[0.0], colors=CURVE, linestyles="--", linewidths=1.0, zorder=3)
 
 
-def _draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
+def draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
+    """Straight borders, their kinds told apart by form."""
     named: set[BorderKind] = set()
     for part in portrait.borders:
         ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
@@ -129,7 +113,7 @@ def _draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
         named.add(part.kind)
 
 
-def _draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
+def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     """Level sets of the V that proves the verdict, over the square on which it is proved."""
     result = portrait.stability
     proving, domain = result.proving, result.domain
@@ -140,8 +124,8 @@ def _draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     xs, ys = np.meshgrid(line, line)
     potential = np.zeros_like(xs)
     for cell in proving.cells:
-        here = _inside(cell, xs, ys)
-        potential[here] = _values(cell.potential, xs, ys)[here]
+        here = inside(cell, xs, ys)
+        potential[here] = polynomial_values(cell.potential, xs, ys)[here]
     axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
     if result.region is not None and result.region.falls:
         axes.contour(xs, ys, potential, levels=[float(result.region.level)], colors=REGION, linewidths=2.0, zorder=5)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 from nonsmooth.reports.interface.entries import entry, table
 
 if TYPE_CHECKING:
+    from nonsmooth.reports.interface.map_result import MapResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
@@ -144,6 +145,21 @@ class System:
         place = tuple(float(value) for value in start)
         path = follow_system(self.system, place, until, Method(method), width)
         return PathResult(self.system.name, tuple(self.system.states), path)
+
+    def map(self, grid: int = 21, *, until: float = UNTIL) -> MapResult:
+        """Where a grid of starts over the checked square has come to, sampled.
+
+        Args:
+            grid: starts in a row and in a column.
+            until: last time.
+
+        Raises:
+            ArgumentError: for a grid or a time that cannot be used.
+            SceneError: for another number of states than two, and for arbitrary switching.
+        """
+        from nonsmooth.reports.interface.map_result import map_system
+
+        return map_system(self.system, grid, until)
 
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:

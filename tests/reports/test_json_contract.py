@@ -34,6 +34,7 @@ CASES = {
     "simulate four-wheel --from 0.2,0.4,0 --method dynamics": "nonsmooth-trajectory/1",
     "simulate four-wheel --from 0.2,0.4,0 --until 0.1 --method dynamics --compare-masses": "nonsmooth-masses/1",
     "simulate four-wheel --grid 4": "nonsmooth-map/1",
+    "simulate eq-4 --grid 2 --until 1": "nonsmooth-system-map/1",
     "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
     "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
     "vehicle husky-a200 --spin 2": "nonsmooth-vehicle/1",
