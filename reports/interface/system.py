@@ -34,6 +34,7 @@ class System:
         radius: half-width of the square about it that is checked.
         lyapunov: a Lyapunov function to try, as a formula.
         name: what it is called in results.
+        parameters: numbers that stand in the formulas by name, such as ``{"k": 2}``.
 
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
@@ -50,8 +51,11 @@ class System:
         radius: Any = None,
         lyapunov: Any = None,
         name: str | None = None,
+        parameters: Mapping[str, Any] | None = None,
     ) -> None:
         document = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
+        if parameters is not None:
+            document["system"]["parameters"] = table(parameters)
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
 
     def _set(self, document: Mapping[str, Any]) -> None:
@@ -70,7 +74,7 @@ class System:
         return system
 
     def with_(self, **changes: Any) -> Self:
-        """Another system in which at, radius, lyapunov or name is changed.
+        """Another system in which at, radius, lyapunov, name or some parameters are changed.
 
         Raises:
             SceneError: for whatever cannot be used.
@@ -164,10 +168,13 @@ class System:
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:
     """The document with the keywords at their places; None leaves it as it is."""
-    unknown = set(changes) - {"at", "radius", "lyapunov", "name"}
+    unknown = set(changes) - {"at", "radius", "lyapunov", "name", "parameters"}
     if unknown:
-        raise TypeError(f"required a keyword among at, radius, lyapunov, name, received {min(unknown)!r}")
+        raise TypeError(f"required a keyword among at, radius, lyapunov, name, parameters, received {min(unknown)!r}")
     changed = dict(document)
+    if changes.get("parameters") is not None:
+        system = document["system"]
+        changed["system"] = {**system, "parameters": {**system.get("parameters", {}), **table(changes["parameters"])}}
     if changes.get("name") is not None:
         changed["name"] = changes["name"]
     given = table(
