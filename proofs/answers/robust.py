@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.robust.robust import Robust
 
 TOLERANCES = "tolerances"
-KEYS = ("radius", "from", "within", "turning", "drift")
+KEYS = ("radius", "from", "within", "turning", "drift", "at_rest_within")
 WORDS = {
     "position": "the positions of the wheels",
     "heading": "the headings of the wheels",
@@ -43,7 +43,7 @@ def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     if found.verdict is Certainty.UNDECIDED:
         yield Fact(words=found.reason)
     values: dict[str, Any] = dict(
-        zip(KEYS, (found.radius, found.start, found.within, found.turning, found.drift), strict=True)
+        zip(KEYS, (found.radius, found.start, found.within, found.turning, found.drift, found.rests), strict=True)
     )
     words = dict.fromkeys(KEYS, "")
     if found.radius is not None and found.drift is not None:
@@ -60,6 +60,10 @@ def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
         words["within"] = f"after at most {at_most(found.within)} s"
         if found.turning is not None:
             words["turning"] = f"on the way it turns by at most {at_most(found.turning)} rad"
+    if found.rests:
+        words["at_rest_within"] = (
+            f"for every array within them, a body within {at_least(found.rests)}{unit} of the point stays where it is"
+        )
     for key, value in values.items():
         yield Fact(key, Quantity(value), words[key])
     yield Fact("factor", Quantity(found.factor), _factor_words(found))
