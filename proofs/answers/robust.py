@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from nonsmooth.proofs.answers.answer import Answer
-from nonsmooth.proofs.answers.bounds import at_least, at_most
+from nonsmooth.proofs.answers.answer import Answer, Results
+from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.robust.feedback import RobustLoop
     from nonsmooth.proofs.robust.robust import Robust
 
 TOLERANCES = "tolerances"
@@ -27,14 +29,27 @@ WORDS = {
 }
 
 
-def robust_answer(scene: Scene) -> Answer | None:
+def robust_answer(scene: Scene, results: Results) -> Answer | None:
     """The answer for every array within the scene's tolerances; None for a scene that states none."""
     if scene.tolerances is None:
         return None
     from nonsmooth.proofs.robust.decide import decide_robust  # only a scene that states tolerances needs it
+    from nonsmooth.proofs.robust.feedback import decide_robust_loop
 
-    found = decide_robust(scene)
-    return None if found is None else Answer(TOLERANCES, found.verdict, tuple(_facts(scene, found)))
+    found, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]))
+    if found is None:
+        return None
+    return Answer(TOLERANCES, found.verdict, (*_facts(scene, found), _loop_fact(loop)))
+
+
+def _loop_fact(loop: RobustLoop | None) -> Fact:
+    """How fast feedback holds the pose of every array."""
+    if loop is None:
+        return Fact("pose_rate", None)
+    if loop.rate is None:
+        return Fact("pose_rate", None, f"of feedback nothing is said: {loop.reason}")
+    words = f"feedback holds the pose of every array, with gain k its error halves at least every {half_life(loop.rate)}/k s"
+    return Fact("pose_rate", Quantity(loop.rate), words)
 
 
 def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:

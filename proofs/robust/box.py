@@ -1,7 +1,8 @@
 """Rule ``box`` over a box of parameters: where every body stays at rest, and where every body comes nearer.
 
-At rest no side row of any array slips, so that ``xi = 0`` is the only minimizer wherever forces within their limits, those
-of the side rows not at them, balance those of the rims.  The places where they do are a convex set: corners decide.
+At rest no side row of any array slips, so that ``xi = 0`` is the only minimizer wherever forces within their limits,
+those of the side rows not at them, balance those of the rims.  The places where they do are a convex set: corners
+decide.
 
 Outside a disc ``c . v <= -kappa |c|`` is shown on quadrangles, by :mod:`nonsmooth.proofs.robust.box_bound` at their
 corners: |c| is convex, and the bound is a mixture of those at the corners.  Then ``(c . c)' = 2 c . v`` as under rule
@@ -32,7 +33,16 @@ RINGS = 16  # of equal width, from the square inward
 DEPTH = 3  # how often a quadrangle is divided into four
 HALVINGS = 5  # of the ring in which the disc ends
 STARTS = tuple(Fraction(k, 16) for k in (16, 15, 14, 12, 10, 8))  # shares of the square from which bodies may start
-PUSHES = (0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)  # of the friction of all wheels; the strong ones serve large boxes
+PUSHES = (
+    0.75,
+    0.6,
+    0.45,
+    0.3,
+    0.2,
+    0.1,
+    0.05,
+    0.02,
+)  # of the friction of all wheels; strong ones serve large boxes
 GROWTH = Fraction(6, 5)  # of the least radius: what a faster rate may cost
 REST_CORNERS = 16
 REST_HALVINGS = 7
@@ -224,9 +234,7 @@ class BoxRule:
         return self._corners.proposal(place, push, twist)
 
 
-def _proved(
-    bound: BoxBound, piece: Piece, plan: _Plan, push: _Push, proposals: tuple[Proposal, ...]
-) -> arb | None:
+def _proved(bound: BoxBound, piece: Piece, plan: _Plan, push: _Push, proposals: tuple[Proposal, ...]) -> arb | None:
     """The rate that the bounds at the corners of a quadrangle prove; None where it is not positive."""
     twist, strength = [arb(entry) for entry in plan.twist], arb(push.strength)
     rates = []

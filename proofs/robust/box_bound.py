@@ -8,8 +8,8 @@ slips s of any one twist ``xi^``, and every minimizer xi of D::
 since ``D(xi) >= sum_k y_k s_k(xi) = G . (xi - xi^) + sum_k y_k s_k`` (Fenchel's inequality), and ``D(xi) <= D(xi^)``.
 Pushed along c with ``G = (lambda c, 0)`` that is a bound of ``c . v``.
 
-Loads are affine in the place of the body.  So forces at the corners of a polygon, mixed, are forces at each of its points:
-with one ``xi^`` and one lambda the corners decide about the polygon.
+Loads are affine in the place of the body.  So forces at the corners of a polygon, mixed, are forces at each of its
+points: with one ``xi^`` and one lambda the corners decide about the polygon.
 
 For an array of the box the shares of the rows that are held are corrected until they balance exactly: three linear
 equations, whose solution is enclosed.

@@ -1,4 +1,4 @@
-"""Twists at the corners of D under rule ``box``, in floats: what balances a push.  They propose, and nothing rests on them.
+"""Twists at the corners of D under rule ``box``, in floats: what balances a push.  They propose; no proof rests on them.
 
 ``D - G . xi`` is convex and linear in pieces, so that where it has a least value one is at a corner, a twist that
 satisfies three independent rows.  Which twists are corners depends neither on the loads nor on the push G.
@@ -20,8 +20,8 @@ from nonsmooth.symbolic.scene import LoadTable, Scene
 Floats: TypeAlias = NDArray[np.float64]
 
 MAX_WHEELS = 30  # 34,220 triples of rows
-REGULAR = 1e-9  # volume of three unit rows below which they count as dependent
-SATISFIED = 1e-9  # of the fastest wheel's speed: a smaller slip is rounding
+REGULAR = 2.0**-30  # volume of three unit rows below which they count as dependent
+SATISFIED = 2.0**-30  # of the fastest wheel's speed: a smaller slip is rounding
 ROOM = 0.999  # largest share of a limit that is proposed for a row that is satisfied
 
 

@@ -121,12 +121,14 @@ def test_without_tolerances_the_rest_disc_is_that_of_the_closed_form() -> None:
 
 
 def test_a_larger_box_breaks_what_is_said() -> None:
-    """At the rest disc's edge some corner of a box five times as large moves."""
+    """At the rest disc's edge some corner of a box twenty times as large moves."""
     scene = load_scene("four-wheel", rule="box").recentred()
     radius = float(BoxRule(scene).rest_radius(small_box(scene), Fraction(1, 2)))
     rng, angles = np.random.default_rng(4), np.pi / 4 * np.arange(8)
     points = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    moved = [np.abs(twists(drawn(scene, small_box(scene, Fraction(20)), rng, corner=True), points)).max() for _ in range(20)]
+    moved = [
+        np.abs(twists(drawn(scene, small_box(scene, Fraction(20)), rng, corner=True), points)).max() for _ in range(20)
+    ]
     assert max(moved) > 1e-3
 
 
