@@ -48,7 +48,8 @@ def _loop_fact(loop: RobustLoop | None) -> Fact:
         return Fact("pose_rate", None)
     if loop.rate is None:
         return Fact("pose_rate", None, f"of feedback nothing is said: {loop.reason}")
-    words = f"feedback holds the pose of every array, with gain k its error halves at least every {half_life(loop.rate)}/k s"
+    time = half_life(loop.rate)
+    words = f"feedback holds the pose of every array, with gain k its error halves at least every {time}/k s"
     return Fact("pose_rate", Quantity(loop.rate), words)
 
 

@@ -1,4 +1,4 @@
-"""Twists at the corners of D under rule ``box``, in floats: what balances a push.  They propose; no proof rests on them.
+"""Twists at the corners of D under rule ``box``, in floats: what balances a push.  No proof rests on them.
 
 ``D - G . xi`` is convex and linear in pieces, so that where it has a least value one is at a corner, a twist that
 satisfies three independent rows.  Which twists are corners depends neither on the loads nor on the push G.

@@ -33,6 +33,7 @@ from nonsmooth.symbolic.tolerances import Tolerance
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
     from nonsmooth.symbolic.constraints import Triple
 
 PRECISION = 64  # bits of the balls
@@ -68,7 +69,7 @@ def decide_robust_loop(scene: Scene, feedback: AnyFeedback) -> RobustLoop | None
         return RobustLoop(None, f"for feedback tolerances are followed under rule box, not under {scene.contact.rule}")
     if box.centre_of_mass:
         return RobustLoop(None, "the law measures the pose at the centre of mass, and that is not known exactly")
-    cones = getattr(feedback, "cones", ())
+    cones: tuple[LawCone, ...] = getattr(feedback, "cones", ())
     if len(cones) != 1:
         return RobustLoop(None, "frictions balance exactly at the point, and within the tolerances they do not")
     plain = with_rims_along_axes(scene.recentred())
@@ -103,7 +104,7 @@ class _CommandedTwist:
         """For a twist in the unit l of the scene."""
         self._length = arb(scene.check.length.numerator) / scene.check.length.denominator
         x, y, turn = (entry.ball() for entry in twist)
-        self._twist = (x, y, turn / self._length)
+        self._twist = x, y, turn / self._length
         none = box.times(STILL)
         drive = 1 + box.speed.ball() * arb(0, 1)
         wheels = [

@@ -45,7 +45,7 @@ def drawn(scene: Scene, box: Tolerance, speeds: Floats, rng: np.random.Generator
     wheels = scene.recentred().wheels
     n = len(wheels)
     places = np.array([[float(x) for x in w.position] for w in wheels]) + float(box.position) * shift(n, 2)
-    angles = np.array([np.arctan2(*map(float, w.unit_direction[::-1])) for w in wheels])
+    angles = np.array([np.arctan2(float(y), float(x)) for x, y in (w.unit_direction for w in wheels)])
     angles = angles + np.pi * float(box.heading) * shift(n)
     roll = np.array([float(w.friction.roll) for w in wheels]) * (1 + float(box.mu_roll) * shift(n))
     side = np.array([float(w.friction.side) for w in wheels]) * (1 + float(box.mu_side) * shift(n))
