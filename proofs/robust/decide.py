@@ -158,18 +158,32 @@ def decide_robust(scene: Scene) -> Robust | None:
     """Decide for every array within the scene's tolerances; None for a scene without."""
     if scene.tolerances is None:
         return None
+    proof = _proof(scene)
+    if isinstance(proof, Robust):
+        return proof
+    found = proof.statement(scene.tolerances)
+    factor = largest_factor(proof.holds, scene.tolerances)
+    binding = binding_entry(proof.holds, scene.tolerances, factor)
+    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+
+
+def decided_statement(scene: Scene) -> Robust:
+    """The same for a scene with tolerances, without the factor and what binds."""
+    proof = _proof(scene)
+    if isinstance(proof, Robust) or scene.tolerances is None:
+        return proof if isinstance(proof, Robust) else Robust(Certainty.UNDECIDED, "the scene states no tolerances")
+    return proof.statement(scene.tolerances) or Robust(Certainty.UNDECIDED, proof.no_proof)
+
+
+def _proof(scene: Scene) -> BoxProof | Robust:
+    """What proves something about boxes of a scene; or why nothing does."""
     if scene.contact.rule not in PROOFS:
         rules = ", ".join(PROOFS)
         reason = f"tolerances are followed under the rules {rules}, not under {scene.contact.rule}"
         return Robust(Certainty.UNDECIDED, reason)
     proof = PROOFS[scene.contact.rule](scene.recentred())
     reason = proof.why_not()
-    if reason:
-        return Robust(Certainty.UNDECIDED, reason)
-    found = proof.statement(scene.tolerances)
-    factor = largest_factor(proof.holds, scene.tolerances)
-    binding = binding_entry(proof.holds, scene.tolerances, factor)
-    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+    return Robust(Certainty.UNDECIDED, reason) if reason else proof
 
 
 def certified_factor(scene: Scene) -> Fraction | None:

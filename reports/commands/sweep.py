@@ -62,6 +62,13 @@ Scheduler = Annotated[
         help="Check on the Dask cluster of this scheduler, such as tcp://host:8786 (needs nonsmooth[cluster]).",
     ),
 ]
+Certify = Annotated[
+    bool,
+    typer.Option(
+        "--certify",
+        help="Prove what holds in whole cells of the grid, for every array between and within the tolerances.",
+    ),
+]
 Yes = Annotated[bool, typer.Option("--yes", help="Run more than a million scenes.")]
 
 
@@ -72,6 +79,7 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     seed: Seed = 0,
     output: Output = None,
     borders: Borders = False,
+    certify: Certify = False,
     fail: Fail = None,
     store: StoreFile = None,
     workers: WorkersOption = None,
@@ -109,7 +117,8 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
             scheduler=scheduler,
             store=None if store is None else Path(store),
             failures=failures,
-            borders=borders or draws_picture,
+            borders=borders or (draws_picture and not certify),
+            certify=certify,
             yes=yes,
         )
         _show(_run(base, plan, means), path, json=json)
