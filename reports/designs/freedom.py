@@ -19,6 +19,7 @@ from nonsmooth.symbolic.scene import Scene, Wheel
 
 PARTS = 64  # of the range of a speed or a displacement
 HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
+WHEELS = "wheels"  # which wheels of the array there are
 KINDS = ("headings", "speeds", "positions")
 LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list of wheels replaces
 
@@ -69,7 +70,7 @@ class Freedom:
             chosen = self._chosen(scene.wheels[orbit[0]], [next(numbers) for _ in range(self.numbers_per_wheel)])
             for step, place in enumerate(orbit):
                 turns = step * 4 // self.order
-                tables[place] = _table(scene, scene.wheels[place], chosen, turns)
+                tables[place] = wheel_table(scene, scene.wheels[place], chosen, turns)
         return {**kept, "wheel": tables}
 
     def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:
@@ -98,8 +99,8 @@ class Freedom:
         return quarter_turns((field(q * q - p * p), field(2 * p * q)), quarters)
 
 
-def _table(scene: Scene, wheel: Wheel, chosen: Wheel, turns: int) -> dict[str, Any]:
-    """A wheel of an orbit: the first one, turned about the checked point."""
+def wheel_table(scene: Scene, wheel: Wheel, chosen: Wheel, turns: int) -> dict[str, Any]:
+    """A wheel of an orbit as a table of a scene file: what is chosen for the first one, turned about the point."""
     at = scene.check.equilibrium
     offset = quarter_turns(minus(chosen.position, at), turns)
     table: dict[str, Any] = {

@@ -7,9 +7,9 @@ confirmation; that nothing better exists is not shown.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -25,7 +25,19 @@ MEMBERS = 24  # of a generation, about
 Told = Callable[[int, int], None]
 
 
-class _SpentError(Exception):
+class Costed(Protocol):
+    """What a search makes small."""
+
+    def cost(self, vector: Sequence[float], told: Told) -> float:
+        """Of the candidate of a vector.
+
+        Raises:
+            SpentError: where no more candidates may be checked.
+        """
+        ...
+
+
+class SpentError(Exception):
     """All checks that are allowed are done."""
 
 
@@ -47,6 +59,23 @@ class Wish:
 
 
 @dataclass(frozen=True)
+class Fewest:
+    """What is known of the smallest choice of wheels.
+
+    Attributes:
+        count: of the wheels of the choice that was found; None where there is none.
+        undecided: how many choices that were passed over are not refuted.
+        all_checked: whether every smaller choice was checked.
+        order: of the turns that every choice keeps.
+    """
+
+    count: int | None
+    undecided: int
+    all_checked: bool
+    order: int
+
+
+@dataclass(frozen=True)
 class Design:
     """What was found.
 
@@ -57,6 +86,7 @@ class Design:
         base: those of the given scene.
         checks: how many candidates were checked.
         impossible: why no choice of the free values can meet the requirements; empty where that is not known.
+        fewest: what is known of smaller choices, where wheels were chosen.
     """
 
     document: dict[str, Any]
@@ -65,6 +95,7 @@ class Design:
     base: Evaluation
     checks: int
     impossible: str = ""
+    fewest: Fewest | None = None
 
     @property
     def is_found(self) -> bool:
@@ -89,7 +120,7 @@ class _Search:
         key = repr(document["wheel"])
         if key not in self._known:
             if self.checks >= self._wish.checks:
-                raise _SpentError
+                raise SpentError
             self._known[key] = self._judge(document)
             told(self.checks, self._wish.checks)
         return self._known[key].cost
@@ -123,7 +154,7 @@ def find_design(
     impossible = _why_impossible(own, freedom, wish)
     search = _Search(base, folder, scene, freedom, wish)
     if not impossible:
-        _evolve(search, scene, freedom, wish, told)
+        evolve(search, scene, freedom, wish, told)
     if search.best is None or own.cost <= search.best[0].cost:  # nothing better than the scene itself
         return Design(dict(base), scene, own, own, search.checks, impossible)
     best, document, found = search.best
@@ -138,7 +169,8 @@ def _why_impossible(own: Evaluation, freedom: Freedom, wish: Wish) -> str:
     return pose.sentence if pose.verdict is Pose.CANNOT_BE_HELD else ""
 
 
-def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> None:
+def evolve(search: Costed, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> None:
+    """Let costs fall until the search is spent."""
     from scipy.optimize import differential_evolution
 
     start = np.array(freedom.start(scene))
@@ -156,16 +188,5 @@ def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: T
             polish=False,
             tol=0.0,
         )
-    except _SpentError:
+    except SpentError:
         return
-
-
-def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> Design:
-    """The same as :func:`find_design`, with a name and a description that say where the scene comes from."""
-    design, name = find_design(base, folder, scene, freedom, wish, told), f"{scene.name}-designed"
-    how = f"designed from {design.scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
-    return replace(design, document={"name": name, "description": how, **_without(design.document)})
-
-
-def _without(document: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in document.items() if key not in ("name", "description")}
