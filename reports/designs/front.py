@@ -16,7 +16,7 @@ from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES, UNMET, evaluate
-from nonsmooth.reports.designs.search import SpentError, Told, Wish, evolve
+from nonsmooth.reports.designs.search import Told, Wish, evolve
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
@@ -67,7 +67,7 @@ class _Candidates:
     def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
         self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
         self._known: dict[str, tuple[FrontPoint | None, float]] = {}
-        self.weight, self.allowed = WEIGHTS[0], 0
+        self.weight = WEIGHTS[0]
 
     @property
     def checks(self) -> int:
@@ -82,8 +82,6 @@ class _Candidates:
         document = self._freedom.document(self._base, self._scene, vector)
         key = repr(document["wheel"])
         if key not in self._known:
-            if self.checks >= self.allowed:
-                raise SpentError
             self._known[key] = self._judge(document)
             told(self.checks, self._wish.checks)
         point, unmet = self._known[key]
@@ -119,8 +117,8 @@ def find_front(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Fre
     """Search for the front; arguments as for :func:`nonsmooth.reports.designs.search.find_design`."""
     candidates = _Candidates(base, folder, scene, freedom, wish)
     for number, weight in enumerate(WEIGHTS, 1):
-        candidates.weight, candidates.allowed = weight, wish.checks * number // len(WEIGHTS)
-        evolve(candidates, scene, freedom, wish, told)
+        candidates.weight = weight
+        evolve(candidates, scene, freedom, wish, told, wish.checks * number // len(WEIGHTS) - candidates.checks)
     points = candidates.points
     best = [point for point in points if not any(other.beats(point) for other in points)]
     unique = {(point.rate, point.tolerance): point for point in best}
