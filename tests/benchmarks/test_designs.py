@@ -5,11 +5,11 @@ The physics engine runs the wheels of each found array beside the paths of the p
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
 
 import nonsmooth as ns
@@ -84,5 +84,6 @@ def beside_engine(document: dict[str, Any], file: Path) -> tuple[float, float, f
         twists.append(error(export_scene(scene, place).text()))
         run = run_beside_engine(there, UNTIL)
         poses.append(run.error)
-        done.append(1 - float(np.hypot(*run.last[:2])) / float(np.hypot(*map(float, start))))
+        far = math.hypot(float(start[0]), float(start[1]))
+        done.append(1 - math.hypot(float(run.last[0]), float(run.last[1])) / far)
     return max(twists), max(poses), min(done)

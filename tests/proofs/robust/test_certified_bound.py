@@ -108,7 +108,8 @@ def test_forged_claims_are_rejected(certificate: Record, name: str) -> None:
 def test_missing_and_spare_keys_are_rejected(certificate: Record) -> None:
     own = certificate["robust"]
     fewer = {key: own["tolerance"][key] for key in ("position", "heading")}
-    for robust in ({"rate": "1"}, {**own, "more": "1"}, {**own, "tolerance": fewer}, None, []):
+    others: list[Any] = [{"rate": "1"}, {**own, "more": "1"}, {**own, "tolerance": fewer}, None, []]
+    for robust in others:
         forged = {**certificate, "robust": robust}
         assert "an object with the keys" in check_certificate(forged)
 
