@@ -1076,10 +1076,10 @@ class Robust:
     """
 
     def __init__(self, field: Field, radius: Number, array: Array, wheels: Sequence[Any], data: Any) -> None:
-        tolerance, *bounds = take(data, "tolerance radius start rate")
+        sizes, *bounds = take(data, "tolerance radius start rate")
         names = "position heading speed mu_roll mu_side"
         self.field = field
-        step, turn, *shares = (self._interval(field.parse(entry)).high for entry in take(tolerance, names))
+        step, turn, *shares = (self._interval(field.parse(entry)).high for entry in take(sizes, names))
         self.radius, self.start, self.rate = (self._rational(entry) for entry in bounds)
         sound = min(step, turn, *shares) >= 0 and max(shares) < 1 and turn < Fraction(1, 2)
         within = 0 < self.radius < self.start and self.rate > 0
@@ -1119,10 +1119,10 @@ class Robust:
                     motions[pair] = self._motions(*pair)
                 self._check(corners, motions[pair], quadrant)
 
-    def _cells(self, signs_of: tuple[int, int]) -> Iterator[tuple[tuple[int, int], list[Point]]]:
+    def _cells(self, quadrant: tuple[int, int]) -> Iterator[tuple[tuple[int, int], list[Point]]]:
         """Pairs of wheels with a polygon that holds all points of a quadrant at which they may be the two nearest."""
-        nearer = {pair: self._nearer(*pair, signs_of) for pair in permutations(range(len(self.builds)), 2)}
-        square = self._quadrant(signs_of)
+        nearer = {pair: self._nearer(*pair, quadrant) for pair in permutations(range(len(self.builds)), 2)}
+        square = self._quadrant(quadrant)
         for i, j in nearer:
             first = self._nearest(square, i, (), nearer)
             corners = self._nearest(first, j, (i,), nearer)
@@ -1138,13 +1138,13 @@ class Robust:
         self.field.budget.charge(20_000)
         return [PairMotion(self.builds[i], second, kind).velocity() for kind in second.kinds]
 
-    def _check(self, corners: list[Point], motions: Sequence[Any], signs_of: tuple[int, int]) -> None:
+    def _check(self, corners: list[Point], motions: Sequence[Any], quadrant: tuple[int, int]) -> None:
         """In a quadrant ``c . v <= c . w`` with one w, and ``c . w + rate |c|`` is convex along each side.
 
         Seen from the point, what a convex polygon has outside the disc lies behind its sides' parts outside the disc.
         """
         for motion in motions:
-            w = tuple(entry.high if side > 0 else entry.low for entry, side in zip(motion, signs_of, strict=True))
+            w = tuple(entry.high if side > 0 else entry.low for entry, side in zip(motion, quadrant, strict=True))
             for a, b in around(corners):
                 ends = [self._outer_end(a, b), self._outer_end(b, a)]
                 require(all(end is None or self._falls(end, w) for end in ends), "robust: a rate outside the disc")
@@ -1170,11 +1170,11 @@ class Robust:
         change = c[0] * w[0] + c[1] * w[1]
         return change <= 0 and change**2 >= self.rate**2 * (c[0] ** 2 + c[1] ** 2)
 
-    def _quadrant(self, signs_of: tuple[int, int]) -> list[Point]:
-        far_x, far_y, zero = signs_of[0] * self.start, signs_of[1] * self.start, Fraction(0)
-        return [(zero, zero), (far_x, zero), (far_x, far_y), (zero, far_y)][:: signs_of[0] * signs_of[1]]
+    def _quadrant(self, quadrant: tuple[int, int]) -> list[Point]:
+        far_x, far_y, zero = quadrant[0] * self.start, quadrant[1] * self.start, Fraction(0)
+        return [(zero, zero), (far_x, zero), (far_x, far_y), (zero, far_y)][:: quadrant[0] * quadrant[1]]
 
-    def _nearer(self, i: int, k: int, signs_of: tuple[int, int]) -> tuple[Fraction, Fraction, Fraction]:
+    def _nearer(self, i: int, k: int, quadrant: tuple[int, int]) -> tuple[Fraction, Fraction, Fraction]:
         """``(a, b, c)``: where wheel i may be nearer than k, in a quadrant, ``a x + b y <= c``.
 
         With t the tolerance of coordinates ``2 c . (p_k - p_i) - 4 t |c|_1 <= |p_k|^2 - |p_i|^2 + 2 t (|p_k|_1 +
@@ -1183,7 +1183,7 @@ class Robust:
         near, far, step = self.builds[i].place, self.builds[k].place, self.step
         two, four, bound = exactly(2), exactly(4 * step), exactly(2 * step * step)
         slopes = []
-        for a, b, side in zip(near, far, signs_of, strict=True):
+        for a, b, side in zip(near, far, quadrant, strict=True):
             slope = two * (b - a) - (four if side > 0 else -four)
             slopes.append(slope.low if side > 0 else slope.high)
             bound = bound + (b * b - a * a) + exactly(2 * step * (a.size + b.size))

@@ -119,9 +119,17 @@ class BoxRuleProof(BoxProof):
         return ""
 
     def holds(self, box: Tolerance) -> bool:
-        """Whether bodies come nearer on some ring."""
+        """Whether bodies come nearer on some ring; where the centre of mass may be beside the point, on wide ones."""
+        if box.centre_of_mass:
+            found = self.statement(box)
+            return found is not None and found.verdict is Certainty.CERTIFIED
         most = self._most(box)
-        return self._rule is not None and most > 0 and self._rule.comes_nearer(box, most)
+        return self._can_turn and self._rule is not None and most > 0 and self._rule.comes_nearer(box, most)
+
+    @property
+    def _can_turn(self) -> bool:
+        """Whether a body that turns on its way keeps its wheels: one without an outline."""
+        return self.scene.body is None
 
     def statement(self, box: Tolerance) -> Robust | None:
         """About the nominal centre of mass of the body, which may be beside the true one."""
@@ -129,6 +137,10 @@ class BoxRuleProof(BoxProof):
         if self._rule is None or most <= 0:
             return None
         rests = max(self._rule.rest_radius(box, most) - off, Fraction(0))
+        if not self._can_turn:
+            return Robust(
+                Certainty.UNDECIDED, "on its way a body may turn, and other wheels come under it", rests=rests
+            )
         disc = self._rule.disc(box, most)
         if disc is None or disc.start <= disc.radius + 2 * off:
             return Robust(Certainty.UNDECIDED, self.no_proof, rests=rests)

@@ -97,7 +97,7 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     """
     from nonsmooth.reports.files import PICTURES
     from nonsmooth.reports.sweep_files import sweep_path
-    from nonsmooth.reports.sweeps.base import base_of
+    from nonsmooth.reports.sweeps.base import base_of, with_wheels
     from nonsmooth.reports.sweeps.plan import read_plan
     from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.reports.sweeps.sweep_error import SweepError
@@ -110,7 +110,9 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     try:
         with deep_nesting_refused(scene):
             base = base_of(*read_document(scene, rule=rule, radius=radius, at=at), allow_outside=allow_outside)
-        plan = read_plan(_values(vary or []), base.document, base.file, draws=random, seed=seed)
+        values = _values(vary or [])
+        base = with_wheels(base, values)
+        plan = read_plan(values, base.document, base.file, draws=random, seed=seed)
         _require_picture(plan, draws_picture)
         means = Means(
             workers=workers if workers is not None else processors(),

@@ -6,15 +6,16 @@ Every choice is an exact scene that is checked, so that where all smaller ones a
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.reports.designs.freedom import LAYOUTS, wheel_table
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
 from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish
 from nonsmooth.reports.designs.symmetry import Orbits, orbits_of
 from nonsmooth.symbolic.contact_set import standing
+from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.scene import Scene
 
@@ -67,5 +68,4 @@ def _choices(orbits: Orbits) -> Iterator[tuple[int, ...]]:
 
 
 def _document(base: Mapping[str, Any], scene: Scene, chosen: tuple[int, ...]) -> dict[str, Any]:
-    kept = {key: value for key, value in base.items() if key not in LAYOUTS}
-    return {**kept, "wheel": [wheel_table(scene, scene.wheels[place], scene.wheels[place], 0) for place in chosen]}
+    return one_by_one(base, replace(scene, wheels=tuple(scene.wheels[place] for place in chosen)))

@@ -18,6 +18,7 @@ from nonsmooth.proofs.robust.annulus import Piece, polygon_about, ring
 from nonsmooth.proofs.robust.box import BoxDisc, BoxRule
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
@@ -174,3 +175,13 @@ def test_what_is_not_followed_is_undecided() -> None:
     found = decide_robust(replace(away, tolerances=small_box(away)))
     assert found is not None
     assert found.verdict is Certainty.UNDECIDED
+
+
+def test_a_body_that_may_turn_is_known_to_rest_only() -> None:
+    """Other wheels come under an outline that turns; at rest it does not turn, and the margin keeps its wheels."""
+    scene = standing(load_scene("carton-on-6x6", rule="box"))
+    found = decide_robust(replace(scene, tolerances=small_box(scene)))
+    assert found is not None
+    assert (found.verdict, found.radius, found.factor) == (Certainty.UNDECIDED, None, Fraction(0))
+    assert found.rests is not None
+    assert Fraction(1, 10) < found.rests <= Fraction(1, 5)
