@@ -2,7 +2,8 @@
 
 A certificate holds the wheels, the cells with their twists, and for each clause what shows its verdict: weights and
 multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign; signs of
-translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the feedback.  All
+translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the feedback.  Of a
+scene with tolerances it holds the disc in which bodies end for every array, where rule ``nearest`` shows one.  All
 else (reasons, the witness where no certificate for feedback was found) lies under ``notes``, which the checker does not
 read.
 
@@ -24,7 +25,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import contact_rule, rule_of
-from nonsmooth.proofs.checker import SCHEMA, check_certificate
+from nonsmooth.proofs.checker import ROBUST, SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
@@ -32,6 +33,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import Disc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
+from nonsmooth.proofs.robust.certified_bound import certified_bounds
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Feedback
@@ -70,8 +72,7 @@ def build_certificate(result: CellCheck | SmoothCheck) -> Record:
         )
     if result.scene.body is not None:  # a certificate knows no outline: it speaks of the wheels under it
         result = check_cells(alone(result.scene))
-    certificate = encode(_document(result))
-    claim = check_certificate(certificate)
+    certificate, claim = _with_tolerances(result, _document(result))
     if claim and rule_of(result.scene).keeps_rows and _rows_left_out(result.scene):
         raise CertificateError(
             "certificate: required friction in both directions, received rows without friction, which are left out: "
@@ -80,6 +81,24 @@ def build_certificate(result: CellCheck | SmoothCheck) -> Record:
     if claim:
         raise CertificateError(f"certificate: required a verdict that the checker follows; it does not show: {claim}")
     return certificate
+
+
+def _with_tolerances(result: CellCheck, document: Record) -> tuple[Record, str]:
+    """The document as data with the strongest claim about tolerances that the checker shows; and what it does not."""
+    for bound in certified_bounds(result.scene):
+        certificate = encode({**document, ROBUST: {"tolerance": tolerance_record(result.scene), **vars(bound)}})
+        if not check_certificate(certificate):
+            return certificate, ""
+    certificate = encode(document)
+    return certificate, check_certificate(certificate)
+
+
+def tolerance_record(scene: Scene) -> Record | None:
+    """The tolerances that the motion of the true centre of mass follows; None for a scene without."""
+    box = scene.tolerances
+    if box is None:
+        return None
+    return {name: getattr(box, name) for name in ("position", "heading", "speed", "mu_roll", "mu_side")}
 
 
 def _rows_left_out(scene: Scene) -> bool:
@@ -131,7 +150,7 @@ def scene_record(scene: Scene) -> Record:
     Raises:
         CertificateError: where the length of a rim direction lies in no field that a certificate can name.
     """
-    return encode({"field": scene.field, **_scene(scene)})
+    return encode({"field": scene.field, **_scene(scene), "tolerance": tolerance_record(scene)})
 
 
 def _scene(scene: Scene) -> Record:

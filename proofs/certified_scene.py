@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.certificate import scene_record
+from nonsmooth.proofs.checker import ROBUST
 from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.scene import Scene
 
@@ -41,7 +42,15 @@ def find_difference(certificate: Record, scene: Scene) -> str:
         for key in ours:
             if _value(theirs[key], None) != _value(ours[key], names):
                 return f"{key} of wheel {number}"
-    return ""
+    return "" if _has_tolerances(certificate, own["tolerance"], names) else "tolerance"
+
+
+def _has_tolerances(certificate: Record, own: Record | None, names: list[int]) -> bool:
+    """Whether a certificate speaks of a scene's tolerances, or of none."""
+    if ROBUST not in certificate:
+        return True
+    theirs = certificate[ROBUST]["tolerance"]
+    return own is not None and all(_value(theirs[name], None) == _value(own[name], names) for name in own)
 
 
 def _renamed_generators(own: list[Record], theirs: list[Record]) -> list[int]:

@@ -8,7 +8,7 @@ implies it.  A clause whose verdict is ``undecided`` claims nothing.
 Exit status: 0 valid, 1 rejected, 2 not readable, 3 valid but without any claim.
 
 The file in order: limits, the shapes of JSON, exact numbers, planar geometry, the array with its rows and loads, the
-cells, the fan of cones at the checked point, the clauses, the command.
+cells, the fan of cones at the checked point, arrays within tolerances, the clauses, the command.
 
 Conventions: J is the quarter turn.  A twist is ``(vx, vy, omega, 1)``; the body at c moves by ``c' = v + omega J c``,
 measured from the checked point.  A row is the vector of an equation ``row . twist = 0``: rolling ``d . v(p) = u`` and
@@ -28,11 +28,12 @@ from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
 from functools import cmp_to_key
-from itertools import combinations, pairwise, product
+from itertools import combinations, pairwise, permutations, product
 from typing import Any, TypeAlias
 
 SCHEMA = "nonsmooth-certificate/1"
 KEYS = "schema field at radius rule loads wheels points cells equilibrium translation rotation feedback theorem4 notes"
+ROBUST = "robust"  # one more key, of a certificate about all arrays within tolerances
 
 # ---- limits: no certificate keeps the checker busy for ever ------------------------------------
 
@@ -79,6 +80,14 @@ def take(data: Any, names: str) -> list[Any]:
     keys = names.split()
     require(type(data) is dict and sorted(data) == sorted(keys), f"an object with the keys {names}")
     return [data[key] for key in keys]
+
+
+def split(data: Any) -> tuple[list[Any], list[Any]]:
+    """The entries that every certificate has, in their order, and the one that some have, in a list."""
+    if type(data) is not dict or ROBUST not in data:
+        return take(data, KEYS), []
+    *entries, robust = take(data, f"{KEYS} {ROBUST}")
+    return entries, [robust]
 
 
 def items(data: Any, count: int | None = None) -> list[Any]:
@@ -282,6 +291,12 @@ class Number:
             if low > 0 or high < 0:
                 return 1 if low > 0 else -1
         raise RejectedError(f"a sign that {PRECISIONS[-1]} bits show")
+
+    def enclosure(self) -> tuple[Fraction, Fraction]:
+        """Rational bounds, close to each other."""
+        bits = PRECISIONS[1]
+        low, high = self._interval(bits)
+        return Fraction(low, self.bottom << bits), Fraction(high, self.bottom << bits)
 
     def _interval(self, bits: int) -> tuple[int, int]:
         """Bounds of the numerator in units of 2^-bits."""
@@ -904,6 +919,297 @@ def _side_of_one(steps: Sequence[Crossing]) -> int:
     return (above - below).sign() * below.sign()
 
 
+# ---- arrays within tolerances, under rule nearest ----------------------------------------------
+
+GRID = 1 << 128  # intervals end at multiples of its inverse
+ABOVE_PI = Fraction(355, 113)
+QUADRANTS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+HALVINGS = 40  # of a side, to a point of it just inside a circle
+Point: TypeAlias = tuple[Fraction, Fraction]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """All numbers from ``low`` to ``high``."""
+
+    low: Fraction
+    high: Fraction
+
+    def __add__(self, other: Interval) -> Interval:
+        return rounded(self.low + other.low, self.high + other.high)
+
+    def __neg__(self) -> Interval:
+        return Interval(-self.high, -self.low)
+
+    def __sub__(self, other: Interval) -> Interval:
+        return self + -other
+
+    def __mul__(self, other: Interval) -> Interval:
+        ends = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
+        return rounded(min(ends), max(ends))
+
+    def __truediv__(self, other: Interval) -> Interval:
+        require(other.low > 0 or other.high < 0, "robust: a divisor that is not zero")
+        return self * rounded(*sorted((1 / other.low, 1 / other.high)))
+
+    @property
+    def size(self) -> Fraction:
+        """The largest absolute value."""
+        return max(-self.low, self.high)
+
+
+def rounded(low: Fraction, high: Fraction) -> Interval:
+    """An interval that holds another, with ends of few digits."""
+    return Interval(Fraction(math.floor(low * GRID), GRID), Fraction(math.ceil(high * GRID), GRID))
+
+
+def exactly(value: int | Fraction) -> Interval:
+    """One number."""
+    return Interval(Fraction(value), Fraction(value))
+
+
+def up_to(size: Fraction) -> Interval:
+    """All numbers of at most a size."""
+    return Interval(-size, size)
+
+
+NOTHING = exactly(0)
+
+
+@dataclass(frozen=True)
+class Jet:
+    """A function's value and its slopes in some parameters, enclosed."""
+
+    value: Interval
+    slopes: tuple[Interval, ...]
+
+    def __add__(self, other: Jet) -> Jet:
+        return Jet(self.value + other.value, tuple(a + b for a, b in zip(self.slopes, other.slopes, strict=True)))
+
+    def __sub__(self, other: Jet) -> Jet:
+        return Jet(self.value - other.value, tuple(a - b for a, b in zip(self.slopes, other.slopes, strict=True)))
+
+    def __mul__(self, other: Jet) -> Jet:
+        pairs = zip(self.slopes, other.slopes, strict=True)
+        return Jet(self.value * other.value, tuple(a * other.value + self.value * b for a, b in pairs))
+
+    def __truediv__(self, other: Jet) -> Jet:
+        ratio = self.value / other.value
+        pairs = zip(self.slopes, other.slopes, strict=True)
+        return Jet(ratio, tuple((a - ratio * b) / other.value for a, b in pairs))
+
+
+@dataclass(frozen=True)
+class Build:
+    """A wheel with how far it may be from the certificate's.
+
+    Attributes:
+        place: each coordinate of the position.
+        rim: each entry of the unit rim direction.
+        speed: the surface speed.
+        sizes: half-widths of speed, angle (radian), x and y.
+        kinds: the rows that may have the larger friction, ``R`` and ``S``.
+    """
+
+    place: tuple[Interval, Interval]
+    rim: tuple[Interval, Interval]
+    speed: Interval
+    sizes: tuple[Fraction, Fraction, Fraction, Fraction]
+    kinds: str
+
+
+class PairMotion:
+    """The motion of an ordered pair of wheels: both rows of the first and one of the second, over all their builds.
+
+    ``v(p_i) = u_i d_i`` and ``m . v(p_j) = u_m`` give ``omega = (u_m - u_i d_i . m)/(m . J (p_j - p_i))`` and
+    ``v = u_i d_i - omega J p_i``, with m the second rim or J of it.  By the mean value theorem a function over a box is
+    its value at the middle and, for each parameter, its slope over the box times what the parameter may change.
+    """
+
+    COUNT = 8  # speed, angle, x and y of either wheel
+
+    def __init__(self, first: Build, second: Build, kind: str) -> None:
+        self.wheels, self.kind = (first, second), kind
+
+    def velocity(self) -> tuple[Interval, Interval]:
+        """``(v_x, v_y)``; rejected where the rows may be dependent."""
+        sizes = [size for wheel in self.wheels for size in wheel.sizes]
+        middle, whole = self._at([NOTHING] * self.COUNT), self._at([up_to(size) for size in sizes])
+        found = []
+        for at_middle, over_all in zip(middle, whole, strict=True):
+            total = at_middle.value
+            for slope, size in zip(over_all.slopes, sizes, strict=True):
+                total = total + slope * up_to(size)
+            found.append(total)
+        return found[0], found[1]
+
+    def _at(self, shifts: list[Interval]) -> tuple[Jet, Jet]:
+        u_i, (a, b), (p, q) = self._wheel(0, shifts)
+        u_j, (c, d), (r, s) = self._wheel(1, shifts)
+        if self.kind == "S":
+            (c, d), u_j = (self._constant(NOTHING) - d, c), self._constant(NOTHING)
+        omega = (u_j - u_i * (a * c + b * d)) / (d * (r - p) - c * (s - q))
+        return u_i * a + omega * q, u_i * b - omega * p
+
+    def _wheel(self, number: int, shifts: list[Interval]) -> tuple[Jet, tuple[Jet, Jet], tuple[Jet, Jet]]:
+        wheel, start = self.wheels[number], 4 * number
+        speed, angle, x, y = (self._parameter(shifts[start + k], start + k) for k in range(4))
+        turn = angle.value.size
+        cosine = Jet(Interval(1 - turn * turn / 2, Fraction(1)), tuple(-(angle.value * k) for k in angle.slopes))
+        sine = Jet(angle.value, tuple(cosine.value * k for k in angle.slopes))
+        a, b, p, q = (self._constant(entry) for entry in (*wheel.rim, *wheel.place))
+        return self._constant(wheel.speed) + speed, (a * cosine - b * sine, a * sine + b * cosine), (p + x, q + y)
+
+    def _constant(self, value: Interval) -> Jet:
+        return Jet(value, (NOTHING,) * self.COUNT)
+
+    def _parameter(self, value: Interval, number: int) -> Jet:
+        return Jet(value, tuple(exactly(int(k == number)) for k in range(self.COUNT)))
+
+
+class Robust:
+    """The claim about all arrays whose wheels are built within tolerances.
+
+    For each of them every Filippov solution with ``|c0| <= start`` has ``|c| <= radius`` from the time ``(start -
+    radius)/rate`` on, c the true centre of mass.  For wherever the wheels i and j may be the two nearest, ``c . v <=
+    -rate |c|`` outside the disc, for all builds of the two; and ``(c . c)' = 2 c . v``.
+    """
+
+    def __init__(self, field: Field, radius: Number, array: Array, wheels: Sequence[Any], data: Any) -> None:
+        sizes, *bounds = take(data, "tolerance radius start rate")
+        names = "position heading speed mu_roll mu_side"
+        self.field = field
+        step, turn, *shares = (self._interval(field.parse(entry)).high for entry in take(sizes, names))
+        self.radius, self.start, self.rate = (self._rational(entry) for entry in bounds)
+        sound = min(step, turn, *shares) >= 0 and max(shares) < 1 and turn < Fraction(1, 2)
+        within = 0 < self.radius < self.start and self.rate > 0
+        inside = (radius - field.parse(bounds[1])).sign() >= 0
+        require(sound and within and inside and not array.askew, "robust: tolerances, and bounds within the square")
+        self.step = step
+        self.builds = [self._build(array, k, wheel, turn * ABOVE_PI, shares) for k, wheel in enumerate(wheels, 1)]
+
+    def _rational(self, data: Any) -> Fraction:
+        require(type(data) is str and RATIONAL.fullmatch(data), "robust: rational bounds")
+        return Fraction(data)
+
+    def _interval(self, number: Number) -> Interval:
+        low, high = number.enclosure()
+        return rounded(low, high)
+
+    def _build(self, array: Array, number: int, wheel: Any, turn: Fraction, shares: Sequence[Fraction]) -> Build:
+        speed, roll, side = shares
+        row = array.rows[f"R{number}"]
+        p, q, _ = array.places[str(number)]
+        place, rim = (self._interval(p), self._interval(q)), (self._interval(row[0]), self._interval(row[1]))
+        u = self._interval(self.field.parse(wheel["speed"]))
+        along, across = (self._interval(array.friction[f"{kind}{number}"]) for kind in "RS")
+        require(along.low > 0 and across.low > 0, "robust: friction in both directions")
+        kinds = "R" * (along.high * (1 + roll) >= across.low * (1 - side))
+        kinds += "S" * (across.high * (1 + side) >= along.low * (1 - roll))
+        return Build(place, rim, u, (u.size * speed, turn, self.step, self.step), kinds)
+
+    def show(self) -> None:
+        """Every quadrant of the square, every pair of wheels that may carry there outside the disc."""
+        motions: dict[tuple[int, int], list[Any]] = {}
+        for quadrant in QUADRANTS:
+            for pair, corners in self._cells(quadrant):
+                if not any(self._is_outside(corner) for corner in corners):
+                    continue
+                if pair not in motions:
+                    motions[pair] = self._motions(*pair)
+                self._check(corners, motions[pair], quadrant)
+
+    def _cells(self, quadrant: tuple[int, int]) -> Iterator[tuple[tuple[int, int], list[Point]]]:
+        """Pairs of wheels with a polygon that holds all points of a quadrant at which they may be the two nearest."""
+        nearer = {pair: self._nearer(*pair, quadrant) for pair in permutations(range(len(self.builds)), 2)}
+        square = self._quadrant(quadrant)
+        for i, j in nearer:
+            first = self._nearest(square, i, (), nearer)
+            corners = self._nearest(first, j, (i,), nearer)
+            if corners:
+                yield (i, j), corners
+
+    def _nearest(self, corners: list[Point], i: int, beside: tuple[int, ...], nearer: dict[Any, Any]) -> list[Point]:
+        """The part of a polygon in which wheel i may be nearer than all others but those ``beside``."""
+        return self._clipped(corners, [line for (k, far), line in nearer.items() if k == i and far not in beside])
+
+    def _motions(self, i: int, j: int) -> list[Any]:
+        second = self.builds[j]
+        self.field.budget.charge(20_000)
+        return [PairMotion(self.builds[i], second, kind).velocity() for kind in second.kinds]
+
+    def _check(self, corners: list[Point], motions: Sequence[Any], quadrant: tuple[int, int]) -> None:
+        """In a quadrant ``c . v <= c . w`` with one w, and ``c . w + rate |c|`` is convex along each side.
+
+        Seen from the point, what a convex polygon has outside the disc lies behind its sides' parts outside the disc.
+        """
+        for motion in motions:
+            w = tuple(entry.high if side > 0 else entry.low for entry, side in zip(motion, quadrant, strict=True))
+            for a, b in around(corners):
+                ends = [self._outer_end(a, b), self._outer_end(b, a)]
+                require(all(end is None or self._falls(end, w) for end in ends), "robust: a rate outside the disc")
+
+    def _outer_end(self, a: Point, b: Point) -> Point | None:
+        """The end a of a side if it lies outside the disc, else a point inside just before the side leaves it."""
+        if self._is_outside(a):
+            return a
+        if not self._is_outside(b):
+            return None
+        low, high = Fraction(0), Fraction(1)
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            low, high = (low, middle) if self._is_outside(_between(a, b, middle)) else (middle, high)
+        return _between(a, b, low)
+
+    def _is_outside(self, c: Point) -> bool:
+        return c[0] ** 2 + c[1] ** 2 > self.radius**2
+
+    def _falls(self, c: Point, w: Sequence[Fraction]) -> bool:
+        """Whether ``c . w <= -rate |c|``."""
+        self.field.budget.charge(100)
+        change = c[0] * w[0] + c[1] * w[1]
+        return change <= 0 and change**2 >= self.rate**2 * (c[0] ** 2 + c[1] ** 2)
+
+    def _quadrant(self, quadrant: tuple[int, int]) -> list[Point]:
+        far_x, far_y, zero = quadrant[0] * self.start, quadrant[1] * self.start, Fraction(0)
+        return [(zero, zero), (far_x, zero), (far_x, far_y), (zero, far_y)][:: quadrant[0] * quadrant[1]]
+
+    def _nearer(self, i: int, k: int, quadrant: tuple[int, int]) -> tuple[Fraction, Fraction, Fraction]:
+        """``(a, b, c)``: where wheel i may be nearer than k, in a quadrant, ``a x + b y <= c``.
+
+        With t the tolerance of coordinates ``2 c . (p_k - p_i) - 4 t |c|_1 <= |p_k|^2 - |p_i|^2 + 2 t (|p_k|_1 +
+        |p_i|_1) + 2 t^2``, and ``|c|_1`` is linear in the quadrant.
+        """
+        near, far, step = self.builds[i].place, self.builds[k].place, self.step
+        two, four, bound = exactly(2), exactly(4 * step), exactly(2 * step * step)
+        slopes = []
+        for a, b, side in zip(near, far, quadrant, strict=True):
+            slope = two * (b - a) - (four if side > 0 else -four)
+            slopes.append(slope.low if side > 0 else slope.high)
+            bound = bound + (b * b - a * a) + exactly(2 * step * (a.size + b.size))
+        return slopes[0], slopes[1], bound.high
+
+    def _clipped(self, corners: list[Point], half_planes: Sequence[tuple[Fraction, Fraction, Fraction]]) -> list[Point]:
+        """The part of a convex polygon in half-planes; empty where no area is left."""
+        for a, b, c in half_planes:
+            if not corners:
+                break
+            self.field.budget.charge(300 * len(corners))
+            above = [a * x + b * y - c for x, y in corners]
+            kept: list[Point] = []
+            for (p, q), (s, t) in zip(around(corners), around(above), strict=True):
+                if s <= 0:
+                    kept.append(p)
+                if s * t < 0:
+                    kept.append(_between(p, q, s / (s - t)))
+            corners = kept if len(kept) > 2 else []
+        return corners
+
+
+def _between(a: Point, b: Point, share: Fraction) -> Point:
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+
+
 # ---- the clauses -------------------------------------------------------------------------------
 
 
@@ -911,7 +1217,8 @@ class Checker:
     """One certificate: reading it verifies array and cells; :meth:`check` verifies the clauses."""
 
     def __init__(self, data: Any) -> None:
-        schema, field, at, radius, rule, loads, wheels, points, cells, *clauses, _ = take(data, KEYS)
+        entries, robust = split(data)
+        schema, field, at, radius, rule, loads, wheels, points, cells, *clauses, _ = entries
         require(schema == SCHEMA, "schema, rule, loads")
         self.field, self.rule = Field(field), rule
         self.zero, self.one = self.field.constant(0), self.field.constant(1)
@@ -924,10 +1231,17 @@ class Checker:
         self.cells = [reader.read(number, cell) for number, cell in enumerate(items(cells))]
         check_cover(self.cells, self.points, self.radius)
         self.motions = [motion for cell in self.cells for motion in cell.motions]
-        self.here = [motion for cell in self.cells if cell.rays is not None for motion in cell.motions]
+        self.here = [motion for motion in self.motions if self.cells[motion.cell].rays is not None]
         self.highest = max(max(motion.rates) for motion in self.here)
         self.fan = self._fan_verdict() if self.highest >= 0 else ASYMPTOTICALLY_STABLE
         self._read_clauses(clauses)
+        self.robust = self._read_robust(wheels, robust)
+
+    def _read_robust(self, wheels: Sequence[Any], found: list[Any]) -> Robust | None:
+        if not found:
+            return None
+        require(self.rule == "nearest", "robust: rule nearest")
+        return Robust(self.field, self.radius, self.array, wheels, found[0])
 
     def _read_clauses(self, clauses: Sequence[Any]) -> None:
         equilibrium, translation, rotation, feedback, self.theorem4 = clauses
@@ -957,11 +1271,13 @@ class Checker:
             require(said in (found, UNDECIDED), f"{clause}: {found}, received {said!r:.60}")
         verdict = self.show_conclusion()
         require(self.theorem4 == verdict, f"theorem4: {verdict}")
+        if self.robust is not None:
+            self.robust.show()
 
     @property
     def claims_nothing(self) -> bool:
-        """Whether every clause is undecided."""
-        return set(self.said.values()) == {UNDECIDED}
+        """Whether every clause is undecided, and nothing is said of arrays within tolerances."""
+        return self.robust is None and set(self.said.values()) == {UNDECIDED}
 
     # ---- clause 1
 
@@ -1268,7 +1584,14 @@ def describe(data: dict[str, Any], checker: Checker) -> str:
         f"square of half side {_shown(data['radius'])}{named}"
     ]
     lines += [f"{clause}: {said}" for clause, said in checker.said.items()]
-    return "\n".join([*lines, f"theorem 4: {checker.theorem4}"])
+    return "\n".join([*lines, f"theorem 4: {checker.theorem4}", *_robust_lines(checker.robust)])
+
+
+def _robust_lines(robust: Robust | None) -> list[str]:
+    if robust is None:
+        return []
+    radius, start, rate = (f"{float(value):.4g}" for value in (robust.radius, robust.start, robust.rate))
+    return [f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"]
 
 
 def _shown(number: Any) -> str:

@@ -62,7 +62,7 @@ def full_answers(check: Theorem4Result, *, ask_others: bool = True, around: bool
     destinations = _destinations_of(check) if goes_elsewhere else None
     others = other_rules(check.scene) if ask_others else ()
     headings = _headings_of(check, around=around)
-    return Answers(answers, destinations, others, robust_answer(check.scene), headings)
+    return Answers(answers, destinations, others, robust_answer(check.scene, check.results), headings)
 
 
 def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:
@@ -93,7 +93,7 @@ def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answer
     found = {answer.name: answer.exit_status for answer in answers_of(check)}
     found[THEOREM] = check.verdict.exit_status
     if TOLERANCES in required:
-        robust = robust_answer(check.scene) if answered is None else answered.robust
+        robust = robust_answer(check.scene, check.results) if answered is None else answered.robust
         if robust is None:
             raise SceneError(
                 check.scene.origin, "tolerance", "a table of tolerances to require them", StatedFact("none")

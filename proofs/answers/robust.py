@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from nonsmooth.proofs.answers.answer import Answer
-from nonsmooth.proofs.answers.bounds import at_least, at_most
+from nonsmooth.proofs.answers.answer import Answer, Results
+from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.robust.feedback import RobustLoop
     from nonsmooth.proofs.robust.robust import Robust
 
 TOLERANCES = "tolerances"
-KEYS = ("radius", "from", "within", "turning", "drift")
+KEYS = ("radius", "from", "within", "turning", "drift", "at_rest_within")
 WORDS = {
     "position": "the positions of the wheels",
     "heading": "the headings of the wheels",
@@ -27,14 +29,28 @@ WORDS = {
 }
 
 
-def robust_answer(scene: Scene) -> Answer | None:
+def robust_answer(scene: Scene, results: Results) -> Answer | None:
     """The answer for every array within the scene's tolerances; None for a scene that states none."""
     if scene.tolerances is None:
         return None
     from nonsmooth.proofs.robust.decide import decide_robust  # only a scene that states tolerances needs it
+    from nonsmooth.proofs.robust.feedback import decide_robust_loop
 
-    found = decide_robust(scene)
-    return None if found is None else Answer(TOLERANCES, found.verdict, tuple(_facts(scene, found)))
+    found, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]))
+    if found is None:
+        return None
+    return Answer(TOLERANCES, found.verdict, (*_facts(scene, found), _loop_fact(loop)))
+
+
+def _loop_fact(loop: RobustLoop | None) -> Fact:
+    """How fast feedback holds the pose of every array."""
+    if loop is None:
+        return Fact("pose_rate", None)
+    if loop.rate is None:
+        return Fact("pose_rate", None, f"of feedback nothing is said: {loop.reason}")
+    time = half_life(loop.rate)
+    words = f"feedback holds the pose of every array, with gain k its error halves at least every {time}/k s"
+    return Fact("pose_rate", Quantity(loop.rate), words)
 
 
 def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
@@ -43,7 +59,7 @@ def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     if found.verdict is Certainty.UNDECIDED:
         yield Fact(words=found.reason)
     values: dict[str, Any] = dict(
-        zip(KEYS, (found.radius, found.start, found.within, found.turning, found.drift), strict=True)
+        zip(KEYS, (found.radius, found.start, found.within, found.turning, found.drift, found.rests), strict=True)
     )
     words = dict.fromkeys(KEYS, "")
     if found.radius is not None and found.drift is not None:
@@ -60,6 +76,10 @@ def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
         words["within"] = f"after at most {at_most(found.within)} s"
         if found.turning is not None:
             words["turning"] = f"on the way it turns by at most {at_most(found.turning)} rad"
+    if found.rests:
+        words["at_rest_within"] = (
+            f"for every array within them, a body within {at_least(found.rests)}{unit} of the point stays where it is"
+        )
     for key, value in values.items():
         yield Fact(key, Quantity(value), words[key])
     yield Fact("factor", Quantity(found.factor), _factor_words(found))

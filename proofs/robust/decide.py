@@ -11,6 +11,8 @@ from fractions import Fraction
 
 from flint import fmpq
 
+from nonsmooth.proofs.robust.box import BoxRule
+from nonsmooth.proofs.robust.box_corners import MAX_WHEELS
 from nonsmooth.proofs.robust.factor import binding_entry, largest_factor
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
 from nonsmooth.proofs.robust.robust import Robust, above, beside
@@ -93,31 +95,107 @@ class SmoothProof(BoxProof):
             return None
         radius = root_above(found.squared) + beside(box)
         margin = contact_set(self.scene).margin
-        off = root_above(2 * above((box.position + box.centre_of_mass).ball()) ** 2)
-        if margin is not None and radius + off >= margin:
+        if margin is not None and radius + _displaced(box) >= margin:
             return None
         return Robust(Certainty.CERTIFIED, radius=radius, drift=found.drift)
 
 
-PROOFS: dict[str, type[BoxProof]] = {"nearest": NearestProof, "ellipse": SmoothProof, "roller": SmoothProof}
+class BoxRuleProof(BoxProof):
+    """Rule ``box``: a disc in which every body ends, and one in which every body stays at rest."""
+
+    no_proof = "no ring about the point is found on which every body comes nearer"
+
+    def __init__(self, scene: Scene) -> None:
+        """For a centred scene."""
+        super().__init__(scene)
+        self._rule = BoxRule(scene) if not self.why_not() else None
+
+    def why_not(self) -> str:
+        """Loads that nobody knows, large arrays, and motions that no friction resists."""
+        if isinstance(self.scene.contact.loads, UnknownLoads):
+            return "the loads are not known"
+        if len(self.scene.wheels) > MAX_WHEELS:
+            return f"under rule box arrays of up to {MAX_WHEELS} wheels are followed"
+        return ""
+
+    def holds(self, box: Tolerance) -> bool:
+        """Whether bodies come nearer on some ring; where the centre of mass may be beside the point, on wide ones."""
+        if box.centre_of_mass:
+            found = self.statement(box)
+            return found is not None and found.verdict is Certainty.CERTIFIED
+        most = self._most(box)
+        return self._can_turn and self._rule is not None and most > 0 and self._rule.comes_nearer(box, most)
+
+    @property
+    def _can_turn(self) -> bool:
+        """Whether a body that turns on its way keeps its wheels: one without an outline."""
+        return self.scene.body is None
+
+    def statement(self, box: Tolerance) -> Robust | None:
+        """About the nominal centre of mass of the body, which may be beside the true one."""
+        most, off = self._most(box), beside(box)
+        if self._rule is None or most <= 0:
+            return None
+        rests = max(self._rule.rest_radius(box, most) - off, Fraction(0))
+        if not self._can_turn:
+            return Robust(
+                Certainty.UNDECIDED, "on its way a body may turn, and other wheels come under it", rests=rests
+            )
+        disc = self._rule.disc(box, most)
+        if disc is None or disc.start <= disc.radius + 2 * off:
+            return Robust(Certainty.UNDECIDED, self.no_proof, rests=rests)
+        within = (disc.start - disc.radius) / disc.kappa
+        return Robust(Certainty.CERTIFIED, "", disc.radius + off, disc.start - off, within, rests=rests)
+
+    def _most(self, box: Tolerance) -> Fraction:
+        """Up to where the body stays in the square and on the same wheels."""
+        most, margin = _fraction(inner_radius(self.scene)), contact_set(self.scene).margin
+        return most if margin is None else min(most, margin - _displaced(box))
+
+
+def _displaced(box: Tolerance) -> Fraction:
+    """How far a wheel may be from its place under the body."""
+    return root_above(2 * above((box.position + box.centre_of_mass).ball()) ** 2)
+
+
+PROOFS: dict[str, type[BoxProof]] = {
+    "nearest": NearestProof,
+    "box": BoxRuleProof,
+    "ellipse": SmoothProof,
+    "roller": SmoothProof,
+}
 
 
 def decide_robust(scene: Scene) -> Robust | None:
     """Decide for every array within the scene's tolerances; None for a scene without."""
     if scene.tolerances is None:
         return None
+    proof = _proof(scene)
+    if isinstance(proof, Robust):
+        return proof
+    found = proof.statement(scene.tolerances)
+    factor = largest_factor(proof.holds, scene.tolerances)
+    binding = binding_entry(proof.holds, scene.tolerances, factor)
+    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+
+
+def decided_statement(scene: Scene) -> Robust:
+    """The same for a scene with tolerances, without the factor and what binds."""
+    proof = _proof(scene)
+    if isinstance(proof, Robust) or scene.tolerances is None:
+        return proof if isinstance(proof, Robust) else Robust(Certainty.UNDECIDED, "the scene states no tolerances")
+    return proof.statement(scene.tolerances) or Robust(Certainty.UNDECIDED, proof.no_proof)
+
+
+def _proof(scene: Scene) -> BoxProof | Robust:
+    """What proves something about boxes of a scene; or why nothing does."""
     if scene.contact.rule not in PROOFS:
         rules = ", ".join(PROOFS)
         reason = f"tolerances are followed under the rules {rules}, not under {scene.contact.rule}"
         return Robust(Certainty.UNDECIDED, reason)
     proof = PROOFS[scene.contact.rule](scene.recentred())
     reason = proof.why_not()
-    if reason:
-        return Robust(Certainty.UNDECIDED, reason)
-    found = proof.statement(scene.tolerances)
-    factor = largest_factor(proof.holds, scene.tolerances)
-    binding = binding_entry(proof.holds, scene.tolerances, factor)
-    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+    return Robust(Certainty.UNDECIDED, reason) if reason else proof
 
 
 def certified_factor(scene: Scene) -> Fraction | None:

@@ -10,21 +10,30 @@ from nonsmooth.symbolic.tolerances import Tolerance
 
 DOUBLINGS = 10  # of the factor: a thousand times the tolerances is as good as all
 HALVINGS = 6  # of the interval in which the largest factor lies
+COARSE = 3  # the same where factors are only compared
 LARGEST_SHARE = Fraction(99, 100)
 LARGEST_TURN = Fraction(49, 100)  # of pi
 
 
-def largest_factor(holds: Callable[[Tolerance], bool], box: Tolerance) -> Fraction:
+def largest_factor(
+    holds: Callable[[Tolerance], bool], box: Tolerance, known: Fraction = Fraction(0), halvings: int = HALVINGS
+) -> Fraction:
     """Nearly the largest multiple of a box for which a statement is proved; 0 where none is.
 
     A statement about a box holds for every box inside it, so that any multiple found serves all smaller ones.
+
+    Args:
+        holds: whether the statement is proved for a box.
+        box: the tolerances.
+        known: a multiple for which it is.
+        halvings: of the interval in which the largest one lies.
     """
     most = _largest_multiple(box)
 
     def proved(factor: Fraction) -> bool:
         return factor <= most and holds(box.times(factor))
 
-    low, high = Fraction(0), Fraction(1)
+    low, high = known, 2 * known or Fraction(1)
     for _ in range(DOUBLINGS):
         if proved(high):
             low, high = high, 2 * high
@@ -32,7 +41,7 @@ def largest_factor(holds: Callable[[Tolerance], bool], box: Tolerance) -> Fracti
             high /= 2
         else:
             break
-    for _ in range(HALVINGS if low else 0):
+    for _ in range(halvings if low else 0):
         middle = (low + high) / 2
         low, high = (middle, high) if proved(middle) else (low, middle)
     return low
@@ -51,7 +60,7 @@ def _largest_multiple(box: Tolerance) -> Fraction:
 
 def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fraction) -> str | None:
     """The entry without which the factor grows most; None where none matters."""
-    grown = {name: largest_factor(holds, box.without(name)) for name in box.names}
+    grown = {name: largest_factor(holds, box.without(name), factor, COARSE) for name in box.names}
     if not grown or max(grown.values()) <= factor:
         return None
     return max(grown, key=lambda name: grown[name])

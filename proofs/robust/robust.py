@@ -25,6 +25,7 @@ class Robust:
         within: time after which every body is in the disc and stays there (time); None where none is known.
         turning: bound of the rotation on the way, in radian; None where it is not bounded.
         drift: bound of the rotation rate at the equilibrium (1/time); None where it is not bounded.
+        rests: radius of a disc in which every body stays where it is (length); None where none is looked for.
         factor: a multiple of the tolerances for which a bound is proved too, nearly the largest one.
         binding: the tolerance without which that multiple would grow most.
     """
@@ -36,6 +37,7 @@ class Robust:
     within: Fraction | None = None
     turning: Fraction | None = None
     drift: Fraction | None = None
+    rests: Fraction | None = None
     factor: Fraction | None = None
     binding: str | None = None
 

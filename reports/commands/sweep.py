@@ -62,6 +62,13 @@ Scheduler = Annotated[
         help="Check on the Dask cluster of this scheduler, such as tcp://host:8786 (needs nonsmooth[cluster]).",
     ),
 ]
+Certify = Annotated[
+    bool,
+    typer.Option(
+        "--certify",
+        help="Prove what holds in whole cells of the grid, for every array between and within the tolerances.",
+    ),
+]
 Yes = Annotated[bool, typer.Option("--yes", help="Run more than a million scenes.")]
 
 
@@ -72,6 +79,7 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     seed: Seed = 0,
     output: Output = None,
     borders: Borders = False,
+    certify: Certify = False,
     fail: Fail = None,
     store: StoreFile = None,
     workers: WorkersOption = None,
@@ -89,7 +97,7 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     """
     from nonsmooth.reports.files import PICTURES
     from nonsmooth.reports.sweep_files import sweep_path
-    from nonsmooth.reports.sweeps.base import base_of
+    from nonsmooth.reports.sweeps.base import base_of, with_wheels
     from nonsmooth.reports.sweeps.plan import read_plan
     from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.reports.sweeps.sweep_error import SweepError
@@ -102,14 +110,17 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     try:
         with deep_nesting_refused(scene):
             base = base_of(*read_document(scene, rule=rule, radius=radius, at=at), allow_outside=allow_outside)
-        plan = read_plan(_values(vary or []), base.document, base.file, draws=random, seed=seed)
+        values = _values(vary or [])
+        base = with_wheels(base, values)
+        plan = read_plan(values, base.document, base.file, draws=random, seed=seed)
         _require_picture(plan, draws_picture)
         means = Means(
             workers=workers if workers is not None else processors(),
             scheduler=scheduler,
             store=None if store is None else Path(store),
             failures=failures,
-            borders=borders or draws_picture,
+            borders=borders or (draws_picture and not certify),
+            certify=certify,
             yes=yes,
         )
         _show(_run(base, plan, means), path, json=json)

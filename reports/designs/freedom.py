@@ -14,13 +14,14 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.reports.designs.symmetry import Orbits, orbits_of, quarter_turns
+from nonsmooth.symbolic.files.one_by_one import LAYOUTS, wheel_entry
 from nonsmooth.symbolic.plane import Vector, minus
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 PARTS = 64  # of the range of a speed or a displacement
 HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
+WHEELS = "wheels"  # which wheels of the array there are
 KINDS = ("headings", "speeds", "positions")
-LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list of wheels replaces
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class Freedom:
             chosen = self._chosen(scene.wheels[orbit[0]], [next(numbers) for _ in range(self.numbers_per_wheel)])
             for step, place in enumerate(orbit):
                 turns = step * 4 // self.order
-                tables[place] = _table(scene, scene.wheels[place], chosen, turns)
+                tables[place] = wheel_table(scene, replace(chosen, friction=scene.wheels[place].friction), turns)
         return {**kept, "wheel": tables}
 
     def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:
@@ -98,22 +99,18 @@ class Freedom:
         return quarter_turns((field(q * q - p * p), field(2 * p * q)), quarters)
 
 
-def _table(scene: Scene, wheel: Wheel, chosen: Wheel, turns: int) -> dict[str, Any]:
-    """A wheel of an orbit: the first one, turned about the checked point."""
+def wheel_table(scene: Scene, chosen: Wheel, turns: int) -> dict[str, Any]:
+    """A wheel of an orbit as a table of a scene file: the first one, turned about the checked point."""
     at = scene.check.equilibrium
-    offset = quarter_turns(minus(chosen.position, at), turns)
-    table: dict[str, Any] = {
-        "position": [str(a + b) for a, b in zip(offset, at, strict=True)],
-        "heading": [str(entry) for entry in quarter_turns(chosen.direction, turns)],
-        "speed": str(chosen.speed),
-        "mu_roll": str(wheel.friction.roll),
-        "mu_side": str(wheel.friction.side),
-    }
-    if wheel.speed_limit is not None:
-        table["speed_limit"] = str(wheel.speed_limit)
-    if chosen.axis is not None:
-        table["axis"] = [str(entry) for entry in quarter_turns(chosen.axis, turns)]
-    return table
+    x, y = quarter_turns(minus(chosen.position, at), turns)
+    turned = replace(
+        chosen,
+        position=(x + at[0], y + at[1]),
+        direction=quarter_turns(chosen.direction, turns),
+        axis=None if chosen.axis is None else quarter_turns(chosen.axis, turns),
+        given_speed=chosen.speed,
+    )
+    return wheel_entry(turned)
 
 
 def _part(number: float) -> Fraction:

@@ -32,6 +32,7 @@ class Evaluation:
         value: of the objective, larger is better; None where the requirements are not met, or it is not known.
         cost: what the search makes small.
         why_not: why the scene is refused, else empty.
+        is_refuted: whether it is proved that the requirements are not met.
     """
 
     answers: tuple[Answer, ...]
@@ -39,6 +40,7 @@ class Evaluation:
     value: float | None
     cost: float
     why_not: str = ""
+    is_refuted: bool = False
 
 
 Objective = Callable[[Check, Sequence[Answer]], float | None]
@@ -60,6 +62,12 @@ def _held_rate(check: Check, answers: Sequence[Answer]) -> float | None:
     return None if rate is None else float(rate)
 
 
+def _margin(check: Check, answers: Sequence[Answer]) -> float | None:
+    """The part of the distance to the point by which feedback may misjudge the position."""
+    error = answers[2].numbers.get("position_error")
+    return None if error is None else float(error)
+
+
 def _basin(check: Check, answers: Sequence[Answer]) -> float | None:
     """Radius of the disc of starts that come home."""
     within = answers[0].numbers.get("within")
@@ -72,7 +80,13 @@ def _tolerance(check: Check, answers: Sequence[Answer]) -> float | None:
     return float(factor) if factor else None
 
 
-OBJECTIVES: dict[str, Objective] = {"rate": _rate, "gain": _held_rate, "basin": _basin, "tolerance": _tolerance}
+OBJECTIVES: dict[str, Objective] = {
+    "rate": _rate,
+    "gain": _held_rate,
+    "margin": _margin,
+    "basin": _basin,
+    "tolerance": _tolerance,
+}
 
 
 def evaluate(scene: Scene, required: Sequence[str], objective: Objective) -> Evaluation:
@@ -81,12 +95,15 @@ def evaluate(scene: Scene, required: Sequence[str], objective: Objective) -> Eva
         with work_limit(scene.field, UNITS):
             check = check_theorem4(standing(scene))
             answers = answers_of(check)
-    except (RefusalError, SceneError, TipsError, WorkLimitError) as error:
+    except TipsError as error:
+        return Evaluation((), tuple(required), None, UNMET * (len(required) + 1), str(error), is_refuted=True)
+    except (RefusalError, SceneError, WorkLimitError) as error:
         return Evaluation((), tuple(required), None, UNMET * (len(required) + 1), str(error))
     bad = [answer for answer in answers if answer.name in required and answer.exit_status]
     if bad:
         cost = sum(UNMET * (OPEN if answer.exit_status == 3 else 1) for answer in bad)
-        return Evaluation(answers, tuple(answer.name for answer in bad), None, cost + _distance(check, answers))
+        unmet, refuted = tuple(answer.name for answer in bad), any(answer.exit_status == 1 for answer in bad)
+        return Evaluation(answers, unmet, None, cost + _distance(check, answers), is_refuted=refuted)
     value = objective(check, answers)
     return Evaluation(answers, (), value, 0.0 if value is None else -value)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.reports.designs.freedom import Freedom
+from nonsmooth.reports.designs.freedom import KINDS, WHEELS, Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES
 from nonsmooth.reports.designs.search import Wish
 from nonsmooth.reports.designs.symmetry import ORDERS, largest_symmetry, orbits_of
@@ -15,7 +15,7 @@ from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
-FREE = ("headings", "speeds", "positions")
+FREE = (*KINDS, WHEELS)
 REQUIRED = ("position", "heading", "pose")
 MOST_CHECKS = 100_000
 FINEST = 1000  # denominator of the usual distance that wheels may move
@@ -64,6 +64,8 @@ def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Fr
         DesignError: for what cannot be used.
     """
     kinds = _names(free, "free", FREE)
+    if WHEELS in kinds and len(kinds) > 1:
+        raise DesignError(f"free: required wheels alone, received {free[:60]!r}")
     return replace(Freedom(kinds, move=_distance(scene, move)), order=_order(scene, symmetry))
 
 

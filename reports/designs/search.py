@@ -1,17 +1,20 @@
-"""The search for a design: differential evolution over exact scenes.
+"""The search for a design: differential evolution over exact scenes, then Nelder and Mead's simplex around the best.
 
-Storn and Price (1997) by SciPy.  Every candidate is an exact scene whose answers are proved, so what is found needs no
-confirmation; that nothing better exists is not shown.
+Both (Storn and Price 1997, Nelder and Mead 1965) by SciPy.  Every candidate is an exact scene whose answers are proved,
+so what is found needs no confirmation; that nothing better exists is not shown.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.answers.answer import Pose
 from nonsmooth.reports.designs.freedom import Freedom
@@ -21,11 +24,28 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
 MEMBERS = 24  # of a generation, about
+WIDE = 0.6  # share of the checks that look far and wide
+STEP = 0.06  # of a range: where the search around the best begins
+
+Floats: TypeAlias = NDArray[np.float64]
 
 Told = Callable[[int, int], None]
 
 
-class _SpentError(Exception):
+class Costed(Protocol):
+    """What a search makes small."""
+
+    @property
+    def checks(self) -> int:
+        """How many candidates were checked."""
+        ...
+
+    def cost(self, vector: Sequence[float], told: Told) -> float:
+        """Of the candidate of a vector."""
+        ...
+
+
+class SpentError(Exception):
     """All checks that are allowed are done."""
 
 
@@ -47,6 +67,23 @@ class Wish:
 
 
 @dataclass(frozen=True)
+class Fewest:
+    """What is known of the smallest choice of wheels.
+
+    Attributes:
+        count: of the wheels of the choice that was found; None where there is none.
+        undecided: how many choices that were passed over are not refuted.
+        all_checked: whether every smaller choice was checked.
+        order: of the turns that every choice keeps.
+    """
+
+    count: int | None
+    undecided: int
+    all_checked: bool
+    order: int
+
+
+@dataclass(frozen=True)
 class Design:
     """What was found.
 
@@ -57,6 +94,7 @@ class Design:
         base: those of the given scene.
         checks: how many candidates were checked.
         impossible: why no choice of the free values can meet the requirements; empty where that is not known.
+        fewest: what is known of smaller choices, where wheels were chosen.
     """
 
     document: dict[str, Any]
@@ -65,6 +103,7 @@ class Design:
     base: Evaluation
     checks: int
     impossible: str = ""
+    fewest: Fewest | None = None
 
     @property
     def is_found(self) -> bool:
@@ -88,8 +127,6 @@ class _Search:
         document = self._freedom.document(self._base, self._scene, vector)
         key = repr(document["wheel"])
         if key not in self._known:
-            if self.checks >= self._wish.checks:
-                raise _SpentError
             self._known[key] = self._judge(document)
             told(self.checks, self._wish.checks)
         return self._known[key].cost
@@ -123,7 +160,7 @@ def find_design(
     impossible = _why_impossible(own, freedom, wish)
     search = _Search(base, folder, scene, freedom, wish)
     if not impossible:
-        _evolve(search, scene, freedom, wish, told)
+        evolve(search, scene, freedom, wish, told, wish.checks)
     if search.best is None or own.cost <= search.best[0].cost:  # nothing better than the scene itself
         return Design(dict(base), scene, own, own, search.checks, impossible)
     best, document, found = search.best
@@ -138,34 +175,55 @@ def _why_impossible(own: Evaluation, freedom: Freedom, wish: Wish) -> str:
     return pose.sentence if pose.verdict is Pose.CANNOT_BE_HELD else ""
 
 
-def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> None:
-    from scipy.optimize import differential_evolution
+def evolve(search: Costed, scene: Scene, freedom: Freedom, wish: Wish, told: Told, budget: int) -> None:
+    """Let costs fall: far and wide first, then around the best (Nelder and Mead 1965), until the budget is spent.
 
-    start = np.array(freedom.start(scene))
-    size = max(1, round(MEMBERS / len(start)))
-    bounds = [(0.0, 1.0)] * len(start)
-    try:
+    Args:
+        search: what is made small.
+        scene: the given array, which is a candidate too.
+        freedom: what may change.
+        wish: what is asked for.
+        told: called with the candidates checked and allowed.
+        budget: how many new candidates may be checked.
+    """
+    from scipy.optimize import differential_evolution, minimize
+
+    tried = _Tried(search, told, np.array(freedom.start(scene)))
+    bounds = [(0.0, 1.0)] * len(tried.best)
+    with suppress(SpentError):
+        tried.allow(round(WIDE * budget))
         differential_evolution(
-            lambda vector: search.cost(vector.tolist(), told),
+            tried.cost,
             bounds,
-            x0=start,
-            popsize=size,
+            x0=tried.best,
+            popsize=max(1, round(MEMBERS / len(bounds))),
             maxiter=wish.checks,
             seed=wish.seed,
             init="sobol",
             polish=False,
             tol=0.0,
         )
-    except _SpentError:
-        return
+    with suppress(SpentError):
+        tried.allow(budget)
+        corners = tried.best + STEP * np.where(tried.best > 0.5, -1.0, 1.0) * np.eye(len(bounds))
+        simplex = np.vstack([tried.best, corners])
+        minimize(tried.cost, tried.best, method="Nelder-Mead", bounds=bounds, options={"initial_simplex": simplex})
 
 
-def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> Design:
-    """The same as :func:`find_design`, with a name and a description that say where the scene comes from."""
-    design, name = find_design(base, folder, scene, freedom, wish, told), f"{scene.name}-designed"
-    how = f"designed from {design.scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
-    return replace(design, document={"name": name, "description": how, **_without(design.document)})
+class _Tried:
+    """The costs of a search with the best vector so far, within a budget."""
 
+    def __init__(self, search: Costed, told: Told, start: Floats) -> None:
+        self._search, self._told, self._begun = search, told, search.checks
+        self._limit, self._least, self.best = 0, math.inf, start
 
-def _without(document: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in document.items() if key not in ("name", "description")}
+    def allow(self, budget: int) -> None:
+        self._limit = self._begun + budget
+
+    def cost(self, vector: Floats) -> float:
+        if self._search.checks >= self._limit:
+            raise SpentError
+        found = self._search.cost(vector.tolist(), self._told)
+        if found < self._least:
+            self._least, self.best = found, np.array(vector)
+        return found

@@ -15,12 +15,13 @@ from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from nonsmooth.reports.designs.objective import Evaluation
-    from nonsmooth.reports.designs.search import Design, Wish
+    from nonsmooth.reports.designs.search import Design, Fewest, Wish
 
 SCHEMA = "nonsmooth-design/1"
 WHAT = {
     "rate": "how fast bodies come home",
     "gain": "kappa, how fast feedback holds the pose",
+    "margin": "the part of the distance by which feedback may misjudge the position",
     "basin": "radius of the disc whence bodies come home",
     "tolerance": "the multiple of the tolerances that is certified",
 }
@@ -36,6 +37,8 @@ def design_view(design: Design, wish: Wish) -> RenderableType:
     parts.append(answers)
     if design.best.why_not:
         parts.append(Text(f"the best is refused: {design.best.why_not}"))
+    if design.fewest is not None:
+        return Group(*parts, _wheels(design), Text(_fewest_words(design.fewest)))
     parts += [_wheels(design), Text("every candidate is exact and its answers are proved; that none is better is not")]
     return Group(*parts)
 
@@ -50,6 +53,19 @@ def headline(design: Design, wish: Wish) -> str:
         return f"{name}: found an array with {asked} among {design.checks} checked"
     missing = ", ".join(design.best.unmet)
     return f"{name}: none of {design.checks} arrays meets all of {asked}; the nearest lacks {missing}"
+
+
+def _fewest_words(fewest: Fewest) -> str:
+    """What is proved of smaller choices."""
+    if not fewest.all_checked:
+        return "not all choices were checked (--checks allows more)"
+    which = "no choice" if fewest.count is None else f"no choice of fewer than {fewest.count}"
+    which += " of the wheels under the body"
+    if fewest.order > 1:
+        which += f" that keeps its symmetry (turns by 1/{fewest.order})"
+    if fewest.undecided:
+        return f"{which} is known to suffice; {fewest.undecided} choices are undecided, all others are refuted"
+    return f"{which} suffices: all were checked and refuted"
 
 
 def _value(found: Evaluation) -> str:
@@ -75,6 +91,7 @@ def design_record(design: Design, wish: Wish) -> Record:
         "checks": design.checks,
         "found": design.is_found,
         "impossible": design.impossible or None,
+        "fewest": None if design.fewest is None else vars(design.fewest),
         "given": _evaluation(design.base),
         "best": _evaluation(design.best),
         "scene": design.document if not design.impossible else None,

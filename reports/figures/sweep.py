@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.sweep_cells import build_cells
 from nonsmooth.reports.figures.sweep_map import build_map
 from nonsmooth.reports.figures.sweep_strips import build_strips
 from nonsmooth.reports.sweeps.borders import has_place
@@ -41,4 +42,6 @@ def sweep_figure(sweep: Sweep, suffix: str) -> bytes:
 
 def build_figure(sweep: Sweep) -> Figure:
     """The picture as a Matplotlib figure."""
+    if sweep.cells is not None:
+        return build_cells(sweep, sweep.cells)
     return build_strips(sweep) if len(sweep.plan.axes) == 1 else build_map(sweep)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.reports.designs.named import find_named
 from nonsmooth.reports.designs.request import read_freedom, read_wish
-from nonsmooth.reports.designs.search import Design, Wish, find_named
+from nonsmooth.reports.designs.search import Design, Wish
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.designs.views import WHAT, design_record, headline
 from nonsmooth.reports.files import output_path, write_whole

@@ -12,7 +12,7 @@ from nonsmooth.reports.interface.entries import entry
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.sweep_files import sweep_bytes, sweep_path
-from nonsmooth.reports.sweeps.base import base_of
+from nonsmooth.reports.sweeps.base import base_of, with_wheels
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.outcome import QUESTIONS
 from nonsmooth.reports.sweeps.plan import read_plan
@@ -112,7 +112,7 @@ def sweep_array(
         SceneError: for a key path that names no number.
         SweepError: for values and means that cannot be used.
     """
-    base = base_of(array.document, *array.origin)
+    base = with_wheels(base_of(array.document, *array.origin), vary)
     plan = read_plan({name: _text(values) for name, values in vary.items()}, base.document, base.file, draws, seed)
     return SweepResult(run_sweep(base, plan, means))
 

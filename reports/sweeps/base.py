@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -21,6 +21,7 @@ from nonsmooth.reports.sweeps.plan import Plan
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.files.key_paths import Path as KeyPath
 from nonsmooth.symbolic.files.key_paths import with_value
+from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import build_scene, wheel_table
 from nonsmooth.symbolic.scene import Scene
 
@@ -77,6 +78,14 @@ def base_of(document: Mapping[str, Any], file: str, path: Path, *, allow_outside
     base = Base(document, file, path, wheel_table(document, file, path, allow_outside=allow_outside))
     base.scene((), ())
     return base
+
+
+def with_wheels(base: Base, names: Iterable[str]) -> Base:
+    """The same with its wheels one by one, where a key path names one of a ring, a grid or a table."""
+    asked = any(name.split(".")[0] == "wheel" for name in names)
+    if not asked or not any(base.document.get(layout) for layout in ("ring", "grid", "wheels")):
+        return base
+    return Base(one_by_one(base.document, base.scene((), ())), base.file, base.path)
 
 
 def entries_of(plan: Plan, k: int) -> tuple[Entry, ...]:

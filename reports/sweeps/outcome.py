@@ -75,7 +75,7 @@ def refused(why: str) -> Outcome:
 def _checked(scene: Scene) -> Outcome:
     check = verified(check_theorem4(scene, beside=False))
     answers = {answer.name: answer for answer in answers_of(check)}
-    robust = robust_answer(check.scene)
+    robust = robust_answer(check.scene, check.results)
     if robust is not None:
         answers[TOLERANCES] = robust
     position, heading, pose = (str(answers[name].verdict) for name in QUESTIONS[:3])

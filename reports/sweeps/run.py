@@ -15,6 +15,7 @@ from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.reports.sweeps.workers import Task, Work, Workers
 
 ASK = "answers"  # what is asked of a scene, as part of its key
+ASK_CELLS = "a cell of the grid, certified as a whole"
 ASK_FAILURES = "answers, failures of one wheel"
 LOOK_AHEAD = 200  # scenes that are looked up in the store at once
 POLL = 0.2  # seconds between two looks for what another sweep is working on
@@ -34,7 +35,7 @@ class Runner:
         self.work = work
         self.checked = 0
         self._workers, self._store, self._report = workers, store, report
-        self._asked = ASK_FAILURES if work.failures else ASK
+        self._asked = ASK_CELLS if work.cells else ASK_FAILURES if work.failures else ASK
 
     def outcomes(self, scenes: Iterable[Sequence[Entry]], count: int, what: str = "checked") -> list[Outcome]:
         """The outcomes of scenes by the values of what varies, in their order.

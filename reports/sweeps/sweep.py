@@ -11,6 +11,7 @@ from pathlib import Path
 from nonsmooth.reports.progress import Report, silent
 from nonsmooth.reports.sweeps.base import Base, entries_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders
+from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, REFUSED, Outcome, outcome_of
 from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point
 from nonsmooth.reports.sweeps.run import Runner
@@ -31,6 +32,7 @@ class Sweep:
         plan: what varies.
         outcomes: of every scene, in the order of the plan.
         borders: where answers change along the edges of the grid; None where they were not looked for.
+        cells: the cells of the grid, certified as a whole or not; None where nobody asked.
         checked: how many scenes were computed; the others were in the store, or equal to another one.
     """
 
@@ -39,6 +41,7 @@ class Sweep:
     outcomes: Sequence[Outcome]
     borders: tuple[Border, ...] | None
     checked: int
+    cells: tuple[CertifiedCell, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class Means:
         store: file of results; None for none.
         failures: also ask what happens when any one wheel fails.
         borders: also look for borders between answers.
+        certify: prove what holds in whole cells of the grid.
         yes: run more than ``LARGE`` scenes without asking.
     """
 
@@ -59,6 +63,7 @@ class Means:
     store: Path | None = None
     failures: bool = False
     borders: bool = False
+    certify: bool = False
     yes: bool = False
 
 
@@ -74,12 +79,24 @@ def run_sweep(base: Base, plan: Plan, means: Means, report: Report = silent) -> 
         raise SweepError("borders: required a grid of scenes, received random draws")
     if plan.size > LARGE and not means.yes:
         raise SweepError(_estimate(base, plan, means))
-    work = Work(base, tuple(axis.path for axis in plan.axes), means.failures)
+    cells = planned_cells(base, plan) if means.certify else None
+    scenes = exact_base(base) if means.certify else base
+    work = Work(scenes, tuple(axis.path for axis in plan.axes), means.failures)
     with _runner(work, means, report) as runner:
         outcomes = runner.outcomes((entries_of(plan, k) for k in range(plan.size)), plan.size)
         _require_one_answer(outcomes)
         borders = _borders(plan, outcomes, runner) if means.borders else None
-        return Sweep(base, plan, outcomes, borders, runner.checked)
+        checked = runner.checked
+    proved = None if cells is None else _certified(cells, means, report)
+    return Sweep(base, plan, outcomes, borders, checked, proved)
+
+
+def _certified(cells: Cells, means: Means, report: Report) -> tuple[CertifiedCell, ...]:
+    """What is proved of the cells of the grid."""
+    work = Work(cells.base, cells.paths, failures=False, cells=True)
+    with _runner(work, means, report) as runner:
+        found = runner.outcomes(cells.entries, len(cells.entries), "cells")
+    return tuple(certified_cell(sides, outcome) for sides, outcome in zip(cells.sides, found, strict=True))
 
 
 @contextmanager

@@ -10,8 +10,11 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from nonsmooth.proofs.answers.bounds import at_most
+from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.records import FAILURE
 from nonsmooth.reports.sweeps.borders import Border
+from nonsmooth.reports.sweeps.certified import CertifiedCell
 from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, Outcome
 from nonsmooth.reports.sweeps.plan import Point
 from nonsmooth.reports.sweeps.sweep import Sweep
@@ -35,6 +38,7 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
         "random": plan.draws,
         "seed": None if plan.draws is None else plan.seed,
         "rows": [_row_record(sweep, k, outcome) for k, outcome in enumerate(sweep.outcomes)],
+        "cells": None if sweep.cells is None else [_cell_record(sweep, cell) for cell in sweep.cells],
         "borders": None if sweep.borders is None else [_border_record(sweep, border) for border in sweep.borders],
     }
 
@@ -58,7 +62,8 @@ def counted(sweep: Sweep) -> str:
     """``40 scenes: position 20 comes home, 20 stays near; ...``."""
     groups = ((name, Counter(outcome[name] for outcome in sweep.outcomes)) for name in QUESTIONS)
     said = "; ".join(f"{name} {', '.join(f'{n} {word}' for word, n in c.most_common())}" for name, c in groups)
-    return f"{len(sweep.outcomes)} scenes: {said}"
+    cells = "" if sweep.cells is None else f"; {_cells_text(sweep.cells)}"
+    return f"{len(sweep.outcomes)} scenes: {said}{cells}"
 
 
 def sweep_title(sweep: Sweep) -> str:
@@ -122,6 +127,29 @@ def _border_record(sweep: Sweep, border: Border) -> dict[str, Any]:
         "changed": list(border.changed),
         **{when: dict(zip(QUESTIONS, answers, strict=True)) for when, answers in said.items()},
     }
+
+
+def _cell_record(sweep: Sweep, cell: CertifiedCell) -> dict[str, Any]:
+    sides = dict(zip(sweep.plan.names, cell.sides, strict=True))
+    numbers = {"ends_within": cell.ends_within, "starts_within": cell.starts_within}
+    return {
+        "between": {name: [low.number, high.number] for name, (low, high) in sides.items()},
+        "verdict": str(cell.verdict),
+        **{key: None if value is None else float(value) for key, value in numbers.items()},
+        "why": cell.why or None,
+        "exact": {
+            "between": {name: [str(low.entry), str(high.entry)] for name, (low, high) in sides.items()},
+            **{key: str(value) for key, value in numbers.items() if value is not None},
+        },
+    }
+
+
+def _cells_text(cells: Sequence[CertifiedCell]) -> str:
+    """``12 of 16 cells are certified as a whole``."""
+    count = sum(cell.verdict is Certainty.CERTIFIED for cell in cells)
+    widest = max((cell.ends_within for cell in cells if cell.ends_within is not None), default=None)
+    where = "" if widest is None else f": every body ends within {at_most(widest)} of the point, or nearer"
+    return f"{count} of {len(cells)} cells of the grid are certified as a whole{where}"
 
 
 def _worst(outcome: Outcome) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from multiprocessing.synchronize import Event
 from typing import NamedTuple, Protocol
 
 from nonsmooth.reports.sweeps.base import Base
+from nonsmooth.reports.sweeps.certified import cell_outcome
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
 from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.values import Entry
@@ -49,9 +50,12 @@ class Work(NamedTuple):
     base: Base
     paths: tuple[Path, ...]
     failures: bool
+    cells: bool = False  # cells of the grid instead of scenes
 
     def outcome(self, entries: Sequence[Entry]) -> Outcome:
-        """Check one scene."""
+        """Check one scene, or one cell."""
+        if self.cells:
+            return cell_outcome(self.base, self.paths, entries)
         return outcome_of(self.base, self.paths, entries, failures=self.failures)
 
 

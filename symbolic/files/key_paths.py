@@ -24,6 +24,7 @@ Step: TypeAlias = str | int  # a key, or the place in a list counted from 0
 Path: TypeAlias = tuple[Step, ...]
 
 NEVER_ALONE = ("tolerance",)  # tables whose keys other tables have: they are always named
+DIRECTION = "heading"
 MATCHES, LIKENESS, LISTED = 3, 0.5, 6  # near matches of an unknown path, how near (difflib), else so many examples
 
 
@@ -96,6 +97,8 @@ def _of_table(tables: Sequence[type[Table]], given: object, path: Path) -> Itera
         place, value = (*path, key), given.get(key)
         if isinstance(value, list | Mapping):
             yield from _inside(value, place)
+            if key == DIRECTION:  # an angle may stand in place of its two entries
+                yield place
         elif _is_pair(field.annotation):
             yield from ((*place, k) for k in (0, 1) if value is not None or field.default is not None)
         elif _holds_number(field.annotation):

@@ -16,6 +16,7 @@ import nonsmooth as ns
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.symmetry import largest_symmetry, orbits_of
 from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
 
 if TYPE_CHECKING:
@@ -128,7 +129,9 @@ def test_python_finds_what_the_command_finds(invoke: Invoke, tmp_path: Path) -> 
     assert isinstance(again, ns.Array)
     assert isinstance(own, ns.Array)
     assert str(again.check().position) == str(own.check().position)
-    with pytest.raises(ValueError, match=r"^free: required names among headings, speeds, positions, received 'colour'"):
+    with pytest.raises(
+        ValueError, match=r"^free: required names among headings, speeds, positions, wheels, received 'colour'"
+    ):
         saddle.design(free="colour")
     with pytest.raises(ns.SceneError, match=r"required a .tolerance. table"):
         saddle.design(maximize="tolerance")
@@ -157,3 +160,82 @@ def test_every_built_in_scene_survives_being_written(tmp_path: Path) -> None:
         for own, found in zip(scene.wheels, again.wheels, strict=True):
             assert str(own.speed) == str(found.speed)
             assert np.allclose([float(x) for x in own.position], [float(x) for x in found.position])
+
+
+FRONT_SCENE = """
+friction = { mu_roll = 1, mu_side = "1/2" }
+wheel = [
+  { position = ["1/10", "1/10"], speed = "1/10" }, { position = ["-1/10", "1/10"], speed = "1/10" },
+  { position = ["-1/10", "-1/10"], speed = "1/10" }, { position = ["1/10", "-1/10"], speed = "1/10" },
+]
+[tolerance]
+position = "1/1000"
+"""
+
+
+def test_no_array_on_the_front_beats_another_and_checks_confirm_both_numbers(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "table.toml").write_text(FRONT_SCENE, encoding="utf-8")
+    options = ("--free", "headings,speeds", "--checks", "9", "--seed", "3")
+    record = invoke("design", "table.toml", *options, "--front", "front.csv", "--json").record
+    points = record["points"]
+    assert record["checks"] == 9
+    assert points
+    for first, second in pairwise(points):
+        assert first["rate"] < second["rate"]
+        assert first["tolerance"] > second["tolerance"]
+    assert len((tmp_path / "front.csv").read_text().splitlines()) == 2 + len(points)
+    file = tmp_path / "last.toml"
+    file.write_text(toml_text(points[-1]["scene"]), encoding="utf-8")
+    checked = invoke("check", "last.toml", "--json").record
+    assert checked["answers"]["position"]["seconds_per_distance"] == pytest.approx(1 / points[-1]["rate"])
+    assert checked["robust"]["factor"] == pytest.approx(points[-1]["tolerance"])
+
+
+def test_a_front_is_drawn(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "table.toml").write_text(FRONT_SCENE, encoding="utf-8")
+    outcome = invoke("design", "table.toml", "--checks", "2", "--front", "front.svg")
+    assert outcome.status == 0
+    assert "on the front, of 2 checked" in outcome.out
+    assert (tmp_path / "front.svg").stat().st_size > 1000
+
+
+def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path: Path) -> None:
+    """Every wheel that is left is needed, by checks of their own; all smaller choices were refuted."""
+    options = ("--free", "wheels", "--symmetry", "1", "--checks", "40", "-o", "few.toml", "--json")
+    record = invoke("design", "carton-on-6x6", *options).record
+    fewest = record["fewest"]
+    assert (fewest["all_checked"], fewest["undecided"], fewest["order"]) == (True, 0, 1)
+    document = tomllib.loads((tmp_path / "few.toml").read_text(encoding="utf-8"), parse_float=Decimal)
+    wheels = document["wheel"]
+    assert len(wheels) == fewest["count"]
+    assert invoke("check", "few.toml", "--require", "position", "--json").status == 0
+    for k in range(len(wheels)):
+        file = tmp_path / f"without-{k}.toml"
+        file.write_text(toml_text({**document, "wheel": wheels[:k] + wheels[k + 1 :]}), encoding="utf-8")
+        assert invoke("check", str(file), "--require", "position", "--json").status in (1, 2)
+
+
+def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    left_out = ",".join(name for name in PART_NAMES if name not in ("answers", "array"))
+    monkeypatch.setattr("nonsmooth.reports.commands.design.MEASUREMENTS", left_out)
+    outcome = invoke("design", "rectangle", "--maximize", "margin", "--checks", "2", "--report", "won.md")
+    assert outcome.status == 0
+    assert "misjudge the position" in " ".join(outcome.out.split())
+    assert (tmp_path / "won.md").read_text(encoding="utf-8").startswith("# Derivation report: rectangle-designed")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--free", "wheels,speeds"), "--free: required wheels alone"),
+        (("--front", "front.svg"), "tolerance: required a [tolerance] table"),
+        (("--front", "front.svg", "-o", "a.toml"), "--front: required without -o and --report"),
+        (("--front", "front.toml"), "front.toml"),
+        (("--report", "a.txt"), "a.txt"),
+    ],
+)
+def test_bad_files_are_one_line(invoke: Invoke, options: tuple[str, ...], said: str) -> None:
+    outcome = invoke("design", "four-wheel", *options)
+    assert outcome.status == 2
+    assert said in outcome.err
+    assert len(outcome.err.strip().splitlines()) == 1

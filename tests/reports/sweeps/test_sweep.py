@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from fractions import Fraction
 from importlib.util import find_spec
 from itertools import product
@@ -13,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
 from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point, read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.one_by_one import one_by_one
+from nonsmooth.symbolic.files.scene_file import load_scene, read_document
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -306,3 +309,41 @@ def test_a_record_may_be_made_twice() -> None:
     base, plan = based("four-wheel", {"mu_side": "1/2"})
     paths = tuple(axis.path for axis in plan.axes)
     assert outcome_of(base, paths, ("1/2",)) == outcome_of(base, paths, ("1/2",))
+
+
+@pytest.mark.parametrize("name", ["ring-6", "grid-4x4"])
+def test_a_wheel_of_a_layout_varies_on_its_own(invoke: Invoke, tmp_path: Path, name: str) -> None:
+    """As in the scene whose wheels are written one by one; the others stay where they are."""
+    own = invoke("check", name, "--json").record
+    third = load_scene(name).wheels[2]
+    heading = f"{math.degrees(math.atan2(float(third.unit_direction[1]), float(third.unit_direction[0]))):.0f}"
+    record = invoke("sweep", name, "--vary", f"wheel.3.heading={heading},100", "--workers", "1", "--json").record
+    first, second = record["rows"]
+    assert first["position"] == own["answers"]["position"]["verdict"]
+    assert first["worst_rate"] == pytest.approx(own["translation"]["worst_rate"])
+    written = {**read_document(name)[0]}
+    entries = one_by_one(written, load_scene(name))
+    entries["wheel"][2]["heading"] = 100
+    file = tmp_path / "changed.toml"
+    file.write_text(toml_text(entries), encoding="utf-8")
+    changed = invoke("check", str(file), "--json").record
+    assert second["position"] == changed["answers"]["position"]["verdict"]
+    assert second["worst_rate"] == changed["translation"]["worst_rate"]
+
+
+def test_a_wheel_of_a_table_varies_on_its_own(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "wheels.csv").write_text("x,y,heading\n1,1,225\n-1,1,315\n-1,-1,45\n1,-1,135\n", encoding="utf-8")
+    (tmp_path / "table.toml").write_text(
+        'wheels = { file = "wheels.csv" }\nfriction = { mu_roll = 1, mu_side = "1/2" }\n', encoding="utf-8"
+    )
+    options = ("--vary", "wheel.4.heading=135,45", "--workers", "1", "--json")
+    record = invoke("sweep", "table.toml", *options).record
+    wheels = tmp_path / "wheels.csv"
+    wheels.write_text(wheels.read_text(encoding="utf-8").replace("135", "45"), encoding="utf-8")
+    changed = invoke("check", "table.toml", "--json").record
+    said = ["comes home", changed["answers"]["position"]["verdict"]]
+    assert said[0] != said[1]
+    assert [row["position"] for row in record["rows"]] == said
+    refused = invoke("sweep", "table.toml", "--vary", "wheel.5.heading=1,2")
+    assert refused.status == 2
+    assert "wheel.4.heading" in refused.err

@@ -1,0 +1,152 @@
+"""Feedback under rule ``box``, the law computed from the scene, the true array anywhere within its tolerances.
+
+The law commands multiples of three twists ``xi_m``, by the rims' speeds of the scene.  Under these speeds every
+minimizer xi of every array of the box satisfies ``|xi - xi_m| <= rho`` (bounds of ``+-e_k . xi`` by
+:mod:`nonsmooth.proofs.robust.box_bound`), and so do multiples, for D is homogeneous in twist and speeds.  With
+``g = (c, l theta)``, ``V = |g|^2`` and the xi_m of the largest ``x = |g . xi_m|/|g| >= sqrt(kappa)``::
+
+    V'/2 = -k (g . xi_m)(g . xi) <= -k (x^2 - rho x) |g|^2 <= -k sqrt(kappa) (sqrt(kappa) - rho) V.
+
+So wherever ``rho < sqrt(kappa)`` every array brings position and heading home, exactly to the point: what is wrong with
+the array is wrong in proportion to what is commanded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import arb, ctx
+
+from nonsmooth.proofs.robust.box_bound import BoxBound
+from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
+from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
+from nonsmooth.proofs.robust.load_box import LoadBox, load_box
+from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.symbolic.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.tolerances import Tolerance
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
+    from nonsmooth.symbolic.constraints import Triple
+
+PRECISION = 64  # bits of the balls
+PUSHES = (0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)  # of the friction of all wheels
+NEARBY = 1 - Fraction(1, 2**20)  # of a rate at the point: it holds near the point too
+STILL = Fraction(0)
+
+
+@dataclass(frozen=True)
+class RobustLoop:
+    """What feedback does for every array.
+
+    Attributes:
+        rate: kappa with ``V' <= -2 k kappa V`` near the point for every array; None where none is proved.
+        reason: why not, else empty.
+    """
+
+    rate: Fraction | None
+    reason: str = ""
+
+
+def decide_robust_loop(scene: Scene, feedback: AnyFeedback) -> RobustLoop | None:
+    """Whether the law of a scene's feedback clause serves every array within the tolerances; None where it has none.
+
+    Args:
+        scene: with tolerances.
+        feedback: its clause.
+    """
+    box = scene.tolerances
+    if box is None or feedback.verdict is not Feedback.STABILIZABLE:
+        return None
+    if scene.contact.rule != "box":
+        return RobustLoop(None, f"for feedback tolerances are followed under rule box, not under {scene.contact.rule}")
+    if box.centre_of_mass:
+        return RobustLoop(None, "the law measures the pose at the centre of mass, and that is not known exactly")
+    cones: tuple[LawCone, ...] = getattr(feedback, "cones", ())
+    if len(cones) != 1:
+        return RobustLoop(None, "frictions balance exactly at the point, and within the tolerances they do not")
+    plain = with_rims_along_axes(scene.recentred())
+    if plain is None or len(scene.wheels) > MAX_WHEELS:
+        return RobustLoop(None, f"feedback is followed for up to {MAX_WHEELS} wheels driven along their friction axes")
+    kappa = feedback.certified_kappa
+    if kappa is None:
+        return None
+    return _decided(plain, box, cones[0].vectors, kappa)
+
+
+def _decided(scene: Scene, box: Tolerance, twists: Sequence[Triple], kappa: Fraction) -> RobustLoop:
+    with ctx.workprec(PRECISION):
+        loads = load_box(scene, box.position.ball())
+        if loads is None or not all(load > 0 for load in loads.at((arb(0), arb(0)))):
+            return RobustLoop(None, "a wheel may lift off at the point")
+        errors = [_CommandedTwist(scene, box, loads, twist).error() for twist in twists]
+        known = [error for error in errors if error is not None]
+        if len(known) < len(errors):
+            return RobustLoop(None, "a twist that the law commands may slip away within the tolerances")
+        root = (arb(kappa.numerator) / kappa.denominator).sqrt()
+        slowest = min((root * (root - error) for error in known), key=rational_below)
+        if not slowest > 0:
+            return RobustLoop(None, "twists may differ from those that the law commands by more than its rate allows")
+        return RobustLoop(rational_below(slowest) * NEARBY)
+
+
+class _CommandedTwist:
+    """One twist of the law: the array with the speeds that command it."""
+
+    def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, twist: Triple) -> None:
+        """For a twist in the unit l of the scene."""
+        self._length = arb(scene.check.length.numerator) / scene.check.length.denominator
+        x, y, turn = (entry.ball() for entry in twist)
+        self._twist = x, y, turn / self._length
+        none = box.times(STILL)
+        drive = 1 + box.speed.ball() * arb(0, 1)
+        wheels = [
+            _driven(wheel, own.moved(self._twist)[0], drive)
+            for wheel, own in zip(box_wheels(scene, box), box_wheels(scene, none), strict=True)
+        ]
+        self._corners = BoxCorners(scene)
+        middle = [[float(own.moved(self._twist)[0]), 0.0] for own in box_wheels(scene, none)]
+        self._corners.speeds = np.array(middle).ravel()
+        self._bound = BoxBound(wheels, loads, self._corners.length)
+
+    def error(self) -> arb | None:
+        """A bound of ``|xi - xi_m|`` in the unit l, for every minimizer of every array; None where none is shown."""
+        total = arb(0)
+        for k in range(3):
+            sides = [self._one_side(k, sense) for sense in (1, -1)]
+            known = [side for side in sides if side is not None]
+            if len(known) < len(sides):
+                return None
+            total += max(known, key=lambda ball: float(ball.upper())).upper() ** 2
+        return total.sqrt()
+
+    def _one_side(self, k: int, sense: int) -> arb | None:
+        """The least bound of ``sense e_k . (xi - xi_m)`` that some push proves."""
+        place = (arb(0), arb(0))
+        force = float(self._corners.limits((0.0, 0.0)).sum()) / 2
+        twist = np.array([*(float(x) for x in self._twist[:2]), float(self._twist[2]) * self._corners.length])
+        found = []
+        for share in PUSHES:
+            strength = sense * share * force
+            unit = [arb(0), arb(0), arb(0)]
+            unit[k] = self._length if k == 2 else arb(1)
+            push = np.array([strength * float(entry) for entry in unit])
+            push[2] /= self._corners.length
+            proposal = self._corners.proposal((0.0, 0.0), push, twist)
+            if proposal is None:
+                continue
+            gap = self._bound.gap(proposal, place, [strength * entry for entry in unit], self._twist)
+            if gap is not None:
+                found.append(gap / abs(strength))
+        return min(found, key=lambda ball: float(ball.upper())) if found else None
+
+
+def _driven(wheel: BoxWheel, speed: arb, drive: arb) -> BoxWheel:
+    return replace(wheel, speeds=(speed * drive, arb(0)))

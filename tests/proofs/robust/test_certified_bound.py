@@ -1,0 +1,130 @@
+"""Certificates about all arrays within tolerances: accepted, true for arrays of the box, and rejected where forged."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import pytest
+
+from nonsmooth.proofs.certificate import build_certificate, certificate_text
+from nonsmooth.proofs.certified_scene import find_difference
+from nonsmooth.proofs.checker import check_certificate, check_file
+from nonsmooth.proofs.robust.decide import decide_robust
+from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
+
+Record: TypeAlias = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    return table(tmp_path_factory.mktemp("scene"))
+
+
+@pytest.fixture(scope="module")
+def certificate(scene: Scene) -> Record:
+    return build_certificate(check_cells(scene))
+
+
+def test_the_bound_is_nearly_the_one_of_the_check(scene: Scene, certificate: Record, tmp_path: Path) -> None:
+    found = decide_robust(scene)
+    assert found is not None
+    assert found.radius is not None
+    radius = Fraction(certificate["robust"]["radius"])
+    assert found.radius < radius < found.radius * Fraction(102, 100)
+    file = tmp_path / "certificate.json"
+    file.write_text(certificate_text(certificate), encoding="utf-8")
+    status, text = check_file(str(file))
+    assert status == 0
+    assert "within the tolerances: bodies from within 0.05 end within 0.003385" in text
+
+
+@pytest.mark.parametrize("name", ["ring-5", "ring-6", "rectangle"])
+def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
+    certificate = build_certificate(check_cells(with_box(name, tmp_path)))
+    assert check_certificate(certificate) == ""
+    assert "robust" in certificate
+
+
+def test_arrays_of_the_box_obey_the_certificate(scene: Scene, certificate: Record) -> None:
+    """Ten thousand arrays, half of them corners of the box, at points outside the disc, most of them close to it."""
+    inner, outer, rate = (float(Fraction(certificate["robust"][key])) for key in ("radius", "start", "rate"))
+    rng = np.random.default_rng(11)
+    sizes = inner + (outer - inner) * rng.random(10_000) ** 3
+    angles = rng.uniform(0, 2 * np.pi, len(sizes))
+    points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    moved = velocities(drawn(scene, len(sizes), 12), points)
+    assert ((points * moved).sum(axis=1) <= -rate * sizes * (1 - 1e-9)).all()
+
+
+def scaled(key: str, factor: Fraction) -> Callable[[Record], None]:
+    def forge(robust: Record) -> None:
+        target = robust if key in robust else robust["tolerance"]
+        target[key] = str(Fraction(target[key]) * factor)
+
+    return forge
+
+
+def put(key: str, value: Any) -> Callable[[Record], None]:
+    def forge(robust: Record) -> None:
+        (robust if key in robust else robust["tolerance"])[key] = value
+
+    return forge
+
+
+FORGED: dict[str, tuple[Callable[[Record], None], str]] = {
+    "a smaller disc": (scaled("radius", Fraction(9, 10)), "a rate outside the disc"),
+    "a faster rate": (scaled("rate", Fraction(2)), "a rate outside the disc"),
+    "no rate": (put("rate", "0"), "bounds within the square"),
+    "starts outside the square": (scaled("start", Fraction(101, 100)), "bounds within the square"),
+    "no room": (put("radius", "1/20"), "bounds within the square"),
+    "larger position": (scaled("position", Fraction(3, 2)), "a rate outside the disc"),
+    "larger heading": (scaled("heading", Fraction(4)), "a rate outside the disc"),
+    "larger speed": (scaled("speed", Fraction(10)), "a rate outside the disc"),
+    "rows that change places": (scaled("mu_side", Fraction(4)), "robust:"),
+    "negative": (put("position", "-1/1000"), "bounds within the square"),
+    "a share above one": (put("mu_roll", "2"), "bounds within the square"),
+    "a quarter turn": (put("heading", "1/2"), "bounds within the square"),
+    "words": (put("rate", "fast"), "rational bounds"),
+    "a number": (put("rate", 1), "rational bounds"),
+}
+
+
+@pytest.mark.parametrize("name", FORGED)
+def test_forged_claims_are_rejected(certificate: Record, name: str) -> None:
+    forge, claim = FORGED[name]
+    forged = copy.deepcopy(certificate)
+    forge(forged["robust"])
+    assert claim in check_certificate(forged)
+
+
+def test_missing_and_spare_keys_are_rejected(certificate: Record) -> None:
+    own = certificate["robust"]
+    fewer = {key: own["tolerance"][key] for key in ("position", "heading")}
+    others: list[Any] = [{"rate": "1"}, {**own, "more": "1"}, {**own, "tolerance": fewer}, None, []]
+    for robust in others:
+        forged = {**certificate, "robust": robust}
+        assert "an object with the keys" in check_certificate(forged)
+
+
+def test_other_wheels_are_rejected(certificate: Record) -> None:
+    """With more friction across the rims and cells to match, the claim would be false; so would it with slow wheels."""
+    forged = copy.deepcopy(certificate)
+    forged["wheels"][0]["friction"] = ["1", "99/100"]
+    assert check_certificate(forged).startswith("robust:")
+
+
+def test_another_scene_and_other_tolerances_are_told_apart(scene: Scene, certificate: Record, tmp_path: Path) -> None:
+    assert find_difference(certificate, scene) == ""
+    other = tmp_path / "other.toml"
+    other.write_text(TABLE.replace('position = "1/1000"', 'position = "1/2000"'), encoding="utf-8")
+    assert find_difference(certificate, load_scene(other)) == "tolerance"
+    other.write_text(TABLE.partition("[tolerance]")[0], encoding="utf-8")
+    assert find_difference(certificate, load_scene(other)) == "tolerance"
