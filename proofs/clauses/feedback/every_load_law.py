@@ -121,9 +121,7 @@ class _Proposal:
             slack *= WIDENING
 
 
-def _proposals(
-    scene: Scene, unique: Sequence[ImposedTwist], wheels: WheelForms, loads: FloatLoads
-) -> list[_Proposal]:
+def _proposals(scene: Scene, unique: Sequence[ImposedTwist], wheels: WheelForms, loads: FloatLoads) -> list[_Proposal]:
     """The most promising choices of three twists, the best first."""
     twists, motions = _floats(unique), [_motions(scene, imposed, wheels, loads) for imposed in unique]
     found = []
