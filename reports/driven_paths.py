@@ -24,6 +24,7 @@ from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.simulate import POSE, SCHEMA, PathRun, events_view, path_summary, sample_lines
 from nonsmooth.symbolic.contact_set import require_no_outline, standing
+from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -97,6 +98,9 @@ class DrivenPath:
             f"feedback: {NAME}, certified by the feedback clause, k = {self.loop.gain:g}",
             f"{self.loop.feedback.law}; certified for an exact pose: {region}",
         ]
+        if self.loop.scene.body is not None:
+            numbers = tuple(wheel.index for wheel in self.loop.scene.wheels)
+            lines.append(f"certified while wheels {numbers_text(numbers)} carry the body, and no others")
         if self.loop.errors is not None:
             lines.append("the pose is late and off as [feedback] says, at every sample by the worst of 27 errors")
         return events_view("\n".join(lines), self.trajectory, POSE)

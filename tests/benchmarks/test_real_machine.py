@@ -43,7 +43,7 @@ HEIGHTS = 40  # arrays on wheels of unequal height
 OWN_LOADS = 1e-4  # median with the loads of the engine; the largest seen of four medians 4e-5
 ROLLERS, ROLLER_MEDIAN = 100, 2e-3
 HEADINGS, HEADING = 4, 0.02  # paths to rest; radians
-KEPT = 8  # arrays whose heading keeps on level wheels
+KEPT = [4, 6, 11, 13, 14, 16, 18, 23]  # mirrored arrays whose heading keeps on level wheels: the first eight
 LAG = 2e-2  # relative, of the error of a closed loop: the engine settles, and the law acts on samples
 
 
@@ -96,16 +96,18 @@ def test_rollers(stopwatch: Stopwatch, tmp_path: Path) -> None:
 def test_headings_that_level_wheels_keep(stopwatch: Stopwatch, tmp_path: Path) -> None:
     """On wheels of unequal height bodies spin, and stay beside the point; with ``height`` nothing is promised."""
     found: list[Scattered] = []
-    seed, file = 0, tmp_path / "mirrored.toml"
-    while len(found) < KEPT:
+    file = tmp_path / "mirrored.toml"
+    for seed in KEPT:
         file.write_text(measured_array(Kind.MIRRORED, seed), encoding="utf-8")
         one = scattered_heading(file, seed, Fraction(3, 10), tmp_path)
-        found += [] if one is None else [one]
-        seed += 1
+        assert one is not None
+        found.append(one)
     spin = [one for one in found if abs(one.turning) > 1e-3]
     beside = max(one.beside for one in found)
-    stopwatch.report(f"heights scattered by 30 %: {len(spin)} of {KEPT} spin, up to {beside:.2f} l beside the point")
-    assert len(spin) == KEPT
+    stopwatch.report(
+        f"heights scattered by 30 %: {len(spin)} of {len(KEPT)} spin, up to {beside:.2f} l beside the point"
+    )
+    assert len(spin) == len(KEPT)
     assert not any(one.scattered[1] == "keeps" for one in spin)
 
 

@@ -187,7 +187,7 @@ def test_late_poses_and_ends_of_speeds_take_the_rest_of_the_rate(tmp_path: Path)
     scene = array(FRAGILE, "ellipse", UNEVEN, tmp_path)
     feedback = certified(scene)
     zero, rng = scene.field.zero, np.random.default_rng(0)
-    bound = ultimate_bound(feedback, LoopErrors(zero, zero, zero))
+    bound = ultimate_bound(feedback, LoopErrors(zero, zero, Fraction(0)))
     assert bound.verdict is Certainty.CERTIFIED
     assert bound.largest_delay is not None
     loop, lag = loop_of(scene, feedback.cones[0]), 20
