@@ -72,7 +72,7 @@ FOR_EVERY_LOAD = (
     "some speeds impose three independent twists on level springs, and under every load motions so close to them that "
     "V falls (at {} times the rate on level springs)"
 )
-NOT_FOR_EVERY_LOAD = "no law of three imposed twists is shown to work under every load; {}"
+NOT_FOR_EVERY_LOAD = "no law of three imposed twists is shown to work under every load; on level springs: {}"
 ON_LEVEL_SPRINGS = "on level springs, which are among the loads: {}"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 
@@ -204,16 +204,19 @@ def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
     from nonsmooth.proofs.clauses.feedback.every_load_law import on_level_springs, search_law
 
     level = on_level_springs(scene)
-    found = search_law(scene, _imposed(level))
-    if found is not None:
-        cone, law = found
-        reason = FOR_EVERY_LOAD.format(lower_text(1 - law.slack, 3))
-        return replace(_stabilizable(reason, (cone,)), every_load=law)
-    without = _decide(level, length)
-    if without.verdict is Feedback.NO_CERTIFICATE:
-        return replace(without, reason=ON_LEVEL_SPRINGS.format(without.reason))
-    held = without.verdict is Feedback.STABILIZABLE
-    why = "on level springs one does" if held else f"on level springs: {without.reason}"
+    unique = _imposed(level)
+    if rank_of(unique) < 3:
+        without = _decide(level, length)
+        if without.verdict is Feedback.NO_CERTIFICATE:
+            return replace(without, reason=ON_LEVEL_SPRINGS.format(without.reason))
+        why = without.reason
+    else:
+        found = search_law(scene, unique)
+        if found is not None:
+            cone, law = found
+            reason = FOR_EVERY_LOAD.format(lower_text(1 - law.slack, 3))
+            return replace(_stabilizable(reason, (cone,)), every_load=law)
+        why = "some speeds impose three independent twists"
     return DrivenFeedback(Feedback.UNDECIDED, NOT_FOR_EVERY_LOAD.format(why))
 
 
