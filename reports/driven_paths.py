@@ -12,6 +12,7 @@ from typing import Any
 
 from rich.console import RenderableType
 
+from nonsmooth.analysis.bodies.held_wheels import HeldWheels
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction
@@ -22,7 +23,8 @@ from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.simulate import POSE, SCHEMA, PathRun, events_view, path_summary, sample_lines
-from nonsmooth.symbolic.contact_set import require_no_outline
+from nonsmooth.symbolic.contact_set import require_no_outline, standing
+from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -96,6 +98,9 @@ class DrivenPath:
             f"feedback: {NAME}, certified by the feedback clause, k = {self.loop.gain:g}",
             f"{self.loop.feedback.law}; certified for an exact pose: {region}",
         ]
+        if self.loop.scene.body is not None:
+            numbers = tuple(wheel.index for wheel in self.loop.scene.wheels)
+            lines.append(f"certified while wheels {numbers_text(numbers)} carry the body, and no others")
         if self.loop.errors is not None:
             lines.append("the pose is late and off as [feedback] says, at every sample by the worst of 27 errors")
         return events_view("\n".join(lines), self.trajectory, POSE)
@@ -121,16 +126,16 @@ def follow_driven(scene: Scene, run: PathRun) -> DrivenPath:
 
     Raises:
         RefusedError: where no law is certified, and for another law, method or kinematics.
-        SceneError: for a body with an outline.
+        SceneError: for a body with an outline under a law that is sampled and held.
         TrajectoryError: where a motion is not proved.
+        ValueError: for a start on other wheels than those of which the law is certified.
     """
-    require_no_outline(scene)
     required = f"--feedback: required, under rule {scene.contact.rule},"
     if run.law is not LawName.CERTIFIED:
         raise RefusedError(f"{required} the certified law, received --law {run.law}")
     if run.method is not Method.EVENTS or run.kinematics is not Kinematics.EXACT:
         raise RefusedError(f"{required} --method events and exact kinematics, received {run.method}, {run.kinematics}")
-    centred = scene.recentred()
+    centred = standing(scene).recentred()
     feedback = verified(decide_whatever_friction(centred))
     if feedback.verdict is not Feedback.STABILIZABLE:
         raise RefusedError(
@@ -138,4 +143,21 @@ def follow_driven(scene: Scene, run: PathRun) -> DrivenPath:
         )
     loop = DrivenLoop(centred, feedback, run.gain)
     (x, y), (start_x, start_y, theta) = scene.check.equilibrium, run.start
-    return DrivenPath(scene, loop, loop.follow((start_x - float(x), start_y - float(y), theta), run.until))
+    start = (start_x - float(x), start_y - float(y), theta)
+    return DrivenPath(scene, loop, _followed(loop, start, run.until))
+
+
+def _followed(loop: DrivenLoop, start: tuple[float, float, float], until: float) -> Trajectory:
+    """The path; of a body with an outline until other wheels carry it.
+
+    Raises:
+        SceneError: for a body with an outline under a law that is sampled and held.
+        ValueError: for a start on other wheels.
+    """
+    if loop.scene.body is None:
+        return loop.follow(start, until)
+    if loop.is_sampled:
+        require_no_outline(loop.scene)
+    held = HeldWheels(loop.scene)
+    held.require_start(start)
+    return held.until_change(loop.follow(start, until))

@@ -151,6 +151,8 @@ def _region_text(feedback: FeedbackResult) -> str:
 
 def _reach_text(feedback: DrivenFeedback) -> str:
     """Under rule ``box`` V falls in a square about the point; the largest level of V within it brings bodies home."""
+    if feedback.every_load is not None:
+        return f"{NEARBY}, under every load that the scene leaves open"
     if feedback.reach is None:
         return NEARBY
     weight = "" if feedback.length == 1 else f"{float(feedback.lyapunov.weight)!r} "

@@ -264,10 +264,17 @@ class Machine:
         return max((abs(wanted[index]) / float(limit) for index, limit in limits.items()), default=0.0)
 
 
-def machine(source: str, folder: Path) -> Machine:
-    """The array of a scene file or a built-in scene under rule ``ellipse``, with the law that is certified for it."""
-    program = folder / "law.py"
-    record = command("check", source, "--rule", "ellipse", "--law", str(program))
+def machine(source: Path, folder: Path, height: Fraction = Fraction(0)) -> Machine:
+    """The array of a scene file under rule ``ellipse``, with the law that is certified for it.
+
+    With a height the law is certified for wheels that are higher or lower by up to that share of the mean deflection.
+    """
+    program, file = folder / "law.py", folder / "uneven.toml"
+    text = source.read_text(encoding="utf-8")
+    loads = f'rule = "ellipse"\nloads = {{ kind = "elastic", height = "{height}" }}\n'
+    contact = '[contact]\nrule = "nearest"\n'
+    file.write_text(text.replace(contact, f"[contact]\n{loads}") if contact in text else f"{text}\n[contact]\n{loads}")
+    record = command("check", str(file), "--law", str(program))
     scene = covered(load_scene(source, rule="ellipse").recentred())
     pose, speeds = record["answers"]["pose"], runpy.run_path(str(program))["speeds"]
     return Machine(scene, speeds, record["feedback"], pose["rate"], pose["speed"] or np.inf)

@@ -35,6 +35,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 ) -> int:
     """List or draw the cells of the plane, each with its contact state and twist, or a sampled field.
 
+    Under rule box with loads = "any": where each motion is possible under some load.
     Of a plain system in two states: its cells, what solutions do on their borders, and with -o its phase portrait.
 
     Exit status: 0 done, 2 bad input.
@@ -58,6 +59,8 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     path = None if output is None else output_path(output, PICTURES)
     if compare:
         return _compare(loaded, path, json=json)
+    if path is None and _leaves_motions_open(loaded):
+        return _possible(loaded, json=json)
     if path is not None and show is Drawing.ARRAY and not json:
         return _draw_array(loaded, path)
     if isinstance(rule_of(loaded), SmoothRule):
@@ -94,6 +97,29 @@ def _portray(scene: str, output: str | None, radius: str | None, at: str | None,
         write(f"{path}: {len(portrait.cells)} cells, {portrait.stability.verdict}\n")
     else:
         write_views([portrait.view()])
+    return 0
+
+
+def _leaves_motions_open(scene: Scene) -> bool:
+    """Whether all loads that carry the weight are meant under rule ``box``."""
+    from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+    return scene.contact.rule == "box" and scene.contact.loads == UnknownLoads()
+
+
+def _possible(scene: Scene, *, json: bool) -> int:
+    """Where each motion is possible under some load."""
+    from nonsmooth.reports.possible_motions import possible_record, possible_view
+    from nonsmooth.reports.progress import steps
+
+    with refusals_named(scene), steps("motions that unknown loads leave possible"):
+        from nonsmooth.proofs.clauses.every_load.possible_twists import possible_twists
+
+        found = possible_twists(scene)
+    if json:
+        write_json(possible_record(scene, found))
+    else:
+        write_views([possible_view(scene, found)])
     return 0
 
 

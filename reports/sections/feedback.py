@@ -114,7 +114,7 @@ def _margin_blocks(margin: InputMargin) -> list[Block]:
 
 def _driven_blocks(feedback: DrivenFeedback, scene: Scene) -> list[Block]:
     """The law of the rules ``box`` and ``ellipse``: its formula, rate, and twists with the speeds that impose them."""
-    if feedback.kappa is None:
+    if feedback.certified_kappa is None:
         return []
     plain = feedback.length == 1
     latex_weight, weight = ("", "") if plain else ("w\\, ", "w ")
@@ -123,7 +123,7 @@ def _driven_blocks(feedback: DrivenFeedback, scene: Scene) -> list[Block]:
         r"\lvert g \cdot \xi_l \rvert \ge \lvert g \cdot \xi_m \rvert",
         f"xi = -k (g . xi_l) xi_l, g = (c, {weight}theta), |g . xi_l| >= |g . xi_m|",
     )
-    bound = f"-{lower_text(2 * feedback.kappa, 4)}"
+    bound = f"-{lower_text(2 * feedback.certified_kappa, 4)}"
     rate = display(
         rf"V = \lvert c \rvert^2 + {latex_weight}\theta^2, \qquad \tfrac12 \dot V = g \cdot \xi, \qquad \dot V \le "
         + rf"{bound}\, k V",

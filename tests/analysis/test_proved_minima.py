@@ -27,7 +27,7 @@ from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
 from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
+from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import Pair, WheelData

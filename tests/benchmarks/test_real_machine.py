@@ -43,7 +43,7 @@ HEIGHTS = 40  # arrays on wheels of unequal height
 OWN_LOADS = 1e-4  # median with the loads of the engine; the largest seen of four medians 4e-5
 ROLLERS, ROLLER_MEDIAN = 100, 2e-3
 HEADINGS, HEADING = 4, 0.02  # paths to rest; radians
-KEPT = 8  # arrays whose heading keeps on level wheels
+KEPT = [4, 6, 11, 13, 14, 16, 18, 23]  # mirrored arrays whose heading keeps on level wheels: the first eight
 LAG = 2e-2  # relative, of the error of a closed loop: the engine settles, and the law acts on samples
 
 
@@ -96,16 +96,18 @@ def test_rollers(stopwatch: Stopwatch, tmp_path: Path) -> None:
 def test_headings_that_level_wheels_keep(stopwatch: Stopwatch, tmp_path: Path) -> None:
     """On wheels of unequal height bodies spin, and stay beside the point; with ``height`` nothing is promised."""
     found: list[Scattered] = []
-    seed, file = 0, tmp_path / "mirrored.toml"
-    while len(found) < KEPT:
+    file = tmp_path / "mirrored.toml"
+    for seed in KEPT:
         file.write_text(measured_array(Kind.MIRRORED, seed), encoding="utf-8")
         one = scattered_heading(file, seed, Fraction(3, 10), tmp_path)
-        found += [] if one is None else [one]
-        seed += 1
+        assert one is not None
+        found.append(one)
     spin = [one for one in found if abs(one.turning) > 1e-3]
     beside = max(one.beside for one in found)
-    stopwatch.report(f"heights scattered by 30 %: {len(spin)} of {KEPT} spin, up to {beside:.2f} l beside the point")
-    assert len(spin) == KEPT
+    stopwatch.report(
+        f"heights scattered by 30 %: {len(spin)} of {len(KEPT)} spin, up to {beside:.2f} l beside the point"
+    )
+    assert len(spin) == len(KEPT)
     assert not any(one.scattered[1] == "keeps" for one in spin)
 
 
@@ -131,17 +133,19 @@ LOOPS = ["ring-3", "ring-5", "mirrored 4", "mirrored 8", "mirrored 11"]
 
 
 LIMIT = 1 / 3  # of what the law asks for at the start
-UNEVEN = 0.3  # of the mean deflection: heights for which no law is certified
+UNEVEN = Fraction(3, 10)  # of the mean deflection
+FRAGILE, HEIGHTS_OF_FRAGILE = "cocircular 22", (-1, 1, 1, -1, -1)  # heights on which a law of level springs fails
+STALLED = 0.5  # of the error at the start
 
 
-def source_of(name: str, folder: Path) -> str:
-    """A built-in scene, or a random one as a file."""
+def source_of(name: str, folder: Path) -> Path:
+    """The file of a built-in scene, or of a random one."""
     kind, _, seed = name.partition(" ")
     if not seed:
-        return name
+        return Path(load_scene.__code__.co_filename).parents[1] / "scenes" / f"{name}.toml"
     file = folder / f"{kind}{seed}.toml"
-    file.write_text(measured_array(Kind.MIRRORED, int(seed)), encoding="utf-8")
-    return str(file)
+    file.write_text(measured_array(Kind(kind), int(seed)), encoding="utf-8")
+    return file
 
 
 def driven(driving: Machine, lowered: Floats | None = None) -> Loop:
@@ -164,17 +168,17 @@ def test_certified_loops_decay_as_certified(name: str, stopwatch: Stopwatch, tmp
 
 def test_a_loop_whose_speeds_end(stopwatch: Stopwatch, tmp_path: Path) -> None:
     """Where a wheel is at its limit sqrt(V) falls at least at the stated speed, elsewhere at the stated rate."""
-    free = machine("ring-5", tmp_path)
+    free = machine(source_of("ring-5", tmp_path), tmp_path)
     length = float(free.scene.check.length)
     start = START * [length, length, 1]
     asked = max(abs(speed) for speed in free.speeds(*start.tolist()).values())
-    text = Path(load_scene.__code__.co_filename).parents[1].joinpath("scenes", "ring-5.toml").read_text("utf-8")
+    text = source_of("ring-5", tmp_path).read_text("utf-8")
     file = tmp_path / "limited.toml"
     limit = LARGEST * LIMIT
     drive, field = f"[drive]\nspeed_limit = {limit!r}\n[ring]", 'kind = "radial"\nspeed = 1e-5'
     slow = text.replace("[ring]", drive).replace('kind = "radial"', field)
     file.write_text(slow, encoding="utf-8")
-    limited = machine(str(file), tmp_path)
+    limited = machine(file, tmp_path)
     gain = LARGEST / asked
     loop = limited.drive(start, gain, 2 / limited.rate + 2)
     speed = limited.speed / gain  # per unit of k t
@@ -189,17 +193,28 @@ def test_a_loop_whose_speeds_end(stopwatch: Stopwatch, tmp_path: Path) -> None:
     assert loop.errors[-1] < 0.3 * loop.errors[0]
 
 
-def test_loops_on_wheels_of_unequal_height(stopwatch: Stopwatch, tmp_path: Path) -> None:
-    """No law is certified for unknown loads; these bodies come home all the same."""
-    late: dict[str, float] = {}
-    for name in (*LOOPS, "mirrored 2", "mirrored 5"):
-        driving = machine(source_of(name, tmp_path), tmp_path)
-        signs = np.random.default_rng(1).choice([-1, 1], len(driving.scene.wheels))
-        depth = deflection(driving.scene, time_constant=TIME_CONSTANT)
-        loop = driven(driving, UNEVEN * depth * signs)
-        late[name] = loop.late
-        stopwatch.report(
-            f"{name}, heights scattered by 30 %: error {loop.errors[-1] / loop.errors[0]:.3f} of the start at "
-            f"2/(kappa k), at most {loop.late:.3f} of what is certified of level wheels"
-        )
-    assert min(late.values()) < 1 + LAG
+@pytest.mark.parametrize("name", [*LOOPS, "mirrored 2", "mirrored 5", FRAGILE])
+def test_loops_certified_for_wheels_of_unequal_height(name: str, stopwatch: Stopwatch, tmp_path: Path) -> None:
+    """The error falls as certified for every height within 30 % of the mean deflection, here at the largest ones."""
+    driving = machine(source_of(name, tmp_path), tmp_path, UNEVEN)
+    depth = float(UNEVEN) * deflection(driving.scene, time_constant=TIME_CONSTANT)
+    signs = np.random.default_rng(1).choice([-1, 1], len(driving.scene.wheels))
+    loop = driven(driving, depth * (np.array(HEIGHTS_OF_FRAGILE) if name == FRAGILE else signs))
+    stopwatch.report(
+        f"{name}, heights scattered by 30 %: certified rate {driving.rate:.3f} k; error "
+        f"{loop.errors[-1] / loop.errors[0]:.3f} of the start at 2/(kappa k), at most {loop.late:.3f} of what is "
+        "certified"
+    )
+    assert loop.late < 1 + LAG
+
+
+def test_a_law_of_level_springs_stalls_on_unequal_wheels(stopwatch: Stopwatch, tmp_path: Path) -> None:
+    """It is not certified for these heights; the law that is certified for them, above, comes home on them."""
+    driving = machine(source_of(FRAGILE, tmp_path), tmp_path)
+    depth = float(UNEVEN) * deflection(driving.scene, time_constant=TIME_CONSTANT)
+    loop = driven(driving, depth * np.array(HEIGHTS_OF_FRAGILE))
+    stopwatch.report(
+        f"{FRAGILE}, heights scattered by 30 %, law of level springs: error {loop.errors[-1] / loop.errors[0]:.2f} of "
+        f"the start at 2/(kappa k), {loop.late:.1f} times what is certified of level wheels"
+    )
+    assert loop.errors[-1] > STALLED * loop.errors[0]

@@ -27,8 +27,8 @@ STAYS = (0.05, 0.03, 0.05)
 LOOKS = 3000
 
 
-def closed_loop(start: tuple[float, float, float]) -> Trajectory:
-    scene = load_scene("carton-on-6x6", rule="nearest")
+def closed_loop(start: tuple[float, float, float], rule: str = "nearest") -> Trajectory:
+    scene = load_scene("carton-on-6x6", rule=rule)
     return follow_array(scene, path_run(start, 2.0, feedback=True)).trajectory
 
 
@@ -45,14 +45,15 @@ def first_change(path: Trajectory) -> float:
     return np.inf
 
 
-def as_if_without_outline(start: tuple[float, float, float]) -> Trajectory:
+def as_if_without_outline(start: tuple[float, float, float], rule: str = "nearest") -> Trajectory:
     """The closed loop on the same wheels, which carry for ever."""
-    scene = replace(standing(load_scene("carton-on-6x6", rule="nearest")), body=None, idle=())
+    scene = replace(standing(load_scene("carton-on-6x6", rule=rule)), body=None, idle=())
     return follow_array(scene, path_run(start, 2.0, feedback=True)).trajectory
 
 
-def test_a_loop_ends_where_a_wheel_enters() -> None:
-    path, whole = closed_loop(LEAVES), as_if_without_outline(LEAVES)
+@pytest.mark.parametrize("rule", ["nearest", "box"])
+def test_a_loop_ends_where_a_wheel_enters(rule: str) -> None:
+    path, whole = closed_loop(LEAVES, rule), as_if_without_outline(LEAVES, rule)
     assert path.end.reason is EndReason.WHEELS
     assert path.events[-1].kind is EventKind.ENTER
     assert path.events[-1].surface == "wheel 14 under the body"
@@ -63,10 +64,19 @@ def test_a_loop_ends_where_a_wheel_enters() -> None:
     assert path.pieces[-1].end == path.times[-1] == path.end.t
 
 
-def test_a_loop_that_keeps_its_wheels_goes_on() -> None:
-    path, whole = closed_loop(STAYS), as_if_without_outline(STAYS)
+@pytest.mark.parametrize("rule", ["nearest", "box"])
+def test_a_loop_that_keeps_its_wheels_goes_on(rule: str) -> None:
+    path, whole = closed_loop(STAYS, rule), as_if_without_outline(STAYS, rule)
     assert first_change(whole) == np.inf
     assert path.end == whole.end
+
+
+def test_the_command_says_for_which_wheels_an_imposed_twist_is_certified(invoke: Invoke) -> None:
+    start = ",".join(map(str, LEAVES))
+    done = invoke("simulate", "carton-on-6x6", "--rule", "box", "--from", start, "--feedback")
+    assert done.status == 0
+    assert "certified while wheels 15, 16, 21, 22 carry the body" in " ".join(done.out.split())
+    assert "wheel 14 under the body" in " ".join(done.out.split())
 
 
 def test_the_command_says_for_which_wheels(invoke: Invoke, tmp_path: Path) -> None:

@@ -59,6 +59,21 @@ def test_json_says_which_loads_are_meant(
     assert record["equilibrium"]["verdict"] == "holds"
 
 
+def test_motions_that_are_possible_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "ring.toml"
+    path.write_text(TEXT.replace("count = 5", "count = 3").format("box", '"any"'), encoding="utf-8")
+    assert run(app, ["partition", str(path)]) == 0
+    assert "16 motions under every load, rule box; 1 possible at the point" in capsys.readouterr().out
+    assert run(app, ["partition", str(path), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert set(record) == {"schema", "scene", "rule", "at", "exact", "motions", "notes"}
+    (rest,) = [motion for motion in record["motions"] if motion["at_point"]]
+    assert rest["twist"] == [0, 0, 0]
+    assert rest["rows"] == ["S1", "S2", "S3"]
+    assert len(rest["polygon"]) == 6
+    assert run(app, ["partition", str(path), "-o", str(tmp_path / "ring.svg")]) == 2
+
+
 def test_json_holds_the_load_that_refutes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "grid.toml"
     text = TEXT.replace("[ring]\ncount = 5", "[grid]\nrows = 3\ncolumns = 4").format("ellipse", '"any"')

@@ -28,8 +28,9 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.arrangement import FLOAT_DOUBT
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.filippov import filippov_twists
-from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, SpringLoads, priced
+from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, priced
 from nonsmooth.analysis.cells.loads import LoadError
+from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
 from nonsmooth.symbolic.constraints import Row, Triple, Twist, independent, inner, outer, rows_with_friction, scaled
 from nonsmooth.symbolic.measured_loads import carried_table
 from nonsmooth.symbolic.numbers.number import Number
@@ -83,15 +84,8 @@ class BoxSlopes:
     def float_lowest(self, loads: LoadPolytope) -> tuple[Floats, Floats]:
         """The least slope along every ray over a set of loads, rounded, and bounds of the errors."""
         prices, doubts = self.float_prices
-        if isinstance(loads, SpringLoads):
-            centre = np.array([float(n) for n in loads.centre])
-            generators = np.array([[float(x) for x in column] for column in loads.generators]).reshape(-1, len(centre))
-            values = prices @ centre - np.abs(prices @ generators.T).sum(axis=1)
-            sizes = np.abs(centre) + np.abs(generators).sum(axis=0)
-        else:
-            corners = np.array([[float(n) for n in corner] for corner in loads.corners or ()])
-            values, sizes = (prices @ corners.T).min(axis=1), np.ones(len(self.scene.wheels))
-        return values, (doubts + np.abs(prices) * FLOAT_DOUBT) @ sizes
+        floats = float_loads(loads)
+        return floats.lowest(prices), doubts @ floats.sizes + floats.doubt(np.abs(prices))
 
     def least_sign(self, loads: LoadPolytope) -> int:
         """The sign of the least slope over all rays and loads."""

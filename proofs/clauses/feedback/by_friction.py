@@ -11,6 +11,9 @@ in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's 
   ``3 kappa`` is below the least eigenvalue of ``sum_l xi_l xi_l^T``.  Where the law switches, each of the velocities
   that meet satisfies this, hence all of their hull: V* < 0.  Under rule ``box`` it suffices that twists are imposed in
   every open cone of a fan of directions of c, in each its own three: Filippov solutions do not see the rays between.
+- *Unknown loads.*  Where the loads are only known to lie in a set, other loads than those of level springs turn the
+  motions away from the ``xi_l``; the law works under every load as long as they stay in pyramids about the ``xi_l``, at
+  the rate ``(1 - eta) kappa`` (module ``every_load_law``).  A plane that no twist leaves on level springs refutes too.
 - *Not stabilizable.*  Let all twists that speeds can impose at c* lie in a plane.  Near c* there are no others, so
   Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.feedback.obstruction`).
 
@@ -21,8 +24,7 @@ under rules without cells twists that are neither proved nor excluded.  Two laws
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -30,15 +32,14 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
-from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import HeldTwist
+from nonsmooth.proofs.clauses.feedback.by_direction import drives_in, law_by_direction
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
     LawCone,
     best_three,
-    between,
     certified_gain,
     gains,
     in_scene,
@@ -52,25 +53,28 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.number_text import lower_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import around, cross, dot
+from nonsmooth.symbolic.plane import around, cross
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.closed_loop import LoopSample
+    from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
 WEIGHED_LAW = "impose -k (g . xi_l) xi_l, g = (c, w theta), with the xi_l of the largest |g . xi_l|, w = {}"
 SAME_REACH = 2.0**-20  # relative: reaches as close as this are compared exactly
-NEEDS_LOADS = "which twists speeds impose depends on the loads, and these are unknown"
+FOR_EVERY_LOAD = (
+    "some speeds impose three independent twists on level springs, and under every load motions so close to them that "
+    "V falls (at {} times the rate on level springs)"
+)
+NOT_FOR_EVERY_LOAD = "no law of three imposed twists is shown to work under every load; on level springs: {}"
+ON_LEVEL_SPRINGS = "on level springs, which are among the loads: {}"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
-# Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
-# a few hundred.
-STATES = {"box": 100, "ellipse": 1_000}
 
 
 @dataclass(frozen=True)
@@ -81,13 +85,14 @@ class DrivenFeedback:
         verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
         reason: one sentence for people.
         cones: the law, by direction of c, of the array with ``length`` for its unit (stabilizable).
-        kappa: ``V' <= -2 k kappa V`` near c* (stabilizable).
+        kappa: ``V' <= -2 k kappa V`` near c* (stabilizable), on level springs where loads are unknown.
         obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no static
             feedback stabilizes.
         candidates: all candidates in the unit ``length``, those off the plane with the proof that they are excluded
             (no certificate).
         samples: two laws of the field, sampled, best first; empty where nobody asked.
         length: l of ``V = |c|^2 + l^2 theta^2``.
+        every_load: what is left of the rate under every load of a set (stabilizable, unknown loads).
     """
 
     verdict: Feedback
@@ -98,6 +103,7 @@ class DrivenFeedback:
     candidates: tuple[ImposedTwist, ...] = ()
     samples: tuple[LoopSample, ...] = field(default=(), compare=False)
     length: Fraction = Fraction(1)
+    every_load: EveryLoadLaw | None = None
 
     @property
     def lyapunov(self) -> ControlLyapunov:
@@ -118,8 +124,13 @@ class DrivenFeedback:
 
     @property
     def certified_kappa(self) -> Fraction | None:
-        """Kappa with ``V' <= -2 k kappa V`` near the equilibrium, k the gain."""
-        return self.kappa
+        """Kappa with ``V' <= -2 k kappa V`` near the equilibrium under every load that may be, k the gain."""
+        return None if self.kappa is None else self.kappa * self.kept
+
+    @property
+    def kept(self) -> Fraction:
+        """``1 - eta``: the share of the rate that is left under every load; one where the load is known."""
+        return Fraction(1) if self.every_load is None else 1 - self.every_load.slack
 
     @property
     def position_error(self) -> None:
@@ -129,8 +140,10 @@ class DrivenFeedback:
     def reach(self) -> Number | Lazy | None:
         """The rate holds while ``|x|, |y| < reach`` about c*, for every theta, where all slopes of D are known.
 
-        So it is under rule ``box``, and with boxes inside friction sets.
+        So it is under rule ``box``, and with boxes inside friction sets, for loads that are known.
         """
+        if self.every_load is not None:
+            return None
         bounds = dict.fromkeys(bound for cone in self.cones for bound in cone.bounds)
         floats = {bound: float(bound[0]) / float(bound[1]) for bound in bounds}
         least = min(floats.values(), default=0) * (1 + SAME_REACH)
@@ -160,7 +173,8 @@ class DrivenFeedback:
             return not self.cones and normal is None
         kappa = self.kappa
         fast = kappa is not None and kappa > 0 and all(gains(cone.vectors, kappa) for cone in self.cones)
-        return fast and _go_around(self.cones) and all(cone.check() for cone in self.cones)
+        safe = self.every_load is None or all(map(self.every_load.check, self.cones))
+        return fast and safe and _go_around(self.cones) and all(cone.check() for cone in self.cones)
 
 
 def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
@@ -178,12 +192,44 @@ def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
 
     Wheels on rollers that turn freely are driven like wheels whose rims lie along the axes of the rollers.
     """
-    if isinstance(scene.contact.loads, UnknownLoads):
-        return DrivenFeedback(Feedback.UNDECIDED, NEEDS_LOADS, length=scene.check.length)
     plain = with_rims_along_axes(scene)
     if plain is None:
         return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
-    return replace(_decide(in_own_length(plain), scene.check.length), length=scene.check.length)
+    decide = _decide_for_every_load if isinstance(scene.contact.loads, UnknownLoads) else _decide
+    return replace(decide(in_own_length(plain), scene.check.length), length=scene.check.length)
+
+
+def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
+    """One law for all loads; where even those of level springs leave a plane of twists only, none."""
+    from nonsmooth.proofs.clauses.feedback.every_load_law import on_level_springs, search_law
+
+    level = on_level_springs(scene)
+    unique = _imposed(level)
+    if rank_of(unique) < 3:
+        without = _decide(level, length)
+        if without.verdict is Feedback.NO_CERTIFICATE:
+            return replace(without, reason=ON_LEVEL_SPRINGS.format(without.reason))
+        why = without.reason
+    else:
+        found = search_law(scene, unique)
+        if found is not None:
+            cone, law = found
+            reason = FOR_EVERY_LOAD.format(lower_text(1 - law.slack, 3))
+            return replace(_stabilizable(reason, (cone,)), every_load=law)
+        why = "some speeds impose three independent twists"
+    return DrivenFeedback(Feedback.UNDECIDED, NOT_FOR_EVERY_LOAD.format(why))
+
+
+def _imposed(scene: Scene) -> list[ImposedTwist]:
+    """Twists that some speeds impose as the only minimizer, forces and boxes inside friction sets together."""
+    zero = scene.field.zero
+    boxed = None if isinstance(rule_of(scene), CellRule) else inscribed_boxes(scene)
+    found = []
+    for each in (scene, boxed):
+        if each is not None:
+            candidates, _ = candidates_of(each, load_regions(each, (zero, zero))[0])
+            found += [imposed for imposed in candidates if imposed.is_unique]
+    return found
 
 
 def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
@@ -210,7 +256,7 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
         three = best_three(unique)
         others = regions[1:] if isinstance(rule_of(scene), CellRule) else ()
-        elsewhere = tuple(drives.hold(held.twist) for drives in _drives(scene, others) for held in three)
+        elsewhere = tuple(drives.hold(held.twist) for drives in drives_in(scene, others) for held in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
     if not complete:
         return _decide_by_ties(scene, regions, candidates)
@@ -221,8 +267,21 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
         reason = obstruction_text(normal)
         return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, obstruction=normal, candidates=tuple(candidates))
     if isinstance(rule_of(scene), CellRule):
-        return _decide_by_direction(scene, regions, possible)
+        cones, why = law_by_direction(scene, regions, possible)
+        return _stabilizable(why, cones) if cones else DrivenFeedback(Feedback.UNDECIDED, why)
     reason = f"twists of rank {rank_of(unique)} are proved to be imposed at c*; others are neither proved nor excluded"
+    return DrivenFeedback(Feedback.UNDECIDED, reason)
+
+
+def _decide_by_ties(scene: Scene, regions: Sequence[LoadRegion], candidates: Sequence[ImposedTwist]) -> DrivenFeedback:
+    """Of some candidates only: a law by directions of c where they give one, and otherwise nothing."""
+    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
+    if isinstance(rule_of(scene), CellRule) and common_normal(possible, scene.field) is None:
+        cones, reason = law_by_direction(scene, regions, possible)
+        if cones:
+            return _stabilizable(reason, cones)
+    rank = rank_of([candidate for candidate in candidates if candidate.is_unique])
+    reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
     return DrivenFeedback(Feedback.UNDECIDED, reason)
 
 
@@ -231,9 +290,16 @@ def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
     zero = scene.field.zero
     if feedback.length != scene.check.length:
         return False
+    own = in_own_length(scene)
+    if feedback.every_load is not None:
+        plain = with_rims_along_axes(scene)
+        if plain is None or feedback.every_load.scene != in_own_length(plain):
+            return False
     if isinstance(scene.contact.loads, UnknownLoads):
-        return not feedback.cones and not feedback.candidates
-    regions = load_regions(in_own_length(scene), (zero, zero))
+        if feedback.cones and feedback.every_load is None:
+            return False
+        own = replace(own, contact=replace(own.contact, loads=None))
+    regions = load_regions(own, (zero, zero))
     shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
     imposed = (*shown, *feedback.candidates)
     numbers = {wheel.index for wheel in scene.wheels}
@@ -241,30 +307,6 @@ def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
         held.region in regions if isinstance(held, HeldTwist) else {w.index for w in held.wheels} <= numbers
         for held in imposed
     )
-
-
-def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
-    """The same with two laws of the field sampled in the checked square of the centred scene."""
-    from nonsmooth.analysis.fields.contact_model import contact_model
-    from nonsmooth.analysis.minimizers.closed_loop import LoopSample, SampledLaw, sample_closed_loop
-    from nonsmooth.analysis.minimizers.proved import free_motions
-
-    functional = rule_of(scene).functional
-    if functional is None:
-        raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
-    own = in_own_length(scene)
-    model, radius, states = contact_model(own), float(own.check.radius), STATES[functional]
-    free = free_motions(scene)
-    if free:
-        return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))
-    length = float(scene.check.length)
-    samples = [sample_closed_loop(model, functional, law, radius, states).in_unit(length) for law in SampledLaw]
-    return replace(feedback, samples=tuple(sorted(samples, key=_worst_rate)))
-
-
-def _worst_rate(sample: LoopSample) -> float:
-    """The rate by which laws are ordered; one without any comes last."""
-    return math.inf if sample.worst_rate is None else sample.worst_rate
 
 
 def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
@@ -280,63 +322,3 @@ def _go_around(cones: Sequence[LawCone]) -> bool:
     chained = all(before[1] == after[0] for before, after in around(rays))
     ordered = all(by_angle(a[0]) < by_angle(b[0]) for a, b in pairwise(rays))
     return chained and ordered and all(sign(cross(*pair)) > 0 for pair in rays)
-
-
-# ---- exact balance at c* under rule box: by direction of c -------------------------------
-
-
-def _decide_by_ties(scene: Scene, regions: Sequence[LoadRegion], candidates: Sequence[ImposedTwist]) -> DrivenFeedback:
-    """Of some candidates only: a law by directions of c where they give one, and otherwise nothing."""
-    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
-    if isinstance(rule_of(scene), CellRule) and common_normal(possible, scene.field) is None:
-        found = _decide_by_direction(scene, regions, possible)
-        if found.verdict is Feedback.STABILIZABLE:
-            return found
-    rank = rank_of([candidate for candidate in candidates if candidate.is_unique])
-    reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
-    return DrivenFeedback(Feedback.UNDECIDED, reason)
-
-
-def _decide_by_direction(scene: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]) -> DrivenFeedback:
-    by_region = [[drives.hold(twist) for twist in twists] for drives in _drives(scene, regions)]
-    cones: list[LawCone] = []
-    for start, end in _cones(scene, regions, by_region):
-        middle = between(start, end)
-        here = next(held for region, held in zip(regions, by_region, strict=True) if _points_into(region, middle))
-        unique = [held for held in here if held.is_unique_towards(middle)]
-        if rank_of(unique) < 3:
-            x, y = (brief_text(entry) for entry in middle)
-            reason = (
-                "exactly marginal: frictions balance at c* (a slope of D vanishes), and towards "
-                f"({x}, {y}) speeds impose twists of rank {rank_of(unique)} only, as the only minimizers"
-            )
-            return DrivenFeedback(Feedback.UNDECIDED, reason)
-        cones.append(LawCone((start, end), best_three(unique)))
-    reason = (
-        f"frictions balance exactly at c*, but in each of {len(cones)} cones of directions about it some speeds impose "
-        "three independent twists, each as the only minimizer of D (Filippov solutions do not see the rays between)"
-    )
-    return _stabilizable(reason, tuple(cones))
-
-
-def _drives(scene: Scene, regions: Iterable[LoadRegion]) -> Iterator[Drives]:
-    return (Drives(scene, region) for region in regions)
-
-
-def _cones(
-    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[HeldTwist]]
-) -> list[tuple[Point, Point]]:
-    """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
-    zero, one = scene.field.zero, scene.field.one
-    lines: list[Point] = [(one, zero), (zero, one)]
-    lines += [side.normal for region in regions for side in region.polygon.sides if not sign(side.offset)]
-    lines += [(form[1], form[2]) for held in by_region for entry in held for form in entry.ties if any(form)]
-    rays = sorted(((-b * s, a * s) for a, b in lines for s in (1, -1)), key=by_angle)
-    rays = [rays[0], *(ray for last, ray in pairwise(rays) if cross(last, ray))]  # none is a half turn from the next
-    return around(rays)
-
-
-def _points_into(region: LoadRegion, direction: Point) -> bool:
-    """Whether a direction leads from the equilibrium into a load region that holds it."""
-    through = (side for side in region.polygon.sides if not sign(side.offset))
-    return all(sign(dot(side.normal, direction)) < 0 for side in through)

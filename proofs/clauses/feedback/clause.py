@@ -88,7 +88,8 @@ class FeedbackClause(Clause[AnyFeedback]):
 
 
 def _driven(work: Workspace) -> DrivenFeedback:
-    from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback, with_samples
+    from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
+    from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
 
     found = decide_driven_feedback(work.scene)
     if found.verdict is Feedback.NOT_APPLICABLE or work.leaves_loads_open:

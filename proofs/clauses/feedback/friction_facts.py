@@ -22,9 +22,9 @@ def driven_facts(feedback: DrivenFeedback, scene: Scene) -> Iterator[Fact]:
     yield Fact(
         "cones", [_cone_record(cone, own, feedback) for cone in feedback.cones], _twists(feedback), explained=True
     )
-    if feedback.kappa is not None:
+    if feedback.certified_kappa is not None:
         where = "near c*" if feedback.reach is None else f"where |x|, |y| < {lower_text(feedback.reach, 3)}"
-        yield said(f"{where}: V' <= -{lower_text(2 * feedback.kappa, 4)} k V (certified)", explained=True)
+        yield said(f"{where}: V' <= -{lower_text(2 * feedback.certified_kappa, 4)} k V (certified)", explained=True)
         yield said(f"V = {feedback.lyapunov}", explained=True)
     yield Fact("sampled", [_sample_record(sample) for sample in feedback.samples])
     for sample in feedback.samples:

@@ -3,7 +3,8 @@
 The law imposes ``-sigma k (g . xi_l) xi_l`` with one factor ``sigma <= 1`` that keeps every speed within its limit m_i.
 With u_i the speeds that impose ``xi_l`` and ``q_l = min_i m_i/|u_i|``, a law at its limit has ``sigma k |g . xi_l| =
 q_l``.  So ``V'/2 = -q_l |g . xi_l| <= -q_l sqrt(kappa V)`` where the rate is certified, and sqrt(V) falls at least with
-the speed ``min_l q_l sqrt(kappa)``; elsewhere at the certified rate.
+the speed ``min_l q_l sqrt(kappa)``; elsewhere at the certified rate.  Under unknown loads V' is at least ``1 - eta`` of
+that.
 """
 
 from __future__ import annotations
@@ -33,4 +34,4 @@ def limited_speed(feedback: DrivenFeedback, scene: Scene) -> Fraction | None:
     if not least:
         return None
     ratio = Fraction(min(least)) * BELOW
-    return ratio * rounded_down(float(feedback.kappa) ** 0.5)
+    return ratio * rounded_down(float(feedback.kappa) ** 0.5) * feedback.kept

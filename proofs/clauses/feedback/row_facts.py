@@ -61,7 +61,7 @@ def _rate(feedback: FeedbackResult | DrivenFeedback, scene: Scene) -> Iterator[F
     The reach is a distance under rules that keep rows, the half-width of a square under others.
     """
     if not isinstance(feedback, FeedbackResult):
-        kappa, reach = feedback.kappa, feedback.reach
+        kappa, reach = feedback.certified_kappa, feedback.reach
     else:
         kappa = None if feedback.rate is None else feedback.rate.kappa
         bound = None if feedback.rate is None else feedback.rate.reach

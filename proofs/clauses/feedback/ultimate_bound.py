@@ -14,6 +14,9 @@ largest ``|g|`` of the last 2 tau hence falls as long as it exceeds ::
 
 and in the end ``|g| <= R`` (Razumikhin's argument).  It is assumed that the pose stood still before the start.  Where
 twists change, the velocities of their hull satisfy the same.  A factor below one, of speeds that end, changes nothing.
+
+Where loads are unknown, motions are only near the xi_l, no longer than some M', and ``(g~ . xi_l) (g~ . xi)`` keeps
+``1 - eta`` of its size (module ``twist_pyramid``): ``b = 1 + M'/((1 - eta) sqrt(kappa))``, and M M' stands for M^2.
 """
 
 from __future__ import annotations
@@ -68,15 +71,17 @@ class _Law:
 
     Attributes:
         size: M or more.
-        gain: ``b = 1 + M/sqrt(kappa)`` or more.
+        fastest: M' or more; M where loads are known.
+        gain: b or more.
     """
 
     size: Fraction
+    fastest: Fraction
     gain: Fraction
 
     def lag(self, level: Fraction) -> Fraction:
-        """``M^2 (1 + r)``: a over k tau."""
-        return self.size**2 * (1 + level)
+        """``M M' (1 + r)``: a over k tau."""
+        return self.size * self.fastest * (1 + level)
 
     def largest_delay(self, level: Fraction) -> Fraction:
         """Delays below it leave ``b a < 1`` at k = 1."""
@@ -134,7 +139,8 @@ def _law(feedback: DrivenFeedback) -> _Law:
     least = rounded_down(math.sqrt(kappa))
     while least**2 > kappa:
         least *= Fraction(99, 100)
-    return _Law(size, 1 + size / least)
+    fastest = size if feedback.every_load is None else size * feedback.every_load.largest
+    return _Law(size, fastest, 1 + fastest / (least * feedback.kept))
 
 
 def _root_above(squares: list[Number]) -> Fraction:
@@ -159,7 +165,7 @@ def _above(number: Number) -> Fraction:
 def _level(feedback: DrivenFeedback) -> Fraction | None:
     """A radius of |g| within which the speeds impose their twists; None where that is not known."""
     bounds = [bound for cone in feedback.cones for bound in cone.bounds]
-    if not bounds:
+    if not bounds or feedback.every_load is not None:
         return None
     value = rounded_down(min(float(slack) / float(fall) for slack, fall in bounds))
     while any(sign(slack - value * fall) <= 0 for slack, fall in bounds):
