@@ -29,8 +29,9 @@ from nonsmooth.analysis.fields.limited_law import limited_law
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.motion.saturation import with_saturation
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback, gradient_text
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
+from nonsmooth.proofs.clauses.feedback.gradient_law import gradient_text
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
 from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion
 from nonsmooth.proofs.own_paths import ContradictionError

@@ -9,7 +9,6 @@ equations for ``(x, y, w)``, which know nothing of the heading; that is one at w
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from flint import arb
@@ -17,6 +16,7 @@ from flint import arb
 from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers
 from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.rests import ALIKE, EdgeRest, MetSets, SetRest
 from nonsmooth.analysis.bodies.set_guesses import nearly_stuck, spatial
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
@@ -37,66 +37,8 @@ LONGEST = 0.3  # step, of the half-width of the square
 SETTLED = 1e-6  # residual, of the fastest wheel's speed
 SHORTEST = 1e-9  # step, of the body's size
 AT_REST = 1e-3  # speed on both sets, of the fastest wheel's, below which the body rests on either
-ALIKE = 1e-5  # of the body's size: places closer together are one
 BALANCED = 1e-9  # force and moment of a body at rest, of all friction
 LOADED_SETS = 10  # that are tried for one contact set
-
-
-@dataclass(frozen=True)
-class EdgeRest:
-    """A pose at which a body may rest with one wheel under its edge.
-
-    Attributes:
-        pose: ``(x, y, theta)``.
-        wheel: place of that wheel in the list of wheels.
-        inside: places of the wheels that carry beside it, ascending.
-        twist: spatial twist ``(v, omega)`` without the wheel.
-        ratio: ``-1`` times that of the motion with the wheel to the motion without.
-        loaded: which of ``inside`` are pressed, without the wheel and with it; in the latter case the last entry is
-            the wheel's own.
-        stuck: which of them seem not to slip, in the same order.
-    """
-
-    pose: tuple[float, float, float]
-    wheel: int
-    inside: tuple[int, ...]
-    twist: tuple[float, float, float]
-    ratio: float
-    loaded: tuple[tuple[bool, ...], tuple[bool, ...]]
-    stuck: tuple[tuple[bool, ...], tuple[bool, ...]]
-
-    @property
-    def place(self) -> tuple[float, float]:
-        """``(x, y)``."""
-        return self.pose[:2]
-
-
-@dataclass(frozen=True)
-class SetRest:
-    """A point at which a body may rest on one set of wheels: places in the list of wheels, a point and a heading."""
-
-    wheels: tuple[int, ...]
-    place: tuple[float, float]
-    theta: float
-
-
-@dataclass(frozen=True)
-class MetSets:
-    """What was met on the grid.
-
-    Attributes:
-        sets: contact sets (k, n).
-        pairs: contact sets without a wheel (m, n), of pairs that differ by it; one row for each place.
-        wheels: the wheels by which they differ (m,).
-        centres: places at which the pairs were met (m, 2).
-        reach: half-width of the square of places.
-    """
-
-    sets: Mask
-    pairs: Mask
-    wheels: Numbers
-    centres: Floats
-    reach: float
 
 
 class RestSearch:
@@ -341,17 +283,3 @@ def _least(left: Floats, met: MetSets) -> Numbers:
         if taken[key] <= STARTS and np.isfinite(left[k]):
             chosen.append(k)
     return np.array(chosen[:MOST_STARTS], int)
-
-
-def distinct(rests: Iterator[EdgeRest], size: float) -> list[EdgeRest]:
-    """Without those that repeat an earlier one: the same wheel and nearly the same pose."""
-    kept: list[EdgeRest] = []
-    for rest in rests:
-        scale = np.array([1.0, 1.0, size])
-        alike = (
-            one.wheel == rest.wheel and np.abs(np.subtract(one.pose, rest.pose) * scale).max() <= ALIKE * size
-            for one in kept
-        )
-        if not any(alike):
-            kept.append(rest)
-    return kept

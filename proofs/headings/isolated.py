@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.analysis.bodies.edge_rests import EdgeRest
+from nonsmooth.analysis.bodies.rests import EdgeRest
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UnprovedError, add
 from nonsmooth.proofs.headings.krawczyk import contracted, zero_near

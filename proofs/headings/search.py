@@ -33,7 +33,8 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.bodies.edge_rests import RestSearch, SetRest
+    from nonsmooth.analysis.bodies.edge_rests import RestSearch
+    from nonsmooth.analysis.bodies.rests import SetRest
 
 MOST_POINTS = 24  # points of rest on one set of wheels that are decided, the nearest first
 UNITS = 400_000  # of exact arithmetic for one of them
@@ -129,7 +130,8 @@ def can_search(scene: Scene) -> bool:
 
 def _with_surroundings(at_point: EquilibriumHeadings, every: Scene, rule: SmoothRule) -> EquilibriumHeadings:
     """What is found around the point beside what is known at it."""
-    from nonsmooth.analysis.bodies.edge_rests import RestSearch, distinct  # SciPy: only a search loads it
+    from nonsmooth.analysis.bodies.edge_rests import RestSearch  # SciPy: only a search loads it
+    from nonsmooth.analysis.bodies.rests import distinct
 
     search = RestSearch(every, rule)
     met = search.meet()

@@ -31,6 +31,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
     sum_of_squares,
 )
 from nonsmooth.proofs.clauses.feedback.feedback_rate import FeedbackRate, balanced, certified_rate
+from nonsmooth.proofs.clauses.feedback.gradient_law import gradient_text
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell, build_input_cell, is_local
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin, build_margin
 from nonsmooth.proofs.clauses.feedback.level_region import (
@@ -56,16 +57,6 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.plane import dot, turned
-
-LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
-WEIGHED_LAW = (
-    "u_i = -k a, u_j = -k b with b = (l^2 theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b, l = {}"
-)
-SHAPED_LAW = (
-    "u_i = -k a, u_j = -k b with b = (w theta - P c.J(p_i - c))/(d_j.J(p_j - p_i)), a = P c.d_i - (d_i.d_j) b, "
-    "P = [[{}, {}], [{}, {}]], w = {}"
-)
-
 
 _TRIES = 20  # of levels, until one keeps to the support polygon
 
@@ -189,14 +180,6 @@ class FeedbackResult:
         genuine = all(data.check() for data in self.cells)
         local = frozenset(data.cell.index for data in self.cells if is_local(data.cell))
         return about_it and genuine and self.region.check(self.cells, local)
-
-
-def gradient_text(lyapunov: ControlLyapunov) -> str:
-    """The law ``u = -k (a, b)`` by V, under exact kinematics."""
-    if lyapunov.length is not None:
-        return LAW if lyapunov == SQUARES else WEIGHED_LAW.format(lyapunov.length)
-    (e, f), w = lyapunov.shape, lyapunov.weight
-    return SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
