@@ -73,6 +73,7 @@ FOR_EVERY_LOAD = (
     "V falls (at {} times the rate on level springs)"
 )
 NOT_FOR_EVERY_LOAD = "no law of three imposed twists is shown to work under every load; on level springs: {}"
+ENOUGH_FOR_EVERY_LOAD = 24  # candidates, of which no more than sixteen are combined
 ON_LEVEL_SPRINGS = "on level springs, which are among the loads: {}"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 
@@ -227,7 +228,7 @@ def _imposed(scene: Scene) -> list[ImposedTwist]:
     found = []
     for each in (scene, boxed):
         if each is not None:
-            candidates, _ = candidates_of(each, load_regions(each, (zero, zero))[0])
+            candidates, _ = candidates_of(each, load_regions(each, (zero, zero))[0], ENOUGH_FOR_EVERY_LOAD)
             found += [imposed for imposed in candidates if imposed.is_unique]
     return found
 

@@ -29,7 +29,8 @@ SIDES = np.array([side for side in product((-1.0, 0.0, 1.0), repeat=3) if any(si
 FLATTEST = 2.0**-20  # kappa of three twists that are looked at
 TRIED = 6  # choices of three twists
 LEAST = 2.0**-10  # eta
-WIDER, WIDENING = 1.1, 1.5  # than the sampled motions ask for, at first and from one try to the next
+WIDER, WIDENING = 1.1, 1.6  # than the sampled motions ask for, at first and from one try to the next
+WIDEST = Fraction(63, 64)  # eta; where that does not hold all motions, less is not tried
 HEIGHT, LOWEST = 2, Fraction(1, 8)  # of pyramids: so many eta, but no less than this
 DIGITS = 2**12
 
@@ -90,9 +91,12 @@ def search_law(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[LawCone, E
         LoadError: where the loads do not exist, or are too many.
     """
     loads, wheels = float_loads(load_set(scene).bound), wheel_forms(scene)
-    best: tuple[Fraction | float, tuple[ImposedTwist, ...], EveryLoadLaw] | None = None
+    best: tuple[float, tuple[ImposedTwist, ...], EveryLoadLaw] | None = None
     for proposal in _proposals(scene, unique[:CHOICES], wheels, loads):
-        for law in proposal.laws(scene):
+        widest = EveryLoadLaw(scene, WIDEST)
+        if (best is not None and proposal.rate <= best[0]) or not widest.holds(proposal.three, wheels, loads):
+            continue
+        for law in (*proposal.laws(scene), widest):
             rate = float(1 - law.slack) * proposal.kappa
             if best is not None and rate <= best[0]:
                 break
@@ -116,7 +120,7 @@ class _Proposal:
 
     def laws(self, scene: Scene) -> Iterator[EveryLoadLaw]:
         slack = max(self.slack * WIDER, LEAST)
-        while slack < 1 - LEAST:
+        while slack < WIDEST:
             yield EveryLoadLaw(scene, Fraction(int(slack * DIGITS), DIGITS))
             slack *= WIDENING
 

@@ -22,10 +22,10 @@ FEW_OF = 6  # part of them beyond which the search may end
 TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
 
 
-def candidates_of(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist], bool]:
+def candidates_of(scene: Scene, region: LoadRegion, enough: int = ENOUGH) -> tuple[list[ImposedTwist], bool]:
     """The candidates, and whether these are all; of many only the most promising.
 
-    The more wheels, the longer each takes, and the fewer are looked at.
+    The more wheels, the longer each takes, and the fewer are looked at.  The search may end after ``enough``.
     """
     most = LOOKED_AT // len(scene.wheels)
     impose = imposer(scene, region)
@@ -36,8 +36,8 @@ def candidates_of(scene: Scene, region: LoadRegion) -> tuple[list[ImposedTwist],
         if len(found) >= most:
             return found, False
         found.append(impose(twist))
-        enough = len(found) > min(ENOUGH, most // FEW_OF)
-        if enough and found[-1].is_unique and rank_of([entry for entry in found if entry.is_unique]) == 3:
+        may_end = len(found) > min(enough, most // FEW_OF)
+        if may_end and found[-1].is_unique and rank_of([entry for entry in found if entry.is_unique]) == 3:
             return found, False
     return found, True
 
