@@ -222,7 +222,7 @@ class Array(MadeArray):
         Every candidate is an exact array whose answers are proved; that none is better is not.
 
         Args:
-            free: what may change: names among ``headings,speeds,positions``; or ``wheels``: which of them there are.
+            free: what may change: names among ``headings,speeds,positions``, or which ``wheels`` there are.
             require: answers that must be good: names among ``position,heading,pose``.
             maximize: ``rate`` at which bodies come home, ``gain`` or ``margin`` of feedback, ``basin`` whence they come home, or
                 ``tolerance``, the multiple of the tolerances that is certified.
