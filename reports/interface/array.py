@@ -222,10 +222,10 @@ class Array(MadeArray):
         Every candidate is an exact array whose answers are proved; that none is better is not.
 
         Args:
-            free: what may change: names among ``headings,speeds,positions``.
+            free: what may change: names among ``headings,speeds,positions``, or which ``wheels`` there are.
             require: answers that must be good: names among ``position,heading,pose``.
-            maximize: ``rate`` at which bodies come home, ``gain`` of feedback, ``basin`` whence they come home, or
-                ``tolerance``, the multiple of the tolerances that is certified.
+            maximize: ``rate`` at which bodies come home, ``gain`` or ``margin`` of feedback, ``basin`` whence they come
+                home, or ``tolerance``, the multiple of the tolerances that is certified.
             move: how far a wheel may move in x and y; None for a quarter of the side of the checked square.
             symmetry: turns that leave the array as it is, 1, 2 or 4; None for the most that it has.
             checks: how many arrays are checked at most.
