@@ -39,7 +39,7 @@ def robust_answer(scene: Scene, results: Results) -> Answer | None:
     found, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]))
     if found is None:
         return None
-    return Answer(TOLERANCES, found.verdict, (*_facts(scene, found), _loop_fact(loop)))
+    return Answer(TOLERANCES, found.verdict, (*robust_facts(scene, found), _loop_fact(loop)))
 
 
 def _loop_fact(loop: RobustLoop | None) -> Fact:
@@ -53,7 +53,7 @@ def _loop_fact(loop: RobustLoop | None) -> Fact:
     return Fact("pose_rate", Quantity(loop.rate), words)
 
 
-def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
+def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     """The keys are the same for every verdict."""
     unit = of_length(scene)
     if found.verdict is Certainty.UNDECIDED:
@@ -66,7 +66,10 @@ def _facts(scene: Scene, found: Robust) -> Iterator[Fact]:
         words["radius"] = (
             f"every array within them has one equilibrium within {at_most(found.radius)}{unit} of the point"
         )
-        words["from"] = "it attracts, exponentially, bodies that start close to it"
+        # a body with an outline that turns comes to lie on other wheels
+        turned = scene.body is not None and not scene.body.is_round and found.drift != 0
+        kept = ", while they are turned so little that the same wheels carry them" if turned else ""
+        words["from"] = f"it attracts, exponentially, bodies that start close to it{kept}"
         words["drift"] = f"there a body turns at no more than {at_most(found.drift)} rad/s"
     if found.start is not None and found.radius is not None and found.within is not None:
         words["radius"] = (

@@ -14,7 +14,9 @@ from scipy.optimize import root
 from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_sets
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.robust.decide import decide_robust
+from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.robust.smooth import equilibrium_box
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
@@ -23,6 +25,7 @@ from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from tests.outlined import on, polygon_of
 from tests.thorough import keep
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -133,3 +136,13 @@ def test_a_body_keeps_its_wheels() -> None:
     assert near.radius < Fraction(1, 5)
     assert near.factor is not None
     assert near.radius * near.factor < Fraction(1, 2)
+
+
+def test_the_statement_about_a_body_that_turns_says_for_which_wheels() -> None:
+    bare = load_scene("off-center", rule="ellipse")
+    outlined = on(bare, polygon_of(bare, [(-9, -9), (9, -9), (9, 9), (-9, 9)]))
+    kept = "while they are turned so little that the same wheels carry them"
+    for scene, drift, said in ((bare, 1, False), (outlined, 1, True), (outlined, 0, False)):
+        found = Robust(Certainty.CERTIFIED, radius=Fraction(1, 10), drift=Fraction(drift))
+        words = " ".join(fact.words for fact in robust_facts(scene, found))
+        assert (kept in words) == said
