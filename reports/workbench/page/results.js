@@ -1,0 +1,80 @@
+// What the server said about the present scene, stage by stage, and how good it is: floats, exact, or an error.
+// May be changed: when older results are dropped. Older geometry stays until newer comes, so nothing flickers.
+
+export class Results extends EventTarget {
+  constructor(conversation) {
+    super();
+    this.geometry = null; // wheels, cells, edges, rests, field, square, body, system
+    this.checked = null; // answers, clauses, verdict
+    this.comparison = null;
+    this.tolerance = null;
+    this.paths = [];
+    this.error = null; // {message, key}
+    this.status = "idle"; // working, fast, exact, error, lost
+    this.finished = false; // everything that was asked for has come
+    this.sequence = 0;
+    this.stale = new Set(); // parts that belong to an older state of the scene
+    conversation.addEventListener("asked", ({ detail }) => this.#asked(detail));
+    conversation.addEventListener("stage", ({ detail }) => this.#stage(detail));
+    conversation.addEventListener("trouble", ({ detail }) => this.#trouble(detail));
+  }
+
+  #asked({ sequence }) {
+    this.sequence = sequence;
+    this.finished = false;
+    this.stale = new Set(["geometry", "checked", "comparison", "tolerance", "paths"]);
+    this.status = this.status === "idle" ? "working" : this.status;
+    this.#tell("asked");
+  }
+
+  #stage(line) {
+    const { stage } = line;
+    if (stage === "fast" || stage === "exact") this.#geometry(line);
+    else if (stage === "paths") this.#take("paths", line.paths ?? []);
+    else if (stage === "comparison") this.#take("comparison", line.rules ?? []);
+    else if (stage === "tolerance") this.#take("tolerance", line);
+    else if (stage === "error") this.#error(line);
+    else if (stage === "done") this.#done();
+    this.took = line.took;
+    this.#tell(stage);
+  }
+
+  #geometry(line) {
+    this.error = null;
+    this.status = line.stage;
+    const { answers, clauses, verdict, reason, ...geometry } = line;
+    const cellsLater = line.stage === "exact" && !line.cells && !line.field && !line.system;
+    this.#take("geometry", cellsLater ? { ...this.geometry, ...geometry } : geometry);
+    if (!answers) return;
+    this.#take("checked", { answers, clauses: clauses ?? null, verdict: verdict ?? null, reason, stage: line.stage });
+  }
+
+  #error({ message, key, part }) {
+    this.error = { message, key: key ?? null };
+    if (!part) this.status = "error";
+  }
+
+  /** Parts that did not come are not part of this scene (no tolerance, no comparison of systems). */
+  #done() {
+    this.finished = true;
+    if (this.status === "error") return;
+    if (this.stale.has("comparison")) this.comparison = null;
+    if (this.stale.has("tolerance")) this.tolerance = null;
+    if (this.stale.has("paths")) this.paths = [];
+  }
+
+  #take(part, value) {
+    this[part] = value;
+    this.stale.delete(part);
+  }
+
+  #trouble({ kind, message }) {
+    if (kind === "lost" || kind === "token") this.status = "lost";
+    else this.#error({ message, key: null });
+    this.#tell("trouble");
+  }
+
+  #tell(stage) {
+    this.dispatchEvent(new CustomEvent("change", { detail: { stage } }));
+  }
+}
