@@ -1,0 +1,60 @@
+"""``nonsmooth workbench``: a local page on which an array is a thing in the hand."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from nonsmooth.reports.console import RefusedError, write
+from nonsmooth.reports.options import complete_scene
+
+NEEDED = "workbench: required starlette and uvicorn (pip install 'nonsmooth[workbench]'), received a Python without"
+
+Scene = Annotated[
+    str | None,
+    typer.Argument(metavar="[SCENE]", help="A scene file (TOML) or a built-in name.", autocompletion=complete_scene),
+]
+Port = Annotated[
+    int | None, typer.Option("--port", metavar="N", min=0, max=65535, help="Port on this machine; 0 for any free one.")
+]
+NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Do not open a browser; the address is printed.")]
+
+
+def workbench(scene: Scene = None, port: Port = None, no_browser: NoBrowser = False) -> int:
+    """Open the workbench: a local page to drag wheels, turn rims and slide friction, with answers within a blink.
+
+    Exit status: 0 closed, 2 bad input.
+    """
+    try:
+        from nonsmooth.reports.workbench.serve import HOST, listening, own_token, run
+    except ImportError:
+        raise RefusedError(NEEDED) from None
+    from nonsmooth.reports.workbench.app import Settings
+
+    if scene is not None:
+        from nonsmooth.symbolic.files.scene_file import read_document
+
+        read_document(scene)  # refused here, with one line
+    try:
+        listener = listening(port)
+    except OSError as error:
+        raise RefusedError(f"--port: required a free port, received {port} ({error.strerror})") from None
+    number, token = listener.getsockname()[1], own_token()
+    address = f"http://{HOST}:{number}/?token={token}"
+    write(f"{address}\n")
+    _flush()
+    if not no_browser:
+        import webbrowser
+
+        webbrowser.open(address)
+    run(listener, Settings(token, number, scene=scene))
+    return 0
+
+
+def _flush() -> None:
+    """Print the address now: whoever reads it through a pipe waits for it."""
+    import sys
+
+    if sys.stdout is not None:
+        sys.stdout.flush()

@@ -1,0 +1,155 @@
+"""The server of the workbench: a few routes of Starlette, each a job of a worker."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from nonsmooth.reports.console import own_version
+from nonsmooth.reports.workbench.pool import BusyError, Pool
+from nonsmooth.reports.workbench.requests import RequestError, read_request
+from nonsmooth.reports.workbench.safety import Safety, refused
+
+PAGE = Path(__file__).with_name("page")
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".json": "application/json",
+}
+SECONDS = {"view": 60.0, "open": 15.0, "scene": 30.0, "edit": 15.0, "export": 120.0}  # in which a job must end
+MAX_TAB = 64  # characters of the name of a tab
+
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the server runs.
+
+    Attributes:
+        token: that requests must bear.
+        port: on which it listens.
+        workers: how many processes compute.
+        scene: what the command line named, if anything.
+    """
+
+    token: str
+    port: int
+    workers: int = 3
+    scene: str | None = None
+
+
+def build_app(settings: Settings) -> Starlette:
+    """The application."""
+    pool = Pool(settings.workers)
+    routes = Routes(pool, settings)
+
+    @asynccontextmanager
+    async def life(app: Starlette) -> AsyncIterator[None]:
+        del app
+        pool.start()
+        try:
+            yield
+        finally:
+            pool.close()
+
+    middleware = [Middleware(Safety, token=settings.token, port=settings.port)]
+    return Starlette(routes=routes.table(), middleware=middleware, lifespan=life)
+
+
+class Routes:
+    """What is answered at which path."""
+
+    def __init__(self, pool: Pool, settings: Settings) -> None:
+        self._pool, self._settings = pool, settings
+        self._started = secrets.token_hex(8)
+        self._files = {path.name: path.read_bytes() for path in PAGE.iterdir() if path.suffix in TYPES}
+
+    def table(self) -> list[Route]:
+        """All routes."""
+        return [
+            Route("/", self.index),
+            Route("/page/{name}", self.file),
+            Route("/api/health", self.health),
+            Route("/api/scenes", self.scenes),
+            Route("/api/scenes/{name}", self.scene),
+            Route("/api/open", self.open, methods=["POST"]),
+            Route("/api/view", self.view, methods=["POST"]),
+        ]
+
+    async def index(self, request: Request) -> Response:
+        """The page."""
+        del request
+        return self._file("index.html")
+
+    async def file(self, request: Request) -> Response:
+        """A file of the page, one of those read at the start."""
+        return self._file(request.path_params["name"])
+
+    def _file(self, name: str) -> Response:
+        content = self._files.get(name)
+        if content is None:
+            return JSONResponse({"error": "required a file of the page"}, 404)
+        return Response(content, media_type=TYPES[Path(name).suffix])
+
+    async def health(self, request: Request) -> Response:
+        """Which run of the server this is."""
+        del request
+        return JSONResponse({"started": self._started})
+
+    async def scenes(self, request: Request) -> Response:
+        """The built-in scenes, the contact rules, and what the command line named."""
+        del request
+        from nonsmooth.reports.workbench.catalogue import catalogue
+
+        return JSONResponse({**catalogue(), "opened": self._settings.scene, "version": own_version()})
+
+    async def scene(self, request: Request) -> Response:
+        """The document of a built-in scene, or of the one that the command line named."""
+        from nonsmooth.reports.workbench.catalogue import catalogue
+
+        name = request.path_params["name"]
+        if name != self._settings.scene and name not in [scene["name"] for scene in catalogue()["scenes"]]:
+            return JSONResponse({"error": "required the name of a built-in scene"}, 404)
+        return await self._one("scene", name.encode())
+
+    async def open(self, request: Request) -> Response:
+        """The document of a text."""
+        return await self._one("open", await request.body())
+
+    async def view(self, request: Request) -> Response:
+        """The stages of a view, line by line."""
+        body = await request.body()
+        try:
+            tab = read_request(body).get("tab")
+        except RequestError as error:
+            return JSONResponse({"error": str(error)}, 400)
+        if not isinstance(tab, str) or not 0 < len(tab) <= MAX_TAB:
+            return JSONResponse({"error": f"tab: required a text of 1 to {MAX_TAB} characters"}, 400)
+        lines = self._pool.run("view", body, SECONDS["view"], tab)
+        return StreamingResponse(lines, media_type="application/x-ndjson")
+
+    async def _one(self, name: str, body: bytes) -> Response:
+        """The one answer of a job."""
+        try:
+            lines = [line async for line in self._pool.run(name, body, SECONDS[name])]
+        except BusyError:
+            return refused(503, "required fewer requests at once")
+        answer: dict[str, Any] = json.loads(lines[0]) if lines else {}
+        if answer.get("stage") == "error":
+            return JSONResponse({"error": answer["message"], "key": answer["key"]}, 400)
+        return JSONResponse(answer)
