@@ -20,9 +20,18 @@ export class Drawing {
     this.layers = {};
     for (const name of LAYERS) element.append((this.layers[name] = s("g", { class: `layer-${name}` })));
     new ResizeObserver(() => this.resize()).observe(element);
-    results.addEventListener("change", () => this.request());
+    results.addEventListener("change", ({ detail }) => this.#heard(detail.stage));
     for (const name of ["change", "select"]) store.addEventListener(name, () => this.request());
     this.wantsFit = true;
+  }
+
+  /** A scene that was opened is shown whole as soon as its own geometry is there. */
+  #heard(stage) {
+    if (stage === "fast" && this.fitsNext) {
+      this.fitsNext = false;
+      this.fit();
+    }
+    this.request();
   }
 
   /** Redraws with the next frame. */

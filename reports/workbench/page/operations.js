@@ -3,7 +3,7 @@
 // May be changed: step sizes of keys. New operations: a kind here, a kind of /api/edit, a button in toolbar.js.
 
 import { needsExpansion, withHeading, withPositions } from "./scene_document.js";
-import { niceStep, roundTo } from "./values.js";
+import { fromText, niceStep, roundTo } from "./values.js";
 
 const RIM_DIGITS = 0.01; // a turned rim is a direction [a, b] of such decimals
 export const RIGHT_ANGLES = 15; // degrees that the number field always holds
@@ -23,7 +23,7 @@ export class Operations {
     if (!needsExpansion(this.store.document)) return Boolean(this.store.document.wheel);
     this.expanding ??= this.ask({ kind: "expand" }).finally(() => (this.expanding = null));
     await this.expanding;
-    return Boolean(this.store.document.wheel) && !this.store.document.field;
+    return Boolean(this.store.document.wheel);
   }
 
   /** An exact edit by Python; a newer edit in the meantime wins. */
@@ -93,7 +93,7 @@ export class Operations {
     const heading = straight
       ? `${(RIGHT_ANGLES * Math.round(degrees / RIGHT_ANGLES) + 360) % 360} deg`
       : [roundTo(dx / length, RIM_DIGITS), roundTo(dy / length, RIM_DIGITS)];
-    const speed = this.results()?.wheels?.[index]?.speed;
+    const speed = fromText(this.results()?.wheels?.[index]?.exact?.speed ?? "");
     this.store.edit(({ document }) => ({ document: withHeading(document, index, heading, speed) }), { merge });
   }
 

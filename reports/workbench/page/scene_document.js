@@ -25,8 +25,8 @@ function isEmptyTable(value) {
 /** Whether this is a plain switched system and not an array. */
 export const isSystem = (document) => Boolean(document?.system);
 
-/** Whether the wheels are written by a ring, a grid, a table or a field, so that Python must write them out first. */
-export const needsExpansion = (document) => !isSystem(document) && (!document.wheel || Boolean(document.field));
+/** Whether the wheels are written as a ring or a grid, so that Python must write them out before one is edited. */
+export const needsExpansion = (document) => !isSystem(document) && !document.wheel;
 
 /** The document with some keys of one wheel changed; wheels are counted from 0 here. */
 export function withWheel(document, index, change) {
