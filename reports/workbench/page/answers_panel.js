@@ -12,7 +12,7 @@ const QUESTIONS = {
   pose: "Can feedback hold both?",
   stability: "Do solutions come to the point?",
 };
-const ICONS = { good: "good", bad: "bad", open: "open-answer" };
+const ICONS = { good: "good", fair: "fair", bad: "bad", open: "open-answer" };
 const QUIET = 500; // milliseconds without a change before readers of the screen are told
 
 export class AnswersPanel {
@@ -40,12 +40,13 @@ export class AnswersPanel {
 
   #status(error) {
     const { status, checked, stale } = this.results;
-    const state = error && status === "error" ? "error" : status === "lost" ? "lost" : stale.has("checked") ? (stale.has("geometry") ? "working" : "fast") : checked?.stage;
+    const answered = stale.has("checked") ? "working" : checked?.stage;
+    const state = error && status === "error" ? "error" : status === "lost" ? "lost" : answered;
     const words = {
       error: "not checked: see the message",
       lost: "waiting for the server",
-      working: "working …",
-      fast: "fast, in floats; exact answers follow",
+      working: "checking …",
+      fast: "in floats, not yet proved; exact answers follow",
       exact: "exact",
     };
     this.status.dataset.state = state ?? "working";

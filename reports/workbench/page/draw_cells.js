@@ -62,8 +62,8 @@ function placeMotion(mark, px, py, [vx, vy], omega, length, signed = true) {
   attr(mark, "class", `motion-mark ${turning(omega)}`);
   attr(arrow, "d", speed > 1e-12 ? arrowPath((vx / speed) * length, (-vy / speed) * length) : "M-2 0a2 2 0 1 0 4 0a2 2 0 1 0 -4 0");
   attr(turn, "visibility", signed && Math.abs(omega) > 1e-12 && length > 11 ? "inherit" : "hidden");
-  const away = speed > 1e-12 ? [(vy / speed) * 11, (vx / speed) * 11] : [0, 11];
-  attr(turn, "transform", `translate(${away[0].toFixed(1)} ${away[1].toFixed(1)}) scale(${omega > 0 ? "-0.8 0.8" : "0.8 0.8"})`);
+  const away = speed > 1e-12 ? [(vy / speed) * 14, (vx / speed) * 14] : [0, 14];
+  attr(turn, "transform", `translate(${away[0].toFixed(1)} ${away[1].toFixed(1)}) scale(${omega > 0 ? "-1 1" : "1 1"})`);
 }
 
 /** An arrow of the given components with its middle at the origin. */

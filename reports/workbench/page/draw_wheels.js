@@ -7,9 +7,9 @@ import { arrowPath } from "./draw_cells.js";
 
 const LENGTH = [16, 54]; // shortest and longest rim, in pixels
 const SHARE = 0.42; // of the distance to the nearest other wheel
-const FASTEST = 1.25; // length of the arrow of the fastest wheel, in rims
+const FASTEST = 1; // length of the arrow of the fastest wheel, in rims
 const HEAVIEST = 0.85; // radius of the disc of the heaviest wheel, in rims
-export const HANDLE = 30; // pixels between the end of the rim and its handle
+export const HANDLE = 44; // pixels between the end of the rim and its handle
 
 /** Length of a rim in pixels, alike for all wheels. */
 export function rimLength(view, wheels) {

@@ -5,11 +5,13 @@ import { h, icon, pool, say } from "./dom.js";
 import { shown } from "./values.js";
 
 const GOOD = /^(holds|asymptotically stable|stabilizable|stable|comes home|returns|can be held|certified|valid)/;
+const FAIR = /^(stays near|drifts)/;
 const BAD = /^(fails|unstable|leaves|cannot be held|invalid)/;
 
 /** The tone of a verdict that comes without one: for its colour and form; the word itself is always shown. */
 export function toneOf(word = "") {
   if (GOOD.test(word)) return "good";
+  if (FAIR.test(word)) return "fair";
   return BAD.test(word) ? "bad" : "open";
 }
 
@@ -27,12 +29,19 @@ export class ClausesPanel {
   show() {
     const { checked } = this.results;
     this.list.classList.toggle("stale", this.results.stale.has("checked"));
-    const text = JSON.stringify([checked?.clauses, checked?.verdict, checked?.reason]);
-    if (!checked?.clauses || text === this.text) return;
+    if (!checked) return this.#clear();
+    const text = JSON.stringify([checked.clauses, checked.verdict, checked.reason]);
+    if (!checked.clauses || text === this.text) return;
     this.text = text;
     const open = new Set([...this.list.querySelectorAll("details[open]")].map((element) => element.dataset.key));
     this.list.replaceChildren(...checked.clauses.map((clause) => this.#clause(clause, open.has(clause.key))));
     this.total.replaceChildren(...(checked.verdict ? [verdict(checked.verdict), h("span", { class: "reason" }, checked.reason ?? "")] : []));
+  }
+
+  #clear() {
+    this.text = "";
+    this.list.replaceChildren();
+    this.total.replaceChildren();
   }
 
   #clause({ key, title, verdict: word, reason, facts = [] }, open) {
@@ -52,8 +61,9 @@ export class ComparisonPanel {
     const { comparison, stale, finished } = this.results;
     this.section.hidden = comparison === null && finished;
     this.section.classList.toggle("stale", stale.has("comparison"));
-    if (!comparison || comparison === this.drawn) return;
+    if (comparison === this.drawn) return;
     this.drawn = comparison;
+    if (!comparison) return this.body.replaceChildren();
     const keys = comparison.find((rule) => rule.answers?.length)?.answers.map(({ key }) => key) ?? [];
     this.head.replaceChildren(h("th", { scope: "col" }, "Rule"), ...keys.map((key) => h("th", { scope: "col" }, key)));
     this.body.replaceChildren(...comparison.map((rule) => this.#row(rule, keys)));

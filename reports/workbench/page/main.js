@@ -27,7 +27,7 @@ const FIRST = "four-wheel"; // shown when neither the address nor the command li
 const api = new Api(takeToken());
 const store = new Store();
 const conversation = new Conversation(api, store);
-const results = new Results(conversation);
+const results = new Results(conversation, store);
 const drawing = new Drawing(byId("drawing"), store, results);
 const notices = new Notices({ note: byId("note"), banner: byId("banner"), words: byId("banner-words"), form: byId("token-form"), error: byId("error") }, { api, results, conversation });
 const tell = (text) => notices.tell(text);

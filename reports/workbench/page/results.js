@@ -2,7 +2,7 @@
 // May be changed: when older results are dropped. Older geometry stays until newer comes, so nothing flickers.
 
 export class Results extends EventTarget {
-  constructor(conversation) {
+  constructor(conversation, store) {
     super();
     this.geometry = null; // wheels, cells, edges, rests, field, square, body, system
     this.checked = null; // answers, clauses, verdict
@@ -16,7 +16,13 @@ export class Results extends EventTarget {
     this.stale = new Set(); // parts that belong to an older state of the scene
     conversation.addEventListener("asked", ({ detail }) => this.#asked(detail));
     conversation.addEventListener("stage", ({ detail }) => this.#stage(detail));
+    store.addEventListener("open", () => this.#forget());
     conversation.addEventListener("trouble", ({ detail }) => this.#trouble(detail));
+  }
+
+  /** What was said about another scene must not stand beside this one. */
+  #forget() {
+    Object.assign(this, { checked: null, comparison: null, tolerance: null, paths: [], error: null });
   }
 
   #asked({ sequence }) {

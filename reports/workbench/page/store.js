@@ -40,6 +40,7 @@ export class Store extends EventTarget {
   /** A scene that is opened is a step as well: undo goes back to the one before. */
   open(document, starts = [], until = 10) {
     this.selection = [];
+    this.dispatchEvent(new Event("open"));
     this.edit(() => ({ document, starts, until }));
     this.seal();
   }

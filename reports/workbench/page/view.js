@@ -1,7 +1,8 @@
 // The transform between the plane of the scene (y up, in its unit of length) and the pixels of the drawing (y down).
 // May be changed: margins and limits of the zoom. This is all the geometry that the page does itself.
 
-const MARGIN = 0.12; // of the shown extent, around it
+const MARGIN = 0.14; // of the drawing, on each side
+const MOST = 74; // pixels that the margin has at most: rims and their numbers need about that
 const CLOSEST = 1e7;
 
 export class View {
@@ -23,10 +24,10 @@ export class View {
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     this.x = (left + right) / 2;
     this.y = (low + high) / 2;
-    const room = 1 + 2 * MARGIN;
-    const wide = Math.max(right - left, 1e-9) * room;
-    const tall = Math.max(high - low, 1e-9) * room;
-    this.scale = Math.min(this.width / wide, this.height / tall);
+    const wide = Math.max(right - left, 1e-9);
+    const tall = Math.max(high - low, 1e-9);
+    const margin = Math.min(MOST, MARGIN * Math.min(this.width, this.height));
+    this.scale = Math.min((this.width - 2 * margin) / wide, (this.height - 2 * margin) / tall);
     this.extent = Math.max(wide, tall);
   }
 
