@@ -6,25 +6,21 @@ proves stability and the largest one that is certified to be a region of attract
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.phase_samples import Floats, inside, sampled_potential, sampled_rates, values_of
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.cells.switched_cells import FieldCell
     from nonsmooth.reports.phase_portrait import PhasePortrait
-    from nonsmooth.symbolic.numbers.polynomial import Polynomial
-
-Floats: TypeAlias = NDArray[np.float64]
 
 SIZE = 6.4  # inches
 MESH = 161  # points in a row; odd, so that the middle is one
@@ -60,7 +56,7 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     half = float(portrait.system.check.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    rates = _sampled(portrait.cells, xs, ys)
+    rates = sampled_rates(portrait.cells, xs, ys)
     axes.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
     _draw_nullclines(axes, portrait, xs, ys)
     _draw_curves(axes, portrait, xs, ys)
@@ -71,39 +67,12 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
 
 
-def _values(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
-    total = np.zeros_like(xs)
-    for (a, b), c in polynomial.terms.items():
-        total += float(c) * xs**a * ys**b
-    return total
-
-
-def _inside(cell: FieldCell, xs: Floats, ys: Floats) -> NDArray[np.bool_]:
-    """The points of a cell."""
-    kept = np.ones(xs.shape, dtype=bool)
-    for a, b, c in cell.region.sides:
-        kept &= float(a) * xs + float(b) * ys + float(c) >= 0
-    for guard in cell.region.guards:
-        kept &= _values(guard, xs, ys) >= 0
-    return kept
-
-
-def _sampled(cells: tuple[FieldCell, ...], xs: Floats, ys: Floats) -> tuple[Floats, Floats]:
-    """The field at many points, that of one cell where several meet."""
-    first, second = np.zeros_like(xs), np.zeros_like(xs)
-    for cell in cells:
-        here = _inside(cell, xs, ys)
-        f, g = cell.velocities[0]
-        first[here], second[here] = _values(f, xs, ys)[here], _values(g, xs, ys)[here]
-    return first, second
-
-
 def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
     """Where one rate vanishes inside a cell."""
     for k, (name, color) in enumerate(zip(portrait.system.states, NULLCLINES, strict=True)):
         drawn = False
         for cell in portrait.cells:
-            values = np.where(_inside(cell, xs, ys), _values(cell.velocities[0][k], xs, ys), np.nan)
+            values = np.where(inside(cell, xs, ys), values_of(cell.velocities[0][k], xs, ys), np.nan)
             known = values[~np.isnan(values)]
             if known.size and known.min() < 0 < known.max():
                 axes.contour(xs, ys, values, levels=[0.0], colors=color, linewidths=1.4, zorder=2)
@@ -115,7 +84,7 @@ def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats
 def _draw_curves(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
     """Switching curves, each once."""
     for guard in dict.fromkeys(guard for cell in portrait.cells for guard in cell.region.guards):
-        values = _values(guard, xs, ys)
+        values = values_of(guard, xs, ys)
         if values.min() < 0 < values.max():
             axes.contour(xs, ys, values, levels=[0.0], colors=CURVE, linestyles="--", linewidths=1.0, zorder=3)
 
@@ -138,10 +107,7 @@ def _draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     half = float(portrait.system.check.radius if domain.radius is None else domain.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    potential = np.zeros_like(xs)
-    for cell in proving.cells:
-        here = _inside(cell, xs, ys)
-        potential[here] = _values(cell.potential, xs, ys)[here]
+    potential = sampled_potential(proving.cells, xs, ys)
     axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
     if result.region is not None and result.region.falls:
         axes.contour(xs, ys, potential, levels=[float(result.region.level)], colors=REGION, linewidths=2.0, zorder=5)

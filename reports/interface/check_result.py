@@ -153,6 +153,7 @@ def check_scene(  # one keyword for each choice
     best: bool = False,
     ask_others: bool = True,
     around: bool = False,
+    beside: bool = True,
     announce: Announce = unheard,
 ) -> CheckResult:
     """Check an array; its evidence is verified before it is handed out.
@@ -163,6 +164,7 @@ def check_scene(  # one keyword for each choice
         best: check at the best rest point of the square instead of the scene's point.
         ask_others: let the answers say what the other contact rules say.
         around: look for headings of rest around the checked point too.
+        beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
         announce: told the name of each step as it begins.
 
     Raises:
@@ -175,6 +177,6 @@ def check_scene(  # one keyword for each choice
 
         announce("the best rest point of the square")
         scene = at_best_point(standing(scene))
-    found = check_theorem4(scene, prune=prune, announce=announce)
+    found = check_theorem4(scene, prune=prune, beside=beside, announce=announce)
     announce("verification of the evidence")
     return CheckResult(verified(found), ask_others, around)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import secrets
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import aclosing, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from nonsmooth.reports.console import own_version
-from nonsmooth.reports.workbench.pool import BusyError, Pool
+from nonsmooth.reports.workbench.pool import Job, Pool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.safety import Safety, refused
 
@@ -32,6 +33,8 @@ TYPES = {
 }
 SECONDS = {"view": 60.0, "open": 15.0, "scene": 30.0, "edit": 15.0, "export": 120.0}  # in which a job must end
 MAX_TAB = 64  # characters of the name of a tab
+MAX_SEQUENCE = 2**53  # up to which a browser counts
+BUSY = "required fewer requests at once"
 
 Answer = Callable[[Request], Awaitable[Response]]
 
@@ -89,6 +92,8 @@ class Routes:
             Route("/api/scenes/{name}", self.scene),
             Route("/api/open", self.open, methods=["POST"]),
             Route("/api/view", self.view, methods=["POST"]),
+            Route("/api/edit", self.edit, methods=["POST"]),
+            Route("/api/export", self.export, methods=["POST"]),
         ]
 
     async def index(self, request: Request) -> Response:
@@ -131,25 +136,46 @@ class Routes:
         """The document of a text."""
         return await self._one("open", await request.body())
 
+    async def edit(self, request: Request) -> Response:
+        """A document after an exact edit."""
+        return await self._one("edit", await request.body())
+
+    async def export(self, request: Request) -> Response:
+        """A file as an attachment."""
+        answer = await self._answer("export", await request.body())
+        if isinstance(answer, Response):
+            return answer
+        headers = {"Content-Disposition": f'attachment; filename="{answer["name"]}"'}
+        return Response(base64.b64decode(answer["content"]), headers=headers, media_type=answer["type"])
+
     async def view(self, request: Request) -> Response:
         """The stages of a view, line by line."""
         body = await request.body()
         try:
-            tab = read_request(body).get("tab")
+            read = read_request(body)
         except RequestError as error:
-            return JSONResponse({"error": str(error)}, 400)
+            return refused(400, str(error))
+        tab, sequence = read.get("tab"), read.get("sequence")
         if not isinstance(tab, str) or not 0 < len(tab) <= MAX_TAB:
-            return JSONResponse({"error": f"tab: required a text of 1 to {MAX_TAB} characters"}, 400)
-        lines = self._pool.run("view", body, SECONDS["view"], tab)
-        return StreamingResponse(lines, media_type="application/x-ndjson")
+            return refused(400, f"tab: required a text of 1 to {MAX_TAB} characters")
+        if not isinstance(sequence, int) or not 0 <= sequence <= MAX_SEQUENCE:
+            return refused(400, f"sequence: required an integer from 0 to {MAX_SEQUENCE}")
+        if self._pool.is_full:
+            return refused(503, BUSY)
+        stages = self._pool.run(Job("view", body, SECONDS["view"], sequence), tab)
+        return StreamingResponse(stages, media_type="application/x-ndjson")
 
     async def _one(self, name: str, body: bytes) -> Response:
-        """The one answer of a job."""
-        try:
-            lines = [line async for line in self._pool.run(name, body, SECONDS[name])]
-        except BusyError:
-            return refused(503, "required fewer requests at once")
-        answer: dict[str, Any] = json.loads(lines[0]) if lines else {}
+        """The one answer of a job as JSON."""
+        answer = await self._answer(name, body)
+        return answer if isinstance(answer, Response) else JSONResponse(answer)
+
+    async def _answer(self, name: str, body: bytes) -> Response | dict[str, Any]:
+        """The one answer of a job, or why there is none."""
+        if self._pool.is_full:
+            return refused(503, BUSY)
+        async with aclosing(self._pool.run(Job(name, body, SECONDS[name]))) as lines:
+            answer: dict[str, Any] = json.loads(await anext(lines))
         if answer.get("stage") == "error":
             return JSONResponse({"error": answer["message"], "key": answer["key"]}, 400)
-        return JSONResponse(answer)
+        return answer

@@ -1,21 +1,65 @@
-"""What a worker can do for the page, by name."""
+"""What a worker can do for the page, by name; every job answers in messages and ends in one of stage ``done``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import base64
+import re
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias
 
+from nonsmooth.reports.interface.array import Array
+from nonsmooth.reports.workbench.array_view import array_stages
 from nonsmooth.reports.workbench.documents import document_of, opened, read_toml
+from nonsmooth.reports.workbench.exact_edits import edited
+from nonsmooth.reports.workbench.exports import exported
 from nonsmooth.reports.workbench.requests import RequestError, read_request
-from nonsmooth.reports.workbench.view import view
+from nonsmooth.reports.workbench.system_view import system_stages
 
 Announce: TypeAlias = Callable[[str], None]
-Job: TypeAlias = Callable[[bytes, Announce], Iterator[dict[str, Any]]]
+Message: TypeAlias = dict[str, Any]
+Job: TypeAlias = Callable[[bytes, Announce], Iterator[Message]]
 
 MAX_TOML = 1 << 20  # characters
+PLAIN = re.compile(r"[^A-Za-z0-9._-]+")  # what a name of a file leaves out
 
 
-def open_text(body: bytes, announce: Announce) -> Iterator[dict[str, Any]]:
+def view(body: bytes, announce: Announce) -> Iterator[Message]:
+    """The stages of a view: fast, exact, and what else the request wants.
+
+    Raises:
+        RequestError: for a request that lacks something, or has it in another form.
+        SceneError: for a scene that cannot be used.
+        RefusalError: where the motion is not determined.
+    """
+    request = read_request(body)
+    made = opened(_table(request, "document"))
+    stages = (
+        array_stages(made, request, announce) if isinstance(made, Array) else system_stages(made, request, announce)
+    )
+    for stage in stages:
+        yield stage
+        announce("")
+
+
+def edit(body: bytes, announce: Announce) -> Iterator[Message]:
+    """A document after an exact edit."""
+    del announce
+    request = read_request(body)
+    found = edited(_table(request, "document"), _table(request, "operation"))
+    yield {"document": found.document, "wheels": found.wheels}
+
+
+def export(body: bytes, announce: Announce) -> Iterator[Message]:
+    """A file to save, its bytes as text in base 64."""
+    del announce
+    request = read_request(body)
+    document = _table(request, "document")
+    file = exported(document, request.get("kind"))
+    name = PLAIN.sub("-", str(document.get("name") or "scene")).strip("-.")[:60] or "scene"
+    yield {"name": name + file.suffix, "type": file.type, "content": base64.b64encode(file.content).decode()}
+
+
+def open_text(body: bytes, announce: Announce) -> Iterator[Message]:
     """The document of the text of a scene file, which is tried before it is handed out."""
     del announce
     text = read_request(body, longest=MAX_TOML).get("toml")
@@ -26,10 +70,17 @@ def open_text(body: bytes, announce: Announce) -> Iterator[dict[str, Any]]:
     yield {"document": document}
 
 
-def open_scene(body: bytes, announce: Announce) -> Iterator[dict[str, Any]]:
+def open_scene(body: bytes, announce: Announce) -> Iterator[Message]:
     """The document of a built-in scene, or of the file that the command line named."""
     del announce
     yield {"document": document_of(body.decode())}
 
 
-JOBS: dict[str, Job] = {"view": view, "open": open_text, "scene": open_scene}
+def _table(request: Mapping[str, Any], key: str) -> dict[str, Any]:
+    found = request.get(key)
+    if not isinstance(found, dict):
+        raise RequestError(f"{key}: required a table", key)
+    return found
+
+
+JOBS: dict[str, Job] = {"view": view, "edit": edit, "export": export, "open": open_text, "scene": open_scene}

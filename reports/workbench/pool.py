@@ -1,67 +1,48 @@
-"""Worker processes for the page: a newer request of the same tab cancels the older one; who does not stop is killed."""
+"""Worker processes for the page: a newer view of the same tab cancels the older one; who does not stop is killed."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
-from multiprocessing import get_all_start_methods, get_context
-from multiprocessing.context import BaseContext
-from typing import Any
+import json
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable
+from typing import Any, NamedTuple, TypeVar
 
-from nonsmooth.reports.workbench.worker import END, encoded, serve
+from nonsmooth.reports.workbench.process import Process, start_method
+from nonsmooth.reports.workbench.worker import CANCELLED, END
 
-GRACE = 0.1  # seconds that a cancelled job has to end before its worker is killed
+GRACE = 0.15  # seconds that a cancelled job has to end before its worker is killed
 MOST_WAITING = 32  # jobs that wait for a worker; more are refused
-CANCELLED = encoded({"stage": "cancelled"})
+MOST_JOBS = 500  # after which a worker is replaced, whatever caches it has filled
+
+Kind = TypeVar("Kind")
 
 
-class BusyError(Exception):
-    """More jobs wait than are kept."""
+class Job(NamedTuple):
+    """What is asked of a worker.
+
+    Attributes:
+        name: of the job.
+        body: of the job.
+        seconds: after which it is given up.
+        sequence: number of the request in its tab, which every message repeats; None outside of tabs.
+    """
+
+    name: str
+    body: bytes
+    seconds: float
+    sequence: int | None = None
 
 
-class Worker:
-    """One process and the connection to it."""
+class StoppedError(Exception):
+    """A job that came to no end of its own.
 
-    def __init__(self, context: BaseContext) -> None:
-        ours, theirs = context.Pipe()
-        self._connection = ours
-        self._process = context.Process(target=serve, args=(theirs,), daemon=True)  # type: ignore[attr-defined]
-        self._process.start()
-        theirs.close()
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="worker")
-        self.jobs = 0
+    Attributes:
+        stages: what there is to say of it, one message each.
+    """
 
-    def send(self, message: bytes) -> None:
-        """Hand over a job, or with an empty message cancel the one that runs."""
-        with suppress(OSError):  # a worker that died is noticed by who receives
-            self._connection.send_bytes(message)
-
-    async def receive(self) -> bytes:
-        """The next message.
-
-        Raises:
-            EOFError: where the process is gone.
-        """
-        try:
-            return await asyncio.get_running_loop().run_in_executor(self._thread, self._connection.recv_bytes)
-        except OSError:
-            raise EOFError from None
-
-    def kill(self) -> None:
-        """End the process, whatever it does."""
-        self._process.kill()
-        self._process.join()
-        self._thread.shutdown(wait=True)
-        self._connection.close()
-
-
-class Job:
-    """One request under way."""
-
-    def __init__(self) -> None:
-        self.cancelled = asyncio.Event()
+    def __init__(self, *stages: dict[str, Any]) -> None:
+        super().__init__()
+        self.stages = stages
 
 
 class Pool:
@@ -72,146 +53,158 @@ class Pool:
     """
 
     def __init__(self, count: int) -> None:
-        self._context, self._count = _start_method(), count
-        self._idle: asyncio.Queue[Worker] = asyncio.Queue()
-        self._workers: set[Worker] = set()
+        self._context, self._count = start_method(), count
+        self._idle: asyncio.Queue[Process] = asyncio.Queue()
+        self._workers: set[Process] = set()
         self._waiting = 0
-        self._tabs: dict[str, Job] = {}
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tabs: dict[str, asyncio.Event] = {}
+        self._stopping: set[asyncio.Task[None]] = set()
+
+    @property
+    def is_full(self) -> bool:
+        """Whether more jobs wait than are kept."""
+        return self._waiting >= MOST_WAITING
 
     def start(self) -> None:
         """Start the workers."""
         for _ in range(self._count):
             self._add()
 
-    def _add(self) -> None:
-        worker = Worker(self._context)
-        self._workers.add(worker)
-        self._idle.put_nowait(worker)
-
     def close(self) -> None:
         """Kill all workers."""
-        for worker in self._workers:
-            worker.kill()
-        self._workers.clear()
+        while self._workers:
+            self._workers.pop().kill()
 
-    async def run(self, name: str, body: bytes, seconds: float, tab: str | None = None) -> AsyncIterator[bytes]:
-        """The messages of a job, each one line of JSON.
+    async def run(self, job: Job, tab: str | None = None) -> AsyncGenerator[bytes, None]:
+        """The messages of a job, each one line of JSON; the last one is of stage ``done`` or ``cancelled``.
 
         Args:
-            name: of the job.
-            body: of the request.
-            seconds: after which it is given up.
+            job: what is asked.
             tab: whose older job this one cancels.
-
-        Raises:
-            BusyError: where too many jobs wait.
         """
-        job = Job()
+        cancelled = self._begin(tab)
+        try:
+            worker = await self._take(cancelled)
+            ended = False
+            try:
+                async for message in _messages(worker, job, cancelled):
+                    yield _numbered(message, job.sequence)
+                ended = True
+            finally:
+                self._give_back(worker, ended=ended)
+        except StoppedError as stopped:
+            for stage in stopped.stages:
+                yield _numbered(json.dumps(stage).encode() + b"\n", job.sequence)
+        finally:
+            if tab is not None and self._tabs.get(tab) is cancelled:
+                del self._tabs[tab]
+
+    def _begin(self, tab: str | None) -> asyncio.Event:
+        """The event that cancels a new job of a tab; that of its older job is set."""
+        cancelled = asyncio.Event()
         if tab is not None:
             older = self._tabs.pop(tab, None)
             if older is not None:
-                older.cancelled.set()
-            self._tabs[tab] = job
-        try:
-            async for message in self._run(job, name, body, seconds):
-                yield message
-        finally:
-            if tab is not None and self._tabs.get(tab) is job:
-                del self._tabs[tab]
+                older.set()
+            self._tabs[tab] = cancelled
+        return cancelled
 
-    async def _run(self, job: Job, name: str, body: bytes, seconds: float) -> AsyncIterator[bytes]:
-        worker = await self._take(job)
-        if worker is None:
-            yield CANCELLED
-            return
-        pending: asyncio.Task[bytes] | None = None
-        ended = False
-        stop = asyncio.ensure_future(job.cancelled.wait())
-        try:
-            worker.send(name.encode() + b"\n" + body)
-            deadline = asyncio.get_running_loop().time() + seconds
-            while True:
-                pending = asyncio.ensure_future(worker.receive())
-                left = deadline - asyncio.get_running_loop().time()
-                await asyncio.wait({pending, stop}, timeout=max(left, 0), return_when=asyncio.FIRST_COMPLETED)
-                if job.cancelled.is_set():
-                    yield CANCELLED
-                    return
-                if not pending.done():
-                    yield encoded({"stage": "error", "message": _too_long(seconds), "key": None})
-                    return
-                try:
-                    message = pending.result()
-                except EOFError:
-                    yield encoded({"stage": "error", "message": "the worker of this job ended; try again", "key": None})
-                    return
-                if message == END:
-                    ended = True
-                    return
-                yield message
-        finally:
-            stop.cancel()
-            self._give_back(worker, pending, ended=ended)
-
-    async def _take(self, job: Job) -> Worker | None:
-        """An idle worker; None where the job is cancelled before there is one.
+    async def _take(self, cancelled: asyncio.Event) -> Process:
+        """An idle worker.
 
         Raises:
-            BusyError: where too many jobs wait.
+            StoppedError: where the job is cancelled before there is one.
         """
-        if self._idle.empty() and self._waiting >= MOST_WAITING:
-            raise BusyError
         self._waiting += 1
         try:
-            getting, stop = asyncio.ensure_future(self._idle.get()), asyncio.ensure_future(job.cancelled.wait())
-            try:
-                await asyncio.wait({getting, stop}, return_when=asyncio.FIRST_COMPLETED)
-            finally:
-                stop.cancel()
-                if not getting.done():
-                    getting.cancel()
-            if job.cancelled.is_set():
-                if getting.done() and not getting.cancelled():
-                    self._idle.put_nowait(getting.result())
-                return None
-            return getting.result()
+            worker = await _unless(cancelled, self._idle.get())
         finally:
             self._waiting -= 1
+        worker.jobs += 1
+        return worker
 
-    def _give_back(self, worker: Worker, pending: asyncio.Task[bytes] | None, *, ended: bool) -> None:
-        if ended:
+    def _give_back(self, worker: Process, *, ended: bool) -> None:
+        """Keep a worker whose job has ended; stop the job of another one."""
+        if worker not in self._workers:  # the pool is closed
+            return
+        if ended and worker.jobs < MOST_JOBS:
             self._idle.put_nowait(worker)
             return
-        task = asyncio.ensure_future(self._stop(worker, pending))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        task = asyncio.ensure_future(self._replace(worker) if ended else self._stop(worker))
+        self._stopping.add(task)
+        task.add_done_callback(self._stopping.discard)
 
-    async def _stop(self, worker: Worker, pending: asyncio.Task[bytes] | None) -> None:
+    async def _stop(self, worker: Process) -> None:
         """Let a cancelled job end, or kill its worker."""
         worker.send(END)
         try:
             async with asyncio.timeout(GRACE):
-                while True:
-                    message = await asyncio.shield(pending or asyncio.ensure_future(worker.receive()))
-                    pending = None
-                    if message == END:
-                        self._idle.put_nowait(worker)
-                        return
-        except (TimeoutError, EOFError):
+                message: bytes | None = b"unknown"
+                while message:
+                    message = await worker.receive()
+        except TimeoutError:
+            message = None
+        if message == END:
+            self._give_back(worker, ended=True)
+        else:
+            await self._replace(worker)
+
+    async def _replace(self, worker: Process) -> None:
+        """Kill a worker, and start another one."""
+        if worker in self._workers:
             self._workers.discard(worker)
-            await asyncio.to_thread(worker.kill)
             self._add()
+            await asyncio.to_thread(worker.kill)
+
+    def _add(self) -> None:
+        worker = Process(self._context)
+        self._workers.add(worker)
+        self._idle.put_nowait(worker)
 
 
-def _too_long(seconds: float) -> str:
-    return f"required a scene whose check takes at most {seconds:g} s, received one that takes longer"
+async def _messages(worker: Process, job: Job, cancelled: asyncio.Event) -> AsyncIterator[bytes]:
+    """The messages of a job on a worker, until it says that it has ended.
+
+    Raises:
+        StoppedError: where it is cancelled, takes too long, or its process ends.
+    """
+    worker.send(job.name.encode() + b"\n" + job.body)
+    deadline = asyncio.get_running_loop().time() + job.seconds
+    while True:
+        try:
+            async with asyncio.timeout_at(deadline):
+                message = await _unless(cancelled, worker.receive())
+        except TimeoutError:
+            expected = f"required a scene whose view takes at most {job.seconds:g} s, received one that takes longer"
+            raise StoppedError(*_error(expected)) from None
+        if message is None:
+            raise StoppedError(*_error("the process of this computation ended (killed, or out of memory); try again"))
+        if message == END:
+            return
+        yield message
 
 
-def _start_method() -> Any:
-    """A server that has imported what jobs need and forks workers, where there is one: a new worker costs little."""
-    if "forkserver" not in get_all_start_methods():
-        return get_context("spawn")
-    context = get_context("forkserver")
-    context.set_forkserver_preload(["nonsmooth.reports.workbench.warm"])
-    return context
+async def _unless(cancelled: asyncio.Event, awaited: Awaitable[Kind]) -> Kind:
+    """What is awaited.
+
+    Raises:
+        StoppedError: where the event is set before it has come.
+    """
+    stop, found = asyncio.ensure_future(cancelled.wait()), asyncio.ensure_future(awaited)
+    try:
+        await asyncio.wait({stop, found}, return_when=asyncio.FIRST_COMPLETED)
+        if found.done():
+            return found.result()
+        raise StoppedError({"stage": CANCELLED})
+    finally:
+        stop.cancel()
+        found.cancel()
+
+
+def _error(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    return {"stage": "error", "message": text, "key": None}, {"stage": "done"}
+
+
+def _numbered(message: bytes, sequence: int | None) -> bytes:
+    """A message with the number of its job."""
+    return message if sequence is None else b'{"sequence":%d,' % sequence + message.removeprefix(b"{")

@@ -53,10 +53,8 @@ def _refuse_constant(name: str) -> Any:
 
 
 def _require_moderate(request: Mapping[str, Any], longest: int) -> None:
-    count = 0
-    for depth, value in _values(request):
-        count += 1
-        if depth > MAX_DEPTH or count > MAX_VALUES:
+    for count, (depth, value) in enumerate(_values(request)):
+        if depth > MAX_DEPTH or count >= MAX_VALUES:
             raise RequestError(f"request: required at most {MAX_VALUES} values, nested {MAX_DEPTH} deep")
         if isinstance(value, str) and len(value) > longest:
             raise RequestError(f"request: required texts of at most {longest} characters, received {len(value)}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
@@ -24,7 +24,7 @@ def point(vector: Sequence[Any]) -> list[float]:
     return [float(value) for value in vector]
 
 
-def wheels_record(scene: Scene, carrying: Sequence[int]) -> list[dict[str, Any]]:
+def wheels_record(scene: Scene, carrying: Collection[int]) -> list[dict[str, Any]]:
     """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited."""
     wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
     return [_wheel_record(wheel, wheel.index in carrying) for wheel in wheels]

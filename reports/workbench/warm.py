@@ -5,17 +5,26 @@ What is built on first use (validators of tables, caches) is then there in every
 
 from __future__ import annotations
 
-from nonsmooth.reports.interface.load import load
+import gc
+import json
+
+from nonsmooth.proofs.clauses.workspace import unheard
 from nonsmooth.reports.workbench import worker
-from nonsmooth.reports.workbench.array_view import array_stages
+from nonsmooth.reports.workbench.documents import document_of
+from nonsmooth.reports.workbench.jobs import view
 
 __all__ = ["worker"]
 
+GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
+STARTS = {"four-wheel": [0.1, 0.1, 0.0], "relay-oscillator": [0.1, 0.1]}
+
 
 def _warm_up() -> None:
-    array = load("four-wheel")
-    for _ in array_stages(array, {}, lambda step: None):  # type: ignore[arg-type]
-        pass
+    gc.set_threshold(GARBAGE_THRESHOLD)
+    for name, start in STARTS.items():
+        request = {"document": document_of(name), "starts": [start]}
+        for _ in view(json.dumps(request).encode(), unheard):
+            pass
 
 
 _warm_up()

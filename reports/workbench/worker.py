@@ -1,7 +1,8 @@
 """A worker: one process that does the jobs of the page one after the other, and can be told to stop.
 
 A job arrives as its name and the bytes of the request; its answers go back as lines of JSON, and an empty message ends
-it.  An empty message from the server while a job runs cancels it: the worker looks for one at every step.
+it.  An empty message from the server while a job runs cancels it: the worker looks for one at every step, and every
+few milliseconds of exact arithmetic.
 """
 
 from __future__ import annotations
@@ -10,20 +11,18 @@ import gc
 import json
 import os
 import signal
-import sys
-import traceback
+import threading
 from collections.abc import Iterator
+from multiprocessing import parent_process
 from multiprocessing.connection import Connection
 from typing import Any
 
-from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.reports.workbench.jobs import JOBS
-from nonsmooth.reports.workbench.requests import RequestError
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.reports.workbench.jobs import JOBS, Announce
+from nonsmooth.reports.workbench.refusals import refusal
 
 END = b""
-GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
-MEMORY = 3 << 30  # bytes of address space; a job beyond it is refused
+CANCELLED = "cancelled"
+MEMORY = 4 << 30  # bytes of address space; a job beyond it is refused
 
 
 class CancelledError(BaseException):
@@ -31,14 +30,15 @@ class CancelledError(BaseException):
 
 
 def serve(connection: Connection) -> None:
-    """Do jobs until the server is gone.
+    """Do jobs until the server is gone, or wants no more.
 
     Args:
         connection: to the server.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.set_threshold(GARBAGE_THRESHOLD)
+    threading.Thread(target=_end_with_server, daemon=True).start()
     _limit_memory()
+    gc.freeze()  # what is imported is never garbage
     try:
         while True:
             job = connection.recv_bytes()
@@ -47,6 +47,14 @@ def serve(connection: Connection) -> None:
                 connection.send_bytes(END)
     except (EOFError, OSError):
         os._exit(0)
+
+
+def _end_with_server() -> None:
+    """End this process once the server is gone: it may have been killed, and then tells nobody."""
+    server = parent_process()
+    if server is not None:
+        server.join()
+    os._exit(0)
 
 
 def _limit_memory() -> None:
@@ -61,7 +69,7 @@ def _limit_memory() -> None:
 def _do(connection: Connection, job: bytes) -> None:
     name, _, body = job.partition(b"\n")
 
-    def look_up(step: str = "") -> None:
+    def look_up(step: str) -> None:
         """Between two steps: end the job if the server wants it no more."""
         del step
         if connection.poll():
@@ -72,30 +80,18 @@ def _do(connection: Connection, job: bytes) -> None:
         for message in _messages(name.decode(), body, look_up):
             connection.send_bytes(encoded(message))
     except CancelledError:
-        connection.send_bytes(encoded({"stage": "cancelled"}))
+        connection.send_bytes(encoded({"stage": CANCELLED}))
 
 
-def _messages(name: str, body: bytes, look_up: Any) -> Iterator[dict[str, Any]]:
-    """The answers of a job; whatever is wrong ends in one message of stage ``error``."""
+def _messages(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any]]:
+    """The answers of a job; whatever is wrong with it is one of them."""
     try:
         yield from JOBS[name](body, look_up)
-    except SceneError as error:
-        yield {"stage": "error", "message": str(error), "key": error.key.replace("[", ".").replace("]", "") or None}
-    except RequestError as error:
-        yield {"stage": "error", "message": str(error), "key": error.key}
-    except (RefusalError, ValueError, ArithmeticError) as error:
-        yield {"stage": "error", "message": str(error), "key": None}
-    except MemoryError:
-        yield {
-            "stage": "error",
-            "message": "required a scene that fits into memory, received a larger one",
-            "key": None,
-        }
     except (EOFError, BrokenPipeError):
         raise
-    except Exception:
-        traceback.print_exc(file=sys.stderr)
-        yield {"stage": "error", "message": "a fault of the program; its log has the traceback", "key": None}
+    except Exception as error:
+        yield refusal(error)
+    yield {"stage": "done"}
 
 
 def encoded(message: dict[str, Any]) -> bytes:
