@@ -63,6 +63,6 @@ export class Address {
     const hash = window.location.hash.slice(1);
     if (hash === this.written) return;
     const state = await unpack(hash);
-    if (state) this.store.open(state.document, state.starts ?? [], state.until ?? 10);
+    if (state) this.store.open(state.document, state.starts, state.until);
   }
 }

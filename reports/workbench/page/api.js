@@ -3,7 +3,7 @@
 
 const KEY = "nonsmooth-workbench-token";
 
-/** What went wrong: `kind` is "lost" (no server), "token" (refused) or "refused" (the request itself). */
+/** What went wrong: `kind` is "lost" (no server), "busy", "token" (unknown) or "refused" (the request itself). */
 export class ApiError extends Error {
   constructor(kind, message, key = null) {
     super(message);
@@ -51,7 +51,8 @@ export class Api {
     }
     if (response.ok) return response;
     if (response.status === 401 || response.status === 403) throw new ApiError("token", "the server does not know this page's token");
-    throw new ApiError("refused", await refusal(response));
+    const { error, key } = await refusal(response);
+    throw new ApiError(response.status === 503 ? "busy" : "refused", error, key ?? null);
   }
 
   /** A reply in one piece; a reply `{"error"}` is raised. */
@@ -90,8 +91,8 @@ export class Api {
 
 async function refusal(response) {
   try {
-    return (await response.json()).error ?? response.statusText;
+    return await response.json();
   } catch {
-    return `the server refused the request (${response.status})`;
+    return { error: `the server refused the request (${response.status})` };
   }
 }

@@ -4,7 +4,7 @@
 // May be changed: PATIENCE, and what is wanted while a drag goes on.
 
 const PATIENCE = 60; // milliseconds between the fast stage and a newer request
-const ALL = ["cells", "answers", "clauses", "comparison", "tolerance", "paths"];
+const ALL = ["cells", "answers", "clauses", "equilibria", "comparison", "tolerance", "paths"];
 const DURING_DRAG = ["cells", "answers", "clauses", "paths"];
 const RETRY = [300, 700, 1500, 3000]; // milliseconds until a lost server is asked again; the last one repeats
 
@@ -77,7 +77,7 @@ export class Conversation extends EventTarget {
 
   #fail(error) {
     this.#tell("trouble", { kind: error.kind ?? "bug", message: error.message });
-    if (error.kind !== "lost") return;
+    if (error.kind !== "lost" && error.kind !== "busy") return;
     const wait = RETRY[Math.min(this.losses, RETRY.length - 1)];
     this.losses += 1;
     setTimeout(() => this.refresh({ again: true }), wait);

@@ -35,17 +35,20 @@ export function drawMotions(layer, view, cells) {
   large.forEach((cell, k) => {
     const [px, py] = view.at(...middleOf(cell.polygon));
     const size = Math.sqrt(areaOf(cell.polygon)) * view.scale;
+    attr(drawn[k], "class", "of-cell");
     placeMotion(drawn[k], px, py, cell.velocity, cell.omega ?? 0, Math.min(LONGEST, 0.36 * size));
   });
 }
 
 /** Samples [x, y, vx, vy, omega] of the motion, for rules without cells. */
 export function drawField(layer, view, samples) {
-  const drawn = pool(layer, samples.length, motionMark);
-  const apart = samples.length > 1 ? nearest(samples) * view.scale : 40;
-  samples.forEach(([x, y, vx, vy, omega], k) => {
+  const known = samples.filter((row) => row.every((value) => value !== null));
+  const drawn = pool(layer, known.length, motionMark);
+  const apart = known.length > 1 ? nearest(known) * view.scale : 40;
+  known.forEach(([x, y, vx, vy, omega], k) => {
     const [px, py] = view.at(x, y);
-    placeMotion(drawn[k], px, py, [vx, vy], omega ?? 0, Math.min(LONGEST, 0.7 * apart), apart > 34);
+    placeMotion(drawn[k], px, py, [vx, vy], omega ?? 0, Math.min(LONGEST, 0.62 * apart), apart > 34);
+    attr(drawn[k], "class", "sample");
   });
 }
 
@@ -59,11 +62,11 @@ function placeMotion(mark, px, py, [vx, vy], omega, length, signed = true) {
   const [arrow, turn] = mark.children;
   const speed = Math.hypot(vx, vy);
   attr(mark, "transform", `translate(${px.toFixed(1)} ${py.toFixed(1)})`);
-  attr(mark, "class", `motion-mark ${turning(omega)}`);
   attr(arrow, "d", speed > 1e-12 ? arrowPath((vx / speed) * length, (-vy / speed) * length) : "M-2 0a2 2 0 1 0 4 0a2 2 0 1 0 -4 0");
   attr(turn, "visibility", signed && Math.abs(omega) > 1e-12 && length > 11 ? "inherit" : "hidden");
-  const away = speed > 1e-12 ? [(vy / speed) * 14, (vx / speed) * 14] : [0, 14];
-  attr(turn, "transform", `translate(${away[0].toFixed(1)} ${away[1].toFixed(1)}) scale(${omega > 0 ? "-1 1" : "1 1"})`);
+  const size = Math.min(1, 0.55 + length / 100);
+  const away = speed > 1e-12 ? [(vy / speed) * 14 * size, (vx / speed) * 14 * size] : [0, 14 * size];
+  attr(turn, "transform", `translate(${away[0].toFixed(1)} ${away[1].toFixed(1)}) scale(${omega > 0 ? -size : size} ${size})`);
 }
 
 /** An arrow of the given components with its middle at the origin. */
@@ -85,14 +88,16 @@ export function drawEdges(layer, view, edges) {
   });
 }
 
-/** Where bodies rest: areas dotted, single points as rings. */
-export function drawRests(layer, view, rests) {
-  const drawn = pool(layer, rests.length, () => s("path"));
-  rests.forEach((rest, k) => {
-    attr(drawn[k], "class", rest.polygon ? "rest-area" : "rest-point");
-    if (rest.polygon) return attr(drawn[k], "d", view.path(rest.polygon, true));
-    const [px, py] = view.at(...(rest.point ?? rest));
-    return attr(drawn[k], "d", `M${(px - 6).toFixed(1)} ${py.toFixed(1)}a6 6 0 1 0 12 0a6 6 0 1 0 -12 0`);
+const REST_FORMS = ["rest-point", "rest-segment", "rest-area"];
+
+/** Where bodies rest: single points as rings, segments and areas dotted. */
+export function drawRests(layer, view, equilibria) {
+  const drawn = pool(layer, equilibria.length, () => s("path"));
+  equilibria.forEach(({ points }, k) => {
+    attr(drawn[k], "class", REST_FORMS[Math.min(points.length, 3) - 1]);
+    if (points.length > 1) return attr(drawn[k], "d", view.path(points, true));
+    const [px, py] = view.at(...points[0]);
+    return attr(drawn[k], "d", `M${(px - 7).toFixed(1)} ${py.toFixed(1)}a7 7 0 1 0 14 0a7 7 0 1 0 -14 0`);
   });
 }
 

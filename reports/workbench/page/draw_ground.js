@@ -25,7 +25,13 @@ export function drawGrid(lines, labels, view) {
     attr(named[k], "x", along === "x" ? px.toFixed(1) : 6);
     attr(named[k], "y", along === "x" ? view.height - 6 : (py - 4).toFixed(1));
     attr(named[k], "class", along);
+    attr(named[k], "visibility", isFree(along === "x" ? px : py, along, view) ? "inherit" : "hidden");
   });
+}
+
+/** Whether a number has room: not cut by the edge, not in the corner where both rows of numbers meet. */
+function isFree(place, along, view) {
+  return along === "x" ? place > 34 && place < view.width - 18 : place > 16 && place < view.height - 22;
 }
 
 function multiples(from, to, step) {

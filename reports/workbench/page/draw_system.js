@@ -1,21 +1,14 @@
-// The phase portrait of a plain system: level sets of V, cells of the sign pattern, the field, equilibria.
-// May be changed: how many arrows are drawn; V and its level sets come from Python.
+// What a plain system has beyond cells and arrows: level sets of the V that proves its stability, and the border of
+// the region in which that is proved.
+// May be changed: how they look (drawing.css). The curves are Python's.
 
 import { attr, pool, s } from "./dom.js";
 
-export function drawLevels(layer, view, levels) {
-  const drawn = pool(layer, levels.length, () => s("path"));
-  levels.forEach((level, k) => {
-    attr(drawn[k], "d", view.path(level));
-    attr(drawn[k], "class", "level");
-  });
-}
-
-/** Cells of a system, without a motion of their own: the field varies inside them. */
-export function drawSigns(layer, view, cells) {
-  const drawn = pool(layer, cells.length, () => s("path"));
-  cells.forEach((cell, k) => {
-    attr(drawn[k], "d", view.path(cell.polygon ?? cell, true));
-    attr(drawn[k], "class", `cell sign-${k % 2}`);
+export function drawLevels(layer, view, { level_sets: levels = [], region = [] }) {
+  const curves = [...levels.map((curve) => ["level", curve]), ...region.map((curve) => ["region", curve])];
+  const drawn = pool(layer, curves.length, () => s("path"));
+  curves.forEach(([kind, curve], k) => {
+    attr(drawn[k], "d", view.path(curve));
+    attr(drawn[k], "class", kind);
   });
 }

@@ -4,7 +4,7 @@
 import { drawCells, drawEdges, drawField, drawMotions, drawRests } from "./draw_cells.js";
 import { drawGrid, drawSquare } from "./draw_ground.js";
 import { drawBodies, drawEvents, drawPaths, drawStarts } from "./draw_paths.js";
-import { drawLevels, drawSigns } from "./draw_system.js";
+import { drawLevels } from "./draw_system.js";
 import { drawWheels } from "./draw_wheels.js";
 import { s } from "./dom.js";
 import { isSystem } from "./scene_document.js";
@@ -89,10 +89,9 @@ export class Drawing {
     const followed = this.hidden.has("paths") ? [] : paths;
     drawSquare(layers.square, view, geometry.square);
     const cells = this.hidden.has("cells") ? [] : geometry.cells ?? [];
-    if (system) drawSigns(layers.cells, view, this.hidden.has("cells") ? [] : plane.cells ?? []);
-    else drawCells(layers.cells, view, cells);
-    drawLevels(layers.levels, view, this.hidden.has("levels") ? [] : plane.level_sets ?? []);
-    drawRests(layers.rests, view, this.hidden.has("cells") ? [] : geometry.rests ?? plane.equilibria ?? []);
+    drawCells(layers.cells, view, cells);
+    drawLevels(layers.levels, view, this.hidden.has("levels") ? {} : plane);
+    drawRests(layers.rests, view, this.hidden.has("cells") ? [] : geometry.equilibria ?? []);
     drawEdges(layers.edges, view, this.hidden.has("cells") ? [] : geometry.edges ?? plane.edges ?? []);
     this.#motions(cells, geometry.field ?? plane.field ?? []);
     const body = { outline: geometry.body?.outline, square: geometry.square, paths: followed, time: this.time, isArray: !system };

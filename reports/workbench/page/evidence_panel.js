@@ -46,9 +46,15 @@ export class ClausesPanel {
 
   #clause({ key, title, verdict: word, reason, facts = [] }, open) {
     const heading = h("div", { class: "clause-head" }, h("span", { class: "clause-title" }, title), verdict(word));
-    const list = facts.length ? h("details", { "data-key": key, open }, h("summary", {}, `${facts.length} facts`), h("dl", {}, ...facts.flatMap(({ label, text }) => [h("dt", {}, label), h("dd", {}, text)]))) : null;
+    const list = facts.length ? h("details", { "data-key": key, open }, h("summary", {}, facts.length === 1 ? "1 fact" : `${facts.length} facts`), factList(facts)) : null;
     return h("li", { class: "clause" }, heading, h("p", { class: "reason" }, reason ?? ""), list);
   }
+}
+
+/** Facts with a label as a list of terms, the others as plain lines. */
+function factList(facts) {
+  if (facts.every(({ label }) => label)) return h("dl", {}, ...facts.flatMap(({ label, text }) => [h("dt", {}, label), h("dd", {}, text)]));
+  return h("ul", { class: "facts" }, ...facts.map(({ label, text }) => h("li", {}, label ? `${label}: ${text}` : text)));
 }
 
 export class ComparisonPanel {
@@ -64,14 +70,15 @@ export class ComparisonPanel {
     if (comparison === this.drawn) return;
     this.drawn = comparison;
     if (!comparison) return this.body.replaceChildren();
-    const keys = comparison.find((rule) => rule.answers?.length)?.answers.map(({ key }) => key) ?? [];
+    const chosen = { rule: this.results.geometry?.rule, answers: this.results.checked?.answers ?? [] };
+    const all = [chosen, ...comparison.filter(({ rule }) => rule !== chosen.rule)];
+    const keys = all.find((rule) => rule.answers?.length)?.answers.map(({ key }) => key) ?? [];
     this.head.replaceChildren(h("th", { scope: "col" }, "Rule"), ...keys.map((key) => h("th", { scope: "col" }, key)));
-    this.body.replaceChildren(...comparison.map((rule) => this.#row(rule, keys)));
+    this.body.replaceChildren(...all.map((rule) => this.#row(rule, keys, rule === chosen)));
   }
 
-  #row({ rule, answers, verdict: said, why_not: whyNot, reason }, keys) {
+  #row({ rule, answers, verdict: said, why_not: whyNot, reason }, keys, now) {
     const name = h("button", { type: "button", class: "link", title: `Check under rule ${rule}`, onclick: () => this.choose(rule) }, rule);
-    const now = this.results.geometry?.rule === rule;
     const cells = answers?.length
       ? keys.map((key) => {
         const found = answers.find((answer) => answer.key === key);
@@ -81,6 +88,9 @@ export class ComparisonPanel {
     return h("tr", now ? { class: "selected", "aria-current": "true" } : {}, h("th", { scope: "row" }, name), ...cells);
   }
 }
+
+const STATED = ["sequence", "stage", "time", "took", "verdict", "sentence", "tone"]; // shown otherwise, or not at all
+const LABELS = { factor: "holds up to this multiple", radius: "bodies end within" };
 
 export class TolerancePanel {
   constructor({ section, body }, results) {
@@ -98,12 +108,10 @@ export class TolerancePanel {
     }
     if (tolerance === this.drawn) return;
     this.drawn = tolerance;
-    const facts = [["Holds up to", tolerance.factor, "times the tolerances"], ["Bodies end within", tolerance.radius, ""]];
-    const rows = facts.filter(([, value]) => value !== null && value !== undefined);
+    const rows = Object.entries(tolerance).filter(([key, value]) => !STATED.includes(key) && ["number", "string"].includes(typeof value));
     this.body.replaceChildren(
-      verdict(tolerance.verdict ?? "undecided"), h("p", {}, tolerance.sentence ?? ""),
-      h("dl", {}, ...rows.flatMap(([label, value, unit]) => [h("dt", {}, label), h("dd", {}, `${typeof value === "number" ? shown(value) : value} ${unit}`)])),
-      ...(tolerance.binding ? [h("p", { class: "reason" }, `What binds: ${tolerance.binding}`)] : []),
+      verdict(tolerance.verdict ?? "undecided", tolerance.tone), h("p", {}, tolerance.sentence ?? ""),
+      h("dl", {}, ...rows.flatMap(([key, value]) => [h("dt", {}, LABELS[key] ?? key.replaceAll("_", " ")), h("dd", {}, typeof value === "number" ? shown(value) : value)])),
     );
   }
 }
@@ -123,7 +131,7 @@ export class PathsPanel {
     paths.forEach(({ end, events = [], error }, k) => {
       items[k].className = `tone-${k % 6}`;
       say(items[k].firstChild, `Start ${k + 1}`);
-      say(items[k].lastChild, error ?? `${typeof end === "string" ? end : end?.reason ?? ""}${events.length ? `, ${events.length} event${events.length === 1 ? "" : "s"}` : ""}`);
+      say(items[k].lastChild, error ?? `${end}${events.length ? `, ${events.length} event${events.length === 1 ? "" : "s"}` : ""}`);
     });
   }
 }

@@ -47,7 +47,7 @@ export class Files {
   }
 
   #open(document) {
-    this.store.open(document, [], 10);
+    this.store.open(document);
     this.drawing.touched = false;
     this.drawing.fitsNext = true;
   }

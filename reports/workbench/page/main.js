@@ -17,7 +17,7 @@ import { startReadout } from "./readout.js";
 import { Results } from "./results.js";
 import { Sliders, SettingsPanel } from "./settings_panel.js";
 import { Playback, StartsPanel } from "./starts_panel.js";
-import { Store } from "./store.js";
+import { Store, usualTime } from "./store.js";
 import { startTheme } from "./theme.js";
 import { Toolbar, wheelActions } from "./toolbar.js";
 import { WheelPanel } from "./wheel_panel.js";
@@ -54,7 +54,7 @@ function controls() {
   const files = new Files({ scenes: byId("scene"), rules: byId("rule"), menu: byId("export-menu"), input: byId("file"), dialog: byId("export-box") }, { api, store, drawing, tell });
   const help = () => byId("help").showModal();
   new Pointer(drawing, operations, conversation);
-  startReadout(byId("readout"), drawing);
+  startReadout(byId("readout"), byId("how"), drawing);
   startTheme(byId("theme"));
   listen(keyTable({ store, operations, actions: wheelActions(operations, store), drawing, playback, starts, files, help }), byId("keys"));
   byId("help-button").addEventListener("click", help);
@@ -91,7 +91,7 @@ async function begin() {
   const files = controls();
   const carried = await Address.opened();
   new Address(store);
-  if (carried) store.begin({ document: carried.document, starts: carried.starts ?? [], until: carried.until ?? 10 });
+  if (carried) store.begin({ starts: [], until: usualTime(carried.document), ...carried });
   await scenes(files, carried);
   notices.look();
 }
@@ -102,7 +102,7 @@ async function scenes(files, carried) {
     const opened = await files.load();
     if (!carried) {
       const { document } = await api.json(`/api/scenes/${encodeURIComponent(opened ?? FIRST)}`);
-      store.begin({ document, starts: [], until: 10 });
+      store.begin({ document, starts: [], until: usualTime(document) });
     }
   } catch (error) {
     conversation.dispatchEvent(new CustomEvent("trouble", { detail: { kind: error.kind, message: error.message } }));
@@ -110,4 +110,5 @@ async function scenes(files, carried) {
   }
 }
 
+window.workbench = Object.freeze({ store, conversation, results, drawing }); // for the console, and for measurements
 begin();

@@ -33,7 +33,7 @@ export class Notices {
   #trouble({ kind, message }) {
     if (kind === "lost") this.#raise("The workbench's server does not answer. The page tries again by itself; nothing is lost.", false);
     else if (kind === "token") this.#raise("The server has another token now. Paste the address that the command printed:", true);
-    else this.tell(message);
+    else if (kind !== "busy") this.tell(message);
   }
 
   #raise(text, asks) {

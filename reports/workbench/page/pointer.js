@@ -106,9 +106,9 @@ export class Pointer {
     const grid = this.operations.grid;
     const [x, y] = this.drawing.view.under(...pixel);
     this.store.edit(({ starts }) => {
-      const [oldX, oldY, theta = 0] = starts[index];
+      const [oldX, oldY, ...others] = starts[index];
       const turned = [oldX, oldY, roundTo(Math.atan2(y - oldY, x - oldX), 0.01)];
-      const moved = [roundTo(x, grid), roundTo(y, grid), theta];
+      const moved = [roundTo(x, grid), roundTo(y, grid), ...others];
       return { starts: starts.map((start, k) => (k === index ? (kind === "turn" ? turned : moved) : start)) };
     }, { merge: id });
   }

@@ -5,7 +5,14 @@ import { say } from "./dom.js";
 import { isSystem } from "./scene_document.js";
 import { shown } from "./values.js";
 
-export function startReadout(line, drawing) {
+const KINDS = { exact: "cells: exact", sampled: "motion: sampled in floats", none: "" };
+
+export function startReadout(line, how, drawing) {
+  drawing.results.addEventListener("change", () => {
+    const { geometry } = drawing.results;
+    document.body.classList.toggle("without-cells", geometry?.geometry === "sampled");
+    say(how, geometry?.note ?? KINDS[geometry?.geometry] ?? "");
+  });
   drawing.element.addEventListener("readout", ({ detail }) => say(line, text(drawing, detail)));
   drawing.element.addEventListener("pointerleave", () => say(line, ""));
 }

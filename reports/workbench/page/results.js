@@ -38,6 +38,7 @@ export class Results extends EventTarget {
     if (stage === "fast" || stage === "exact") this.#geometry(line);
     else if (stage === "paths") this.#take("paths", line.paths ?? []);
     else if (stage === "comparison") this.#take("comparison", line.rules ?? []);
+    else if (stage === "equilibria") this.geometry = { ...this.geometry, equilibria: line.equilibria };
     else if (stage === "tolerance") this.#take("tolerance", line);
     else if (stage === "error") this.#error(line);
     else if (stage === "done") this.#done();
@@ -49,8 +50,8 @@ export class Results extends EventTarget {
     this.error = null;
     this.status = line.stage;
     const { answers, clauses, verdict, reason, ...geometry } = line;
-    const cellsLater = line.stage === "exact" && !line.cells && !line.field && !line.system;
-    this.#take("geometry", cellsLater ? { ...this.geometry, ...geometry } : geometry);
+    if (line.stage === "fast") this.#take("geometry", withSquare(geometry));
+    else this.geometry = { ...this.geometry, ...geometry, system: { ...this.geometry?.system, ...geometry.system } };
     if (!answers) return;
     this.#take("checked", { answers, clauses: clauses ?? null, verdict: verdict ?? null, reason, stage: line.stage });
   }
@@ -76,11 +77,17 @@ export class Results extends EventTarget {
 
   #trouble({ kind, message }) {
     if (kind === "lost" || kind === "token") this.status = "lost";
-    else this.#error({ message, key: null });
+    else if (kind !== "busy") this.#error({ message, key: null });
     this.#tell("trouble");
   }
 
   #tell(stage) {
     this.dispatchEvent(new CustomEvent("change", { detail: { stage } }));
   }
+}
+
+/** A plain system states its checked point and radius inside its own record. */
+function withSquare(geometry) {
+  const { centre, square } = geometry.system ?? {};
+  return centre?.length === 2 ? { ...geometry, square: { x: centre[0], y: centre[1], ...square } } : geometry;
 }

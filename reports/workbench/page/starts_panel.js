@@ -23,7 +23,8 @@ export class StartsPanel {
     const angle = 0.6 + this.store.now.starts.length * 2.4;
     const step = 10 ** (Math.floor(Math.log10(square.radius)) - 1);
     const [x, y] = place ?? [square.x + RING * square.radius * Math.cos(angle), square.y + RING * square.radius * Math.sin(angle)];
-    const start = [roundTo(x, step), roundTo(y, step), 0];
+    const others = (this.store.document.system?.states.length ?? 3) - 2; // theta, or further states
+    const start = [roundTo(x, step), roundTo(y, step), ...Array(others).fill(0)];
     this.store.edit(({ starts }) => ({ starts: [...starts, start] }));
     this.drawing.active = this.store.now.starts.length - 1;
     this.drawing.request();
@@ -52,24 +53,25 @@ export class StartsPanel {
   show() {
     const { starts, until } = this.store.now;
     if (document.activeElement !== this.until) this.until.value = String(until);
-    const rows = pool(this.list, starts.length, () => this.#row());
-    const names = isSystem(this.store.document) ? [...(this.store.document.system?.states ?? ["x", "y"])] : ["x", "y", "theta"];
+    const names = isSystem(this.store.document) ? this.store.document.system.states : ["x", "y", "theta"];
+    if (names.length !== this.width) this.list.replaceChildren();
+    this.width = names.length;
+    const rows = pool(this.list, starts.length, () => this.#row(names.length));
     starts.forEach((start, k) => {
       rows[k].className = `start-row tone-${k % 6}`;
       const [name, ...parts] = rows[k].children;
       say(name, String(k + 1));
       parts.pop().setAttribute("aria-label", `Remove start ${k + 1}`);
       parts.forEach((input, place) => {
-        input.hidden = place >= names.length;
         input.setAttribute("aria-label", `${names[place]} of start ${k + 1}`);
         if (document.activeElement !== input) input.value = String(start[place] ?? 0);
       });
     });
   }
 
-  #row() {
+  #row(width) {
     const index = () => [...this.list.children].indexOf(row);
-    const inputs = [0, 1, 2].map((place) => {
+    const inputs = [...Array(width).keys()].map((place) => {
       const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off" });
       input.addEventListener("change", () => this.#take(index(), place, input));
       return input;

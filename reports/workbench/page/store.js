@@ -4,10 +4,13 @@
 
 const STEPS = 1000; // kept for undo; documents share what they do not change
 
+/** How long paths are followed unless somebody says otherwise: bodies on wheels come to rest soon. */
+export const usualTime = (document) => (document.system ? 10 : 3);
+
 export class Store extends EventTarget {
   constructor() {
     super();
-    this.now = { document: {}, starts: [], until: 10 };
+    this.now = { document: {}, starts: [], until: 3 };
     this.selection = [];
     this.past = [];
     this.future = [];
@@ -38,7 +41,7 @@ export class Store extends EventTarget {
   }
 
   /** A scene that is opened is a step as well: undo goes back to the one before. */
-  open(document, starts = [], until = 10) {
+  open(document, starts = [], until = usualTime(document)) {
     this.selection = [];
     this.dispatchEvent(new Event("open"));
     this.edit(() => ({ document, starts, until }));

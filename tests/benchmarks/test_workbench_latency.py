@@ -1,0 +1,138 @@
+"""How long the workbench takes from a pointer move to new cells and answers, in Chromium, over 200 drags.
+
+Two ways of dragging. *Step by step*: the next move comes when the answers to the last are there. *Flowing*: a move
+every 16 ms, as a hand makes them; moves that a newer one overtakes are never asked for, and the time counts from the
+newest move that a reply is about. Times end when the frame with the new cells is on the screen.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM, Opened, Server, chromium, running, settled
+
+pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)]
+
+MOVES = 200
+SCENES = {"four-wheel": (60, 120), "grid-4x4": (250, 250)}  # milliseconds: median, 95 %
+LONGEST_TASK = 100  # milliseconds that the page's own work may hold up a frame
+RADIUS = 30  # pixels of the circle on which the wheel is dragged
+
+# Watches pointer moves, requests, replies, painted frames, and tasks that block the page.
+WATCH = """() => {
+    const seen = { move: 0, sent: {}, rows: [], frames: [], tasks: [] };
+    window.watch = seen;
+    addEventListener('pointermove', (event) => { seen.move = event.timeStamp; }, true);
+    const { conversation, results } = workbench;
+    conversation.addEventListener('asked', ({ detail }) => { seen.sent[detail.sequence] = seen.move; });
+    results.addEventListener('change', ({ detail }) => {
+        if (detail.stage !== 'fast' && detail.stage !== 'exact') return;
+        const row = { stage: detail.stage, moved: seen.sent[results.sequence], sequence: results.sequence };
+        requestAnimationFrame(() => { const { port1, port2 } = new MessageChannel();
+            port1.onmessage = () => { row.shown = performance.now(); seen.rows.push(row); };
+            port2.postMessage(null); });
+    });
+    new PerformanceObserver((list) => seen.tasks.push(...list.getEntries().map((entry) => entry.duration)))
+        .observe({ entryTypes: ['longtask'] });
+    let last = performance.now();
+    const frame = (now) => { seen.frames.push(now - last); last = now; requestAnimationFrame(frame); };
+    requestAnimationFrame(frame);
+}"""
+PLACE = """(k) => { const wheel = workbench.drawing.wheels()[k];
+    const box = workbench.drawing.element.getBoundingClientRect();
+    const [x, y] = workbench.drawing.view.at(wheel.x, wheel.y);
+    return [x + box.left, y + box.top]; }"""
+ANSWERED = """() => new Promise((ready) => { const before = watch.answered ?? 0;
+    const look = () => { const found = watch.rows.findLast((row) => row.stage === 'exact');
+        if (found && found.sequence > before && found.moved >= watch.move) {
+            watch.answered = found.sequence; ready(); }
+        else setTimeout(look, 2); };
+    look(); })"""
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    with running(tmp_path_factory.mktemp("state")) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as browser:
+        yield browser
+
+
+def opened(browser: Browser, server: Server, scene: str) -> Page:
+    """The page with the scene, watched."""
+    page = Opened(browser, server.address).page
+    if scene != "four-wheel":
+        page.select_option("#scene", scene)
+        page.locator("#status[data-state=working]").wait_for(state="detached")
+    settled(page)
+    page.evaluate(WATCH)
+    return page
+
+
+def along(centre: tuple[float, float]) -> Iterator[tuple[float, float]]:
+    """Places on a circle through the wheel's own; no two alike, so every move changes the scene."""
+    x, y = centre
+    for k in range(1, MOVES + 1):
+        turn, radius = 2 * math.pi * k / 47, RADIUS * (1 + 0.3 * math.sin(k))
+        yield x - radius + radius * math.cos(turn), y + radius * math.sin(turn)
+
+
+def drag(page: Page, scene: str, *, flowing: bool) -> None:
+    """One wheel, moved MOVES times."""
+    x, y = page.evaluate(PLACE, 0)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for place in along((x, y)):
+        began = time.perf_counter()
+        page.mouse.move(*place)
+        if flowing:
+            page.wait_for_timeout(max(0.0, 16 - 1000 * (time.perf_counter() - began)))
+        else:
+            page.evaluate(ANSWERED)
+    page.mouse.up()
+    settled(page)
+
+
+def times(rows: list[dict[str, Any]], stage: str) -> Any:
+    """Milliseconds from the pointer move to the frame that shows this stage."""
+    return np.array([row["shown"] - row["moved"] for row in rows if row["stage"] == stage and row["moved"]])
+
+
+@pytest.mark.parametrize("flowing", [False, True], ids=["step by step", "flowing"])
+@pytest.mark.parametrize("scene", SCENES)
+def test_cells_and_answers_follow_the_pointer(
+    browser: Browser, server: Server, scene: str, flowing: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = opened(browser, server, scene)
+    load = os.getloadavg()[0]
+    drag(page, scene, flowing=flowing)
+    seen = page.evaluate("() => watch")
+    page.context.close()
+    longest = max(seen["tasks"], default=0)
+    lines = [f"{scene}, {'flowing' if flowing else 'step by step'}, load {load:.1f} on {os.cpu_count()} cores:"]
+    for stage in ("fast", "exact"):
+        found = times(seen["rows"], stage)
+        if len(found):
+            median, most = np.percentile(found, [50, 95])
+            lines.append(f"{stage}: {len(found)} shown, median {median:.0f} ms, 95 % {most:.0f} ms, max {found.max():.0f}")
+    frames = np.sort(seen["frames"])[::-1]
+    lines.append(f"longest task {longest:.0f} ms, longest frames {', '.join(f'{f:.0f}' for f in frames[:3])} ms")
+    with capsys.disabled():
+        print("\n  " + "\n    ".join(lines), end="")
+    median, most = np.percentile(times(seen["rows"], "fast"), [50, 95])
+    assert longest <= LONGEST_TASK
+    assert median <= SCENES[scene][0]
+    assert most <= SCENES[scene][1]
