@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -16,6 +16,7 @@ from nonsmooth.analysis.minimizers.sampled_field import sample_field
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
+from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.reports.exact_record import floats
 from nonsmooth.reports.facts import fact_lines, fact_record
 from nonsmooth.reports.interface.array import Array
@@ -54,7 +55,7 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
         RefusalError: where the motion is not determined.
         SceneError: where a wheel lies exactly under the edge of the body.
     """
-    began, wanted = time.perf_counter(), request.get("want")
+    began = time.perf_counter()
 
     def timed(stage: Stage) -> Stage:
         return {**stage, "time": round(time.perf_counter() - began, 6)}
@@ -62,18 +63,23 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
     with watched(array.scene.field, lambda: announce("")):
         yield timed(fast_stage(array))
         try:
-            yield timed(exact_stage(check_scene(array.scene, ask_others=False, beside=False, announce=announce)))
+            result = check_scene(array.scene, ask_others=False, beside=False, announce=announce)
         except TipsError as tipping:
             yield timed(tipped_stage(TippedResult(array.scene, tipping)))
             return
-        for stage in _later_stages(array, request, wanted, announce):
+        yield timed(exact_stage(result))
+        for stage in _later_stages(array, result, request, announce):
             yield timed(stage)
 
 
-def _later_stages(array: Array, request: dict[str, Any], wanted: Collection[str] | None, announce: Announce) -> Any:
+def _later_stages(array: Array, result: CheckResult, request: Mapping[str, Any], announce: Announce) -> Iterator[Stage]:
     """What takes longer and changes no answer."""
+    wanted = request.get("want")
     if _is_wanted("paths", wanted) and request.get("starts"):
         yield {"stage": "paths", "paths": path_records(array, request, announce)}
+    if _is_wanted("clauses", wanted):
+        announce("facts")
+        yield facts_stage(result)
     if _is_wanted("equilibria", wanted):
         announce("other equilibria")
         yield {"stage": "equilibria", **equilibria_record(array)}
@@ -146,25 +152,32 @@ def _values(scene: Scene) -> dict[str, Any]:
 def exact_stage(result: CheckResult) -> Stage:
     """The answers and clauses of a check whose evidence is verified."""
     evidence = result.evidence
-    clauses = [
-        {
-            "key": clause.name,
-            "title": clause.name,
-            "verdict": str(found.verdict),
-            "reason": found.reason,
-            "facts": [{"label": "", "text": line} for line in fact_lines(evidence.facts(clause))],
-        }
-        for clause, found in evidence.clauses
-    ]
     return {
         "stage": "exact",
         "kind": "array",
         "answers": answer_records((result.position, result.heading, result.pose)),
-        "clauses": clauses,
+        "clauses": [_clause_record(clause.name, found) for clause, found in evidence.clauses],
         "verdict": result.theorem4,
         "reason": evidence.reason,
         "rule": evidence.scene.contact.rule,
     }
+
+
+def facts_stage(result: CheckResult) -> Stage:
+    """The clauses with everything else that there is to say of them."""
+    evidence = result.evidence
+    clauses = [
+        {
+            **_clause_record(clause.name, found),
+            "facts": [{"label": "", "text": line} for line in fact_lines(evidence.facts(clause))],
+        }
+        for clause, found in evidence.clauses
+    ]
+    return {"stage": "facts", "clauses": clauses}
+
+
+def _clause_record(name: str, found: ClauseResult) -> dict[str, Any]:
+    return {"key": name, "title": name, "verdict": str(found.verdict), "reason": found.reason, "facts": []}
 
 
 def tipped_stage(result: TippedResult) -> Stage:

@@ -33,6 +33,7 @@ def listening(port: int | None) -> socket.socket:
             if candidate == 0 or port is not None:
                 raise
         else:
+            listener.listen(BACKLOG)  # at once: who reads the address may connect
             return listener
     raise OSError("no port")
 
