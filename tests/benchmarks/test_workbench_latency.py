@@ -51,12 +51,11 @@ PLACE = """(k) => { const wheel = workbench.drawing.wheels()[k];
     const box = workbench.drawing.element.getBoundingClientRect();
     const [x, y] = workbench.drawing.view.at(wheel.x, wheel.y);
     return [x + box.left, y + box.top]; }"""
-ANSWERED = """() => new Promise((ready) => { const before = watch.answered ?? 0;
-    const look = () => { const found = watch.rows.findLast((row) => row.stage === 'exact');
-        if (found && found.sequence > before && found.moved >= watch.move) {
-            watch.answered = found.sequence; ready(); }
+ANSWERED = """() => new Promise((ready) => { const began = performance.now();
+    const look = () => { const answered = !workbench.results.stale.has('checked');
+        if (answered || performance.now() - began > 5000) requestAnimationFrame(() => setTimeout(ready, 0));
         else setTimeout(look, 2); };
-    look(); })"""
+    requestAnimationFrame(() => requestAnimationFrame(look)); })"""
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,9 @@
 // May be changed: PATIENCE, and what is wanted while a drag goes on.
 
 const PATIENCE = 60; // milliseconds between the fast stage and a newer request
-const ALL = ["cells", "answers", "clauses", "equilibria", "comparison", "tolerance", "paths"];
-const DURING_DRAG = ["cells", "answers", "clauses", "paths"];
+// Cells and answers come always; these cost more.
+const ALL = ["paths", "clauses", "equilibria", "comparison", "tolerance"];
+const DURING_DRAG = ["paths"];
 const RETRY = [300, 700, 1500, 3000]; // milliseconds until a lost server is asked again; the last one repeats
 
 export class Conversation extends EventTarget {
@@ -31,7 +32,7 @@ export class Conversation extends EventTarget {
   refresh({ again = false } = {}) {
     if (again) this.asked = "";
     if (this.#question() === this.asked || !this.store.document || !Object.keys(this.store.document).length) return;
-    if (this.flight && !this.flight.heard) return;
+    if (this.retry || (this.flight && !this.flight.heard)) return; // a lost server is asked now and then only
     this.#ask();
   }
 
@@ -80,7 +81,10 @@ export class Conversation extends EventTarget {
     if (error.kind !== "lost" && error.kind !== "busy") return;
     const wait = RETRY[Math.min(this.losses, RETRY.length - 1)];
     this.losses += 1;
-    setTimeout(() => this.refresh({ again: true }), wait);
+    this.retry ??= setTimeout(() => {
+      this.retry = undefined;
+      this.refresh({ again: true });
+    }, wait);
   }
 
   #tell(name, detail) {

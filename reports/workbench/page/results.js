@@ -39,6 +39,7 @@ export class Results extends EventTarget {
     else if (stage === "paths") this.#take("paths", line.paths ?? []);
     else if (stage === "comparison") this.#take("comparison", line.rules ?? []);
     else if (stage === "equilibria") this.geometry = { ...this.geometry, equilibria: line.equilibria };
+    else if (stage === "facts") this.checked = { ...this.checked, clauses: line.clauses };
     else if (stage === "tolerance") this.#take("tolerance", line);
     else if (stage === "error") this.#error(line);
     else if (stage === "done") this.#done();
