@@ -110,7 +110,7 @@ class Pool:
         return cancelled
 
     async def _take(self, cancelled: asyncio.Event) -> Process:
-        """An idle worker.
+        """An idle worker; those that were killed meanwhile are replaced.
 
         Raises:
             StoppedError: where the job is cancelled before there is one.
@@ -118,6 +118,9 @@ class Pool:
         self._waiting += 1
         try:
             worker = await _unless(cancelled, self._idle.get())
+            while worker.is_gone:
+                await self._replace(worker)
+                worker = await _unless(cancelled, self._idle.get())
         finally:
             self._waiting -= 1
         worker.jobs += 1
