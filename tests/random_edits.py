@@ -11,6 +11,8 @@ from tests.workbench_server import Workbench
 KINDS = ("drag", "drag", "drag", "turn", "slide", "rule", "exact", "starts", "nonsense")
 RULES = ("nearest", "nearest", "ellipse", "box")
 MOST = 8  # wheels
+LEFT = 0.5  # of the views
+FAULT = "fault of the program"
 OPERATIONS: tuple[dict[str, Any], ...] = (
     {"kind": "add", "position": [0.3, 0.2]},
     {"kind": "mirror", "axis": "x"},
@@ -33,24 +35,31 @@ class Hand:
         self.seen: dict[str, int] = {}
 
     def edit(self) -> None:
-        """One edit, and the view of what comes of it."""
+        """One edit, and the view of what comes of it; half of the views are left for the next one, as in a drag."""
         kept, kind = self.document, self.random.choice(KINDS)
         self.document = copy.deepcopy(kept)
         getattr(self, f"_{kind}")()
         self.sequence += 1
         starts = [[self.random.uniform(-0.4, 0.4), self.random.uniform(-0.4, 0.4), 0.0]]
         more: dict[str, Any] = {"starts": starts} if kind == "starts" else {}
-        stages = self.server.stages(self.document, tab=self.tab, sequence=self.sequence, want=["paths"], **more)
-        names = [stage["stage"] for stage in stages]
-        assert names[-1] == "done"
-        assert {stage["sequence"] for stage in stages} == {self.sequence}
+        is_left = self.random.random() < LEFT
+        names = self._look(is_left, {"want": ["paths"], **more})
         for name in names:
             self.seen[name] = self.seen.get(name, 0) + 1
         if "error" in names:
-            assert "fault of the program" not in stages[names.index("error")]["message"], stages
             self.document = kept
         elif len(self.document["wheel"]) > MOST:
             self.document = self.first
+
+    def _look(self, is_left: bool, more: dict[str, Any]) -> list[str]:
+        """The stages of the view of the document, or the first of them."""
+        with self.server.stream(self.document, tab=self.tab, sequence=self.sequence, **more) as lines:
+            stages = [next(lines)] if is_left else list(lines)
+        names = [stage["stage"] for stage in stages]
+        assert is_left or names[-1] == "done"
+        assert {stage["sequence"] for stage in stages} == {self.sequence}
+        assert not any(FAULT in stage.get("message", "") for stage in stages), self.document
+        return names
 
     def _wheel(self) -> dict[str, Any]:
         found: dict[str, Any] = self.random.choice(self.document["wheel"])
