@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, write
+from nonsmooth.reports.console import RefusedError, broken_pipes_raised, write
 from nonsmooth.reports.options import complete_scene
 
 NEEDED = "workbench: required starlette and uvicorn (pip install 'nonsmooth[workbench]'), received a Python without"
@@ -48,7 +49,8 @@ def workbench(scene: Scene = None, port: Port = None, no_browser: NoBrowser = Fa
         import webbrowser
 
         webbrowser.open(address)
-    run(listener, Settings(token, number, scene=scene))
+    with broken_pipes_raised(), suppress(KeyboardInterrupt):  # Ctrl-C is how a user closes it
+        run(listener, Settings(token, number, scene=scene))
     return 0
 
 

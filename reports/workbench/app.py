@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
@@ -31,7 +32,14 @@ TYPES = {
     ".png": "image/png",
     ".json": "application/json",
 }
-SECONDS = {"view": 60.0, "open": 15.0, "scene": 30.0, "edit": 15.0, "export": 120.0}  # in which a job must end
+SECONDS = {
+    "view": 60.0,
+    "open": 15.0,
+    "scenes": 30.0,
+    "scene": 30.0,
+    "edit": 15.0,
+    "export": 120.0,
+}  # in which a job must end
 MAX_TAB = 64  # characters of the name of a tab
 MAX_SEQUENCE = 2**53  # up to which a browser counts
 BUSY = "required fewer requests at once"
@@ -71,7 +79,15 @@ def build_app(settings: Settings) -> Starlette:
             pool.close()
 
     middleware = [Middleware(Safety, token=settings.token, port=settings.port)]
-    return Starlette(routes=routes.table(), middleware=middleware, lifespan=life)
+    handlers = {HTTPException: _unknown}
+    return Starlette(routes=routes.table(), middleware=middleware, exception_handlers=handlers, lifespan=life)
+
+
+async def _unknown(request: Request, error: Exception) -> Response:
+    """A path or a method that there is not."""
+    del request
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    return JSONResponse({"error": "required a path and a method of the workbench"}, status)
 
 
 class Routes:
@@ -119,18 +135,15 @@ class Routes:
     async def scenes(self, request: Request) -> Response:
         """The built-in scenes, the contact rules, and what the command line named."""
         del request
-        from nonsmooth.reports.workbench.catalogue import catalogue
-
-        return JSONResponse({**catalogue(), "opened": self._settings.scene, "version": own_version()})
+        answer = await self._answer("scenes", b"")
+        if isinstance(answer, Response):
+            return answer
+        return JSONResponse({**answer, "opened": self._settings.scene, "version": own_version()})
 
     async def scene(self, request: Request) -> Response:
         """The document of a built-in scene, or of the one that the command line named."""
-        from nonsmooth.reports.workbench.catalogue import catalogue
-
         name = request.path_params["name"]
-        if name != self._settings.scene and name not in [scene["name"] for scene in catalogue()["scenes"]]:
-            return JSONResponse({"error": "required the name of a built-in scene"}, 404)
-        return await self._one("scene", name.encode())
+        return await self._one("file" if name == self._settings.scene else "scene", name.encode())
 
     async def open(self, request: Request) -> Response:
         """The document of a text."""

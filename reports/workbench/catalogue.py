@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 from nonsmooth.analysis.contact_rule import CellRule, all_rules
@@ -10,7 +9,6 @@ from nonsmooth.symbolic.files.scene_file import builtin_descriptions
 from nonsmooth.symbolic.files.system_file import system_descriptions
 
 
-@cache
 def catalogue() -> dict[str, Any]:
     """Scenes and rules, each with one line about it."""
     kinds = {"array": builtin_descriptions(), "system": system_descriptions()}

@@ -138,9 +138,8 @@ def _expand(edit: _Edit) -> Edited:
 
 def _add(edit: _Edit) -> Edited:
     """A wheel at a place; it takes what it does not name from the scene."""
-    x, y = edit.operation.get("position") or (None, None)
     _ = edit.pair("position")
-    table: Document = {"position": [x, y]}
+    table: Document = {"position": edit.operation["position"]}
     if "field" not in edit.document:
         table |= {"heading": "inward", "speed": 1}
     friction, last = edit.document.get("friction", {}), edit.array.scene.wheels[-1].friction

@@ -9,11 +9,13 @@ from typing import Any, TypeAlias
 
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.workbench.array_view import array_stages
+from nonsmooth.reports.workbench.catalogue import catalogue
 from nonsmooth.reports.workbench.documents import document_of, opened, read_toml
 from nonsmooth.reports.workbench.exact_edits import edited
 from nonsmooth.reports.workbench.exports import exported
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.system_view import system_stages
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
 
 Announce: TypeAlias = Callable[[str], None]
 Message: TypeAlias = dict[str, Any]
@@ -71,9 +73,23 @@ def open_text(body: bytes, announce: Announce) -> Iterator[Message]:
 
 
 def open_scene(body: bytes, announce: Announce) -> Iterator[Message]:
-    """The document of a built-in scene, or of the file that the command line named."""
+    """The document of a built-in scene."""
+    name = body.decode()
+    if name not in (*builtin_scenes(), *builtin_systems()):
+        raise RequestError("scene: required the name of a built-in array or plain system")
+    yield from open_file(body, announce)
+
+
+def open_file(body: bytes, announce: Announce) -> Iterator[Message]:
+    """The document of what the command line named; no request of the page comes here with another name."""
     del announce
     yield {"document": document_of(body.decode())}
+
+
+def list_scenes(body: bytes, announce: Announce) -> Iterator[Message]:
+    """The built-in scenes and the contact rules."""
+    del body, announce
+    yield catalogue()
 
 
 def _table(request: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -83,4 +99,12 @@ def _table(request: Mapping[str, Any], key: str) -> dict[str, Any]:
     return found
 
 
-JOBS: dict[str, Job] = {"view": view, "edit": edit, "export": export, "open": open_text, "scene": open_scene}
+JOBS: dict[str, Job] = {
+    "view": view,
+    "edit": edit,
+    "export": export,
+    "open": open_text,
+    "scene": open_scene,
+    "file": open_file,
+    "scenes": list_scenes,
+}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -25,7 +25,7 @@ SAMPLES = 160  # times at which a path is drawn
 MOST_EVENTS = 60  # events of one path that are sent; accumulating switches have no end
 
 
-def path_records(made: Array | System, request: dict[str, Any], announce: Announce) -> list[dict[str, Any]]:
+def path_records(made: Array | System, request: Mapping[str, Any], announce: Announce) -> list[dict[str, Any]]:
     """A record for each start; one that cannot be followed says why.
 
     Raises:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable
+from contextlib import aclosing
 from typing import Any, NamedTuple, TypeVar
 
 from nonsmooth.reports.workbench.process import Process, start_method
@@ -12,6 +13,7 @@ from nonsmooth.reports.workbench.worker import CANCELLED, END
 
 GRACE = 0.15  # seconds that a cancelled job has to end before its worker is killed
 MOST_WAITING = 32  # jobs that wait for a worker; more are refused
+TRIES = 2  # of a job whose process dies before it has said anything
 MOST_JOBS = 500  # after which a worker is replaced, whatever caches it has filled
 
 Kind = TypeVar("Kind")
@@ -43,6 +45,10 @@ class StoppedError(Exception):
     def __init__(self, *stages: dict[str, Any]) -> None:
         super().__init__()
         self.stages = stages
+
+
+class DiedError(StoppedError):
+    """A job whose process ended."""
 
 
 class Pool:
@@ -84,20 +90,38 @@ class Pool:
         """
         cancelled = self._begin(tab)
         try:
-            worker = await self._take(cancelled)
-            ended = False
-            try:
-                async for message in _messages(worker, job, cancelled):
+            async with aclosing(self._tried(job, cancelled)) as messages:
+                async for message in messages:
                     yield _numbered(message, job.sequence)
-                ended = True
-            finally:
-                self._give_back(worker, ended=ended)
         except StoppedError as stopped:
             for stage in stopped.stages:
                 yield _numbered(json.dumps(stage).encode() + b"\n", job.sequence)
         finally:
             if tab is not None and self._tabs.get(tab) is cancelled:
                 del self._tabs[tab]
+
+    async def _tried(self, job: Job, cancelled: asyncio.Event) -> AsyncGenerator[bytes, None]:
+        """The messages of a job; where its process is killed before the first one, once more by another process.
+
+        Raises:
+            StoppedError: where it comes to no end of its own.
+        """
+        has_begun, tries = False, 0
+        while True:
+            worker, ended = await self._take(cancelled), False
+            tries += 1
+            try:
+                async for message in _messages(worker, job, cancelled):
+                    has_begun = True
+                    yield message
+                ended = True
+            except DiedError:
+                if has_begun or tries == TRIES:
+                    raise
+            finally:
+                self._give_back(worker, ended=ended)
+            if ended:
+                return
 
     def _begin(self, tab: str | None) -> asyncio.Event:
         """The event that cancels a new job of a tab; that of its older job is set."""
@@ -110,7 +134,7 @@ class Pool:
         return cancelled
 
     async def _take(self, cancelled: asyncio.Event) -> Process:
-        """An idle worker.
+        """An idle worker; those that were killed meanwhile are replaced.
 
         Raises:
             StoppedError: where the job is cancelled before there is one.
@@ -118,6 +142,9 @@ class Pool:
         self._waiting += 1
         try:
             worker = await _unless(cancelled, self._idle.get())
+            while worker.is_gone:
+                await self._replace(worker)
+                worker = await _unless(cancelled, self._idle.get())
         finally:
             self._waiting -= 1
         worker.jobs += 1
@@ -130,7 +157,8 @@ class Pool:
         if ended and worker.jobs < MOST_JOBS:
             self._idle.put_nowait(worker)
             return
-        task = asyncio.ensure_future(self._replace(worker) if ended else self._stop(worker))
+        is_useless = ended or worker.is_gone
+        task = asyncio.ensure_future(self._replace(worker) if is_useless else self._stop(worker))
         self._stopping.add(task)
         task.add_done_callback(self._stopping.discard)
 
@@ -178,7 +206,7 @@ async def _messages(worker: Process, job: Job, cancelled: asyncio.Event) -> Asyn
             expected = f"required a scene whose view takes at most {job.seconds:g} s, received one that takes longer"
             raise StoppedError(*_error(expected)) from None
         if message is None:
-            raise StoppedError(*_error("the process of this computation ended (killed, or out of memory); try again"))
+            raise DiedError(*_error("the process of this computation ended (killed, or out of memory); try again"))
         if message == END:
             return
         yield message

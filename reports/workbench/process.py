@@ -21,6 +21,7 @@ class Process:
 
     Attributes:
         jobs: how many it was given.
+        is_gone: whether the process has ended.
     """
 
     def __init__(self, context: Context) -> None:
@@ -28,11 +29,11 @@ class Process:
         self._process = context.Process(target=serve, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()
+        self.jobs, self.is_gone = 0, False
         self._messages: asyncio.Queue[bytes | None] = asyncio.Queue()
         self._loop = asyncio.get_running_loop()
         self._thread = threading.Thread(target=self._listen, daemon=True)
         self._thread.start()
-        self.jobs = 0
 
     def _listen(self) -> None:
         """In a thread: hand every message to the event loop, and None once the process is gone."""
@@ -41,7 +42,7 @@ class Process:
             try:
                 message = self._connection.recv_bytes()
             except (EOFError, OSError):
-                message = None
+                message, self.is_gone = None, True
             with suppress(RuntimeError):  # the loop is closed: nobody waits
                 self._loop.call_soon_threadsafe(self._messages.put_nowait, message)
 

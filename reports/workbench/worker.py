@@ -12,13 +12,12 @@ import json
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Any, TypeAlias
 
-from nonsmooth.reports.workbench.jobs import JOBS, Announce
-from nonsmooth.reports.workbench.refusals import refusal
+Announce: TypeAlias = Callable[[str], None]
 
 END = b""
 CANCELLED = "cancelled"
@@ -85,6 +84,9 @@ def _do(connection: Connection, job: bytes) -> None:
 
 def _messages(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any]]:
     """The answers of a job; whatever is wrong with it is one of them."""
+    from nonsmooth.reports.workbench.jobs import JOBS  # here and in who forks workers: the server computes nothing
+    from nonsmooth.reports.workbench.refusals import refusal
+
     try:
         yield from JOBS[name](body, look_up)
     except (EOFError, BrokenPipeError):
