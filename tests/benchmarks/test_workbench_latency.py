@@ -18,7 +18,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM, Opened, Server, chromium, running, settled
+from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM, Opened, chromium, running, settled
+from tests.workbench_server import Workbench
 
 pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)]
 
@@ -59,7 +60,7 @@ ANSWERED = """() => new Promise((ready) => { const began = performance.now();
 
 
 @pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
     with running(tmp_path_factory.mktemp("state")) as server:
         yield server
 
@@ -70,7 +71,7 @@ def browser() -> Iterator[Browser]:
         yield browser
 
 
-def opened(browser: Browser, server: Server, scene: str) -> Page:
+def opened(browser: Browser, server: Workbench, scene: str) -> Page:
     """The page with the scene, watched."""
     page = Opened(browser, server.address).page
     if scene != "four-wheel":
@@ -113,7 +114,7 @@ def times(rows: list[dict[str, Any]], stage: str) -> Any:
 @pytest.mark.parametrize("flowing", [False, True], ids=["step by step", "flowing"])
 @pytest.mark.parametrize("scene", SCENES)
 def test_cells_and_answers_follow_the_pointer(
-    browser: Browser, server: Server, scene: str, flowing: bool, capsys: pytest.CaptureFixture[str]
+    browser: Browser, server: Workbench, scene: str, flowing: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = opened(browser, server, scene)
     load = os.getloadavg()[0]

@@ -69,7 +69,7 @@ export class Files {
   }
 
   async export(kind) {
-    this.dialog.close?.();
+    this.dialog.hidePopover();
     this.tell(`Writing the ${kind} …`);
     try {
       const { blob, name } = await this.api.file("/api/export", { ...this.store.now, kind });
@@ -89,7 +89,7 @@ export class Files {
     const url = new URL(window.location.href);
     url.search = `?token=${encodeURIComponent(this.api.token)}`;
     url.hash = await pack(this.store.now);
-    this.dialog.close?.();
+    this.dialog.hidePopover();
     try {
       await navigator.clipboard.writeText(url.href);
       this.tell("The link is copied. It opens on this machine only.");

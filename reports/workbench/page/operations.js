@@ -115,7 +115,7 @@ export class Operations {
 
 /** A place near the middle of the view that is not on top of a wheel. */
 function freePlace(view, wheels, grid) {
-  for (let k = 0; k < 200; k += 1) {
+  for (let k = 10; k < 200; k += 1) { // not in the middle: a wheel at the origin has no way inward
     const [radius, angle] = [k * 6, k * 2.4];
     const [x, y] = view.under(view.width / 2 + radius * Math.cos(angle), view.height / 2 - radius * Math.sin(angle));
     const apart = Math.max(grid, 45 / view.scale);

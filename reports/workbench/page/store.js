@@ -7,6 +7,8 @@ const STEPS = 1000; // kept for undo; documents share what they do not change
 /** How long paths are followed unless somebody says otherwise: bodies on wheels come to rest soon. */
 export const usualTime = (document) => (document.system ? 10 : 3);
 
+const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
 export class Store extends EventTarget {
   constructor() {
     super();
@@ -27,7 +29,7 @@ export class Store extends EventTarget {
    */
   edit(change, { merge = null } = {}) {
     const next = { ...this.now, ...change(this.now) };
-    if (JSON.stringify(next) === JSON.stringify(this.now)) return;
+    if (isSame(next, this.now)) return;
     if (merge === null || merge !== this.merging) this.past.push(this.now);
     if (this.past.length > STEPS) this.past.shift();
     this.merging = merge;
@@ -43,6 +45,7 @@ export class Store extends EventTarget {
   /** A scene that is opened is a step as well: undo goes back to the one before. */
   open(document, starts = [], until = usualTime(document)) {
     this.selection = [];
+    if (isSame({ document, starts, until }, this.now)) return;
     this.dispatchEvent(new Event("open"));
     this.edit(() => ({ document, starts, until }));
     this.seal();

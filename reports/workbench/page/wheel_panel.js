@@ -86,8 +86,15 @@ export class WheelPanel {
       const value = inPlace ? stated?.position?.[key === "x" ? 0 : 1] ?? reply?.exact?.position?.[key === "x" ? 0 : 1] : stated?.[key];
       field.keys = inPlace ? [`wheel.${number}.position`, `wheel.${number}.position.${key === "x" ? 1 : 2}`] : [`wheel.${number}.${key}`];
       field.show(toText(value), inPlace ? "" : this.#default(key, reply));
-      field.complain(this.results.error);
+      field.complain(inPlace && !this.#isMeant(value, stated) ? null : this.results.error);
     }
+  }
+
+  /** An error names the position, not which of its numbers: it is shown at the one whose text it repeats. */
+  #isMeant(value, stated) {
+    const { message = "" } = this.results.error ?? {};
+    const repeated = (stated?.position ?? []).filter((text) => typeof text === "string" && message.includes(text));
+    return !repeated.length || repeated.includes(value);
   }
 
   /** What holds where the wheel names nothing itself. */

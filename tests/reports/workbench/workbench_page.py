@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
-import subprocess
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.workbench_server import Json, Workbench
 
 CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
 NO_CHROMIUM = "no Chromium: chromium or google-chrome is not on the path (`make tools` tries)"
@@ -24,53 +23,14 @@ PATIENCE = 30_000  # milliseconds for an element to appear: other work may run b
 DESK = {"width": 1400, "height": 900}
 
 
-class Server:
-    """``nonsmooth workbench`` as a process of its own; its token is kept in a folder, as between two runs."""
-
-    def __init__(self, folder: Path, port: int = 0, scene: str = "four-wheel") -> None:
-        self.folder, self.scene = folder, scene
-        self.address = self.start(port)
-
-    def start(self, port: int) -> str:
-        """Start the server; returns the address that it prints."""
-        line = [sys.executable, "-m", "nonsmooth.reports.cli", "workbench", self.scene]
-        line += ["--no-browser", "--port", str(port)]
-        environment = {**os.environ, "XDG_STATE_HOME": str(self.folder)}
-        self.log = (self.folder / "log").open("ab")
-        self.process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=self.log, env=environment, text=True)
-        assert self.process.stdout is not None
-        self.address = self.process.stdout.readline().strip()
-        assert self.address.startswith("http://127.0.0.1:"), (self.folder / "log").read_text(encoding="utf-8")
-        return self.address
-
-    @property
-    def port(self) -> int:
-        """On which it listens."""
-        return int(self.address.split(":")[2].split("/")[0])
-
-    def kill(self) -> None:
-        """End the process at once."""
-        self.process.send_signal(signal.SIGKILL)
-        self.process.wait()
-
-    def close(self) -> None:
-        """End the process as Ctrl+C does."""
-        self.process.send_signal(signal.SIGINT)
-        try:
-            self.process.wait(10)
-        except subprocess.TimeoutExpired:
-            self.kill()
-        self.log.close()
-
-
 @contextmanager
-def running(folder: Path) -> Iterator[Server]:
+def running(folder: Path) -> Iterator[Workbench]:
     """A server that ends with the block."""
-    server = Server(folder)
+    server = Workbench(folder)
     try:
         yield server
     finally:
-        server.close()
+        server.stop()
 
 
 @contextmanager
@@ -111,11 +71,47 @@ def proved(page: Page) -> None:
     page.locator("#status[data-state=exact]").wait_for()
 
 
+WAIT = """(text) => new Promise((ready, fail) => { const began = performance.now(); const holds = {
+    idle: () => !workbench.conversation.flight && !workbench.results.stale.has("checked"),
+    moved: () => workbench.store.past.length !== window.steps,
+  }[text];
+  const look = () => { if (holds()) requestAnimationFrame(() => ready(true));
+      else if (performance.now() - began > 20000) fail(new Error(`waited for ${text}`)); else setTimeout(look, 10); };
+  look(); })"""
+
+
 def settled(page: Page) -> None:
-    """Wait until nothing of the present scene is being asked any more."""
-    proved(page)
-    script = "() => workbench.results.finished && !workbench.conversation.flight"
-    page.evaluate(f"""() => new Promise((ready) => {{
-        const look = () => (({script})() ? ready() : setTimeout(look, 20));
-        look();
-    }})""")
+    """Wait until nothing about the present scene is being asked any more, and the drawing shows it."""
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    page.evaluate(WAIT, "idle")
+
+
+def edited(page: Page, edit: Callable[[], object]) -> Json:
+    """Do something that is one step of undo; wait for it, and return the document after it."""
+    page.evaluate("() => { window.steps = workbench.store.past.length; }")
+    edit()
+    page.evaluate(WAIT, "moved")
+    return document(page)
+
+
+def document(page: Page) -> Json:
+    """The scene as the page holds it."""
+    found: Json = page.evaluate("() => workbench.store.document")
+    return found
+
+
+def place(page: Page, script: str) -> tuple[float, float]:
+    """Pixels of the window where a point of the drawing is; ``script`` gives its pixels in the drawing."""
+    x, y = page.evaluate(f"""() => {{ const box = workbench.drawing.element.getBoundingClientRect();
+        const {{ drawing }} = workbench; const [x, y] = {script}; return [x + box.left, y + box.top]; }}""")
+    return x, y
+
+
+def drag(page: Page, script: str, by: tuple[float, float], *, steps: int = 4) -> None:
+    """Drag what is at a place of the drawing by some pixels."""
+    x, y = place(page, script)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + by[0], y + by[1], steps=steps)
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    page.mouse.up()
