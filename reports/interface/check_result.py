@@ -21,6 +21,7 @@ from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import short_text
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.headings import HeadingsOfRest
@@ -155,6 +156,7 @@ def check_scene(  # one keyword for each choice
     around: bool = False,
     beside: bool = True,
     announce: Announce = unheard,
+    built: Partition | None = None,
 ) -> CheckResult:
     """Check an array; its evidence is verified before it is handed out.
 
@@ -166,6 +168,7 @@ def check_scene(  # one keyword for each choice
         around: look for headings of rest around the checked point too.
         beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
         announce: told the name of each step as it begins.
+        built: all cells of the square, where they are known already.
 
     Raises:
         RefusalError: where the motion is not determined.
@@ -177,6 +180,6 @@ def check_scene(  # one keyword for each choice
 
         announce("the best rest point of the square")
         scene = at_best_point(standing(scene))
-    found = check_theorem4(scene, prune=prune, beside=beside, announce=announce)
+    found = check_theorem4(scene, prune=prune, beside=beside, announce=announce, built=built)
     announce("verification of the evidence")
     return CheckResult(verified(found), ask_others, around)

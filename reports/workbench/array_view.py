@@ -30,6 +30,7 @@ from nonsmooth.reports.workbench.shapes import (
     cells_record,
     contact_record,
     edges_record,
+    loads_at_point,
     square_record,
     wheels_record,
 )
@@ -63,7 +64,7 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
     with watched(array.scene.field, lambda: announce("")):
         yield timed(fast_stage(array))
         try:
-            result = check_scene(array.scene, ask_others=False, beside=False, announce=announce)
+            result = proved(array, announce)
         except TipsError as tipping:
             yield timed(tipped_stage(TippedResult(array.scene, tipping)))
             return
@@ -123,7 +124,7 @@ def fast_stage(array: Array) -> Stage:
         "stage": "fast",
         "kind": "array",
         **geometry,
-        "wheels": wheels_record(stands, carrying),
+        "wheels": wheels_record(stands, carrying, loads_at_point(stands)),
         "body": body_record(scene),
         "square": square_record(stands),
         "values": _values(stands),
@@ -147,6 +148,17 @@ def _values(scene: Scene) -> dict[str, Any]:
 
 
 # ---- what is proved ------------------------------------------------------------------------------
+
+
+def proved(array: Array, announce: Announce) -> CheckResult:
+    """The check of the array, whose evidence is verified; the cells that are shown are not built again.
+
+    Raises:
+        RefusalError: where the motion is not determined.
+        SceneError: where a wheel lies exactly under the edge of the body.
+    """
+    built = array.partition if isinstance(rule_of(array.scene), CellRule) else None
+    return check_scene(array.scene, ask_others=False, beside=False, announce=announce, built=built)
 
 
 def exact_stage(result: CheckResult) -> Stage:

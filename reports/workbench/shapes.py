@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.scene import LoadTable
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Cell, Partition
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene, Wheel
 
 EDGE_KINDS = {"sliding": "sliding", "resting": "resting", "repelling": "escaping"}
+MOST_LOADED = 40  # wheels up to which elastic loads are shown: they take a moment
 CORNERS = 96  # of the polygon that stands for a round body
 
 
@@ -24,13 +28,29 @@ def point(vector: Sequence[Any]) -> list[float]:
     return [float(value) for value in vector]
 
 
-def wheels_record(scene: Scene, carrying: Collection[int]) -> list[dict[str, Any]]:
+def wheels_record(scene: Scene, carrying: Collection[int], loads: Mapping[int, float]) -> list[dict[str, Any]]:
     """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited."""
     wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
-    return [_wheel_record(wheel, wheel.index in carrying) for wheel in wheels]
+    return [_wheel_record(wheel, wheel.index in carrying, loads.get(wheel.index)) for wheel in wheels]
 
 
-def _wheel_record(wheel: Wheel, carries: bool) -> dict[str, Any]:
+def loads_at_point(scene: Scene) -> dict[int, float]:
+    """Shares of the weight by wheel, of a body at the checked point; none where they are unknown or do not exist."""
+    loads, place = scene.contact.loads, scene.check.equilibrium
+    numbers = [wheel.index for wheel in scene.wheels]
+    try:
+        if isinstance(loads, LoadTable):
+            forces = [value_at(row, place) for row in loads.rows]
+        elif loads is None and len(numbers) <= MOST_LOADED:
+            forces = list(elastic_loads_at(scene, place))
+        else:
+            return {}
+    except RefusalError:
+        return {}
+    return {number: float(force) for number, force in zip(numbers, forces, strict=True)}
+
+
+def _wheel_record(wheel: Wheel, carries: bool, load: float | None) -> dict[str, Any]:
     x, y = point(wheel.position)
     return {
         "x": x,
@@ -41,6 +61,7 @@ def _wheel_record(wheel: Wheel, carries: bool) -> dict[str, Any]:
         "mu_roll": float(wheel.friction.roll),
         "mu_side": float(wheel.friction.side),
         "carries": carries,
+        "load": load,
         "exact": {
             "position": [brief_text(value) for value in wheel.position],
             "rim": [brief_text(value) for value in wheel.direction],

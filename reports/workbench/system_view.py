@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -105,7 +105,7 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
 
 def _level_sets(result: SystemResult) -> dict[str, Any]:
     """Curves of constant V on the square where it is proved, and the border of the certified region; in floats."""
-    from contourpy import contour_generator  # Matplotlib draws by it
+    from matplotlib.figure import Figure
 
     proving, domain = result.proving, result.domain
     if proving is None or domain is None:
@@ -116,13 +116,13 @@ def _level_sets(result: SystemResult) -> dict[str, Any]:
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
     potential = sampled_potential(proving.cells, xs, ys)
-    curves = contour_generator(line + x, line + y, potential)
+    axes = Figure().subplots()
 
-    def lines(level: float) -> list[Any]:
-        return [np.asarray(curve).tolist() for curve in curves.lines(level)]
+    def curves(levels: Sequence[float]) -> list[Any]:
+        drawn = axes.contour(line + x, line + y, potential, levels=levels)
+        return [np.asarray(curve).tolist() for curves in drawn.allsegs for curve in curves if len(curve)]
 
-    levels = np.linspace(0, float(potential.max()), LEVELS + 2)[1:-1]
-    found: dict[str, Any] = {"level_sets": [curve for level in levels.tolist() for curve in lines(level)]}
+    found: dict[str, Any] = {"level_sets": curves(np.linspace(0, float(potential.max()), LEVELS + 2)[1:-1].tolist())}
     if result.region is not None and result.region.falls:
-        found["region"] = lines(float(result.region.level))
+        found["region"] = curves([float(result.region.level)])
     return found
