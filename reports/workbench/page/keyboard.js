@@ -38,7 +38,7 @@ export function keyTable({ store, operations, actions, drawing, playback, starts
     ["A", "add a wheel", plain("a"), actions.add],
     ["C", "copy the selected wheels", plain("c"), actions.copy],
     ["Delete", "delete the selected wheels", (event) => plain("Delete")(event) || plain("Backspace")(event), actions.delete],
-    ["M", "mirror in the x direction (Shift: y), through the checked point", (event) => plain("m")(event) || plain("M")(event), (event) => actions[event.shiftKey ? "mirror-y" : "mirror-x"]()],
+    ["M", "mirror left to right (Shift: top to bottom) about the checked point", (event) => plain("m")(event) || plain("M")(event), (event) => actions[event.shiftKey ? "mirror-y" : "mirror-x"]()],
     ["R", "rotate about the checked point by 15 degrees (Shift: backward)", (event) => plain("r")(event) || plain("R")(event), (event) => actions[event.shiftKey ? "rotate-right" : "rotate-left"]()],
     ["S", "put wheels on the grid", plain("s"), actions.snap],
     ["Ctrl+A", "select all wheels", command("a"), actions.all],
