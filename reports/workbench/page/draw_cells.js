@@ -6,6 +6,7 @@ import { attr, pool, s } from "./dom.js";
 
 const SMALLEST = 700; // square pixels of a cell that still carries an arrow
 const LONGEST = 44; // pixels of an arrow
+const CLOSEST = 15; // pixels between arrows of a sampled field, at least
 const FAINTEST = 0.25; // opacity of the cell that turns least, of the one that turns most
 const TURN = "M-6.5 0A6.5 6.5 0 1 1 0 6.5M-3.6 9.6L0.6 6.5L-3 2.9"; // three quarters of a circle, clockwise on screen
 
@@ -34,20 +35,19 @@ export function drawMotions(layer, view, cells) {
   const drawn = pool(layer, large.length, motionMark);
   large.forEach((cell, k) => {
     const [px, py] = view.at(...middleOf(cell.polygon));
-    const size = Math.sqrt(areaOf(cell.polygon)) * view.scale;
+    const size = (Math.sqrt(areaOf(cell.polygon)) * view.scale) / view.unit;
     attr(drawn[k], "class", "of-cell");
-    placeMotion(drawn[k], px, py, cell.velocity, cell.omega ?? 0, Math.min(LONGEST, 0.36 * size));
+    placeMotion(drawn[k], view.mark(px, py), cell.velocity, cell.omega ?? 0, Math.min(LONGEST, 0.36 * size));
   });
 }
 
 /** Samples [x, y, vx, vy, omega] of the motion, for rules without cells. */
 export function drawField(layer, view, samples) {
-  const known = samples.filter((row) => row.every((value) => value !== null));
+  const known = thinned(samples, view).filter((row) => row.every((value) => value !== null));
   const drawn = pool(layer, known.length, motionMark);
-  const apart = known.length > 1 ? nearest(known) * view.scale : 40;
+  const apart = known.length > 1 ? (nearest(known) * view.scale) / view.unit : 40;
   known.forEach(([x, y, vx, vy, omega], k) => {
-    const [px, py] = view.at(x, y);
-    placeMotion(drawn[k], px, py, [vx, vy], omega ?? 0, Math.min(LONGEST, 0.62 * apart), apart > 34);
+    placeMotion(drawn[k], view.mark(...view.at(x, y)), [vx, vy], omega ?? 0, Math.min(LONGEST, 0.62 * apart), apart > 34);
     attr(drawn[k], "class", "sample");
   });
 }
@@ -58,10 +58,18 @@ function motionMark() {
   return mark;
 }
 
-function placeMotion(mark, px, py, [vx, vy], omega, length, signed = true) {
+/** Every second, third ... row and column of a square grid of samples that would be drawn too close together. */
+function thinned(samples, view) {
+  const row = Math.round(Math.sqrt(samples.length));
+  if (row < 2 || row * row !== samples.length) return samples;
+  const every = Math.ceil((CLOSEST * view.unit) / (nearest(samples) * view.scale));
+  return every > 1 ? samples.filter((_, k) => (k % row) % every === 0 && Math.floor(k / row) % every === 0) : samples;
+}
+
+function placeMotion(mark, place, [vx, vy], omega, length, signed = true) {
   const [arrow, turn] = mark.children;
   const speed = Math.hypot(vx, vy);
-  attr(mark, "transform", `translate(${px.toFixed(1)} ${py.toFixed(1)})`);
+  attr(mark, "transform", place);
   attr(arrow, "d", speed > 1e-12 ? arrowPath((vx / speed) * length, (-vy / speed) * length) : "M-2 0a2 2 0 1 0 4 0a2 2 0 1 0 -4 0");
   attr(turn, "visibility", signed && Math.abs(omega) > 1e-12 && length > 11 ? "inherit" : "hidden");
   const size = Math.min(1, 0.55 + length / 100);
@@ -95,9 +103,13 @@ export function drawRests(layer, view, equilibria) {
   const drawn = pool(layer, equilibria.length, () => s("path"));
   equilibria.forEach(({ points }, k) => {
     attr(drawn[k], "class", REST_FORMS[Math.min(points.length, 3) - 1]);
-    if (points.length > 1) return attr(drawn[k], "d", view.path(points, true));
+    if (points.length > 1) {
+      attr(drawn[k], "transform", "");
+      return attr(drawn[k], "d", view.path(points, true));
+    }
     const [px, py] = view.at(...points[0]);
-    return attr(drawn[k], "d", `M${(px - 7).toFixed(1)} ${py.toFixed(1)}a7 7 0 1 0 14 0a7 7 0 1 0 -14 0`);
+    attr(drawn[k], "transform", view.mark(px, py));
+    return attr(drawn[k], "d", "M-7 0a7 7 0 1 0 14 0a7 7 0 1 0 -14 0");
   });
 }
 

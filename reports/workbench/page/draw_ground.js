@@ -9,7 +9,7 @@ const CROSS = 7; // half of the checked point's mark, in pixels
 
 /** Grid lines at round coordinates with their numbers along the left and lower edge. */
 export function drawGrid(lines, labels, view) {
-  const step = niceStep(BETWEEN / view.scale);
+  const step = niceStep((BETWEEN * view.unit) / view.scale);
   const [left, top] = view.under(0, 0);
   const [right, low] = view.under(view.width, view.height);
   const xs = multiples(left, right, step);
@@ -49,5 +49,6 @@ export function drawSquare(layer, view, square) {
   attr(outline, "d", view.path([[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]], true));
   const [px, py] = view.at(x, y);
   attr(point, "class", "checked-point");
-  attr(point, "d", `M${px - CROSS} ${py}h${2 * CROSS}M${px} ${py - CROSS}v${2 * CROSS}`);
+  const half = CROSS * view.unit;
+  attr(point, "d", `M${px - half} ${py}h${2 * half}M${px} ${py - half}v${2 * half}`);
 }

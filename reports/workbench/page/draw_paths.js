@@ -53,7 +53,7 @@ export function drawEvents(layer, view, paths) {
   });
   all.forEach((event, k) => {
     const [px, py] = view.at(event.x, event.y);
-    attr(drawn[k], "transform", `translate(${px.toFixed(1)} ${py.toFixed(1)})`);
+    attr(drawn[k], "transform", view.mark(px, py));
     attr(drawn[k], "d", EVENTS[eventForm(event.kind)]);
     attr(drawn[k], "class", `event ${eventForm(event.kind)} tone-${event.k % 6}`);
     say(drawn[k].firstChild, `${event.text ?? event.kind} (t = ${Number(event.time).toPrecision(4)})`);
@@ -71,7 +71,7 @@ export function drawStarts(layer, view, starts, active, turns) {
     const [px, py] = view.at(x, y);
     const [, stem, knob, disc, text] = drawn[k].children;
     const [tx, ty] = [TURN_HANDLE * Math.cos(theta), -TURN_HANDLE * Math.sin(theta)];
-    attr(drawn[k], "transform", `translate(${px.toFixed(1)} ${py.toFixed(1)})`);
+    attr(drawn[k], "transform", view.mark(px, py));
     attr(drawn[k], "class", `start tone-${k % 6}${k === active ? " active" : ""}`);
     for (const part of [drawn[k].firstChild, disc, text]) attr(part, "data-start", k);
     attr(stem, "d", turns ? `M0 0L${tx.toFixed(1)} ${ty.toFixed(1)}` : "");

@@ -8,12 +8,12 @@ import { arrowPath } from "./draw_cells.js";
 const LENGTH = [16, 54]; // shortest and longest rim, in pixels
 const SHARE = 0.42; // of the distance to the nearest other wheel
 const FASTEST = 1; // length of the arrow of the fastest wheel, in rims
-const HEAVIEST = 0.85; // radius of the disc of the heaviest wheel, in rims
-export const HANDLE = 44; // pixels between the end of the rim and its handle
+const HEAVIEST = 0.7; // radius of the disc of the heaviest wheel, in rims
+const HANDLE = 44; // pixels between the end of the rim and its handle
 
-/** Length of a rim in pixels, alike for all wheels. */
-export function rimLength(view, wheels) {
-  const apart = wheels.length > 1 ? smallestDistance(wheels.slice(0, 150)) * view.scale : LENGTH[1];
+/** Length of a rim, alike for all wheels; in pixels before marks are scaled by the view's unit. */
+function rimLength(view, wheels) {
+  const apart = wheels.length > 1 ? (smallestDistance(wheels.slice(0, 150)) * view.scale) / view.unit : LENGTH[1];
   return Math.max(LENGTH[0], Math.min(LENGTH[1], SHARE * apart));
 }
 
@@ -26,7 +26,7 @@ function smallestDistance(wheels) {
 }
 
 /** Where the handle of a wheel's rim is, in pixels from the wheel. */
-export function handleOf(wheel, rim) {
+function handleOf(wheel, rim) {
   return [wheel.rim[0] * (rim / 2 + HANDLE), -wheel.rim[1] * (rim / 2 + HANDLE)];
 }
 
@@ -39,7 +39,7 @@ export function drawWheels(layer, view, wheels, selection) {
   wheels.forEach((wheel, k) => {
     const mark = drawn[k];
     const [px, py] = view.at(wheel.x, wheel.y);
-    attr(mark, "transform", `translate(${px.toFixed(1)} ${py.toFixed(1)})`);
+    attr(mark, "transform", view.mark(px, py));
     attr(mark, "class", `wheel${wheel.carries === false ? " idle" : ""}${chosen.has(k) ? " selected" : ""}`);
     attr(mark, "data-wheel", k);
     drawOne(mark, wheel, { rim, speed: (wheel.speed ?? 0) / fastest, load: Math.sqrt(Math.max(0, wheel.load ?? 0) / heaviest) });

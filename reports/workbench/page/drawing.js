@@ -47,6 +47,7 @@ export class Drawing {
     if (!width || !height) return;
     this.view.resize(width, height);
     this.element.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this.element.style.setProperty("--unit", this.view.unit);
     if (!this.touched) this.fit();
     this.request();
   }

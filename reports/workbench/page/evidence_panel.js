@@ -118,13 +118,15 @@ export class TolerancePanel {
 
 /** The end and the events of each path, in words. */
 export class PathsPanel {
-  constructor(list, results) {
-    Object.assign(this, { list, results });
+  constructor(list, waiting, store, results) {
+    Object.assign(this, { list, waiting, store, results });
     results.addEventListener("change", () => this.show());
   }
 
   show() {
-    const { paths } = this.results;
+    const { paths, stale } = this.results;
+    this.waiting.hidden = !(stale.has("paths") && this.store.now.starts.length > 0);
+    this.list.classList.toggle("stale", stale.has("paths"));
     if (paths === this.drawn) return;
     this.drawn = paths;
     const items = pool(this.list, paths.length, () => h("li", {}, h("span", { class: "start-name" }), h("span", {})));

@@ -41,7 +41,7 @@ function panels() {
     byId("rule").dispatchEvent(new Event("change"));
   });
   new TolerancePanel({ section: byId("tolerance-section"), body: byId("tolerance") }, results);
-  new PathsPanel(byId("path-ends"), results);
+  new PathsPanel(byId("path-ends"), byId("following"), store, results);
   new SettingsPanel(byId("settings"), store, results);
   new Sliders(byId("sliders"), store, results, conversation);
   new WheelPanel({ fields: byId("wheel-fields"), title: byId("wheel-title"), body: byId("wheel-rows"), empty: byId("wheel-hint") }, store, results, operations);

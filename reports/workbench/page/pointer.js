@@ -1,7 +1,6 @@
 // Dragging in the drawing: wheels, rims, starts and their headings; panning, pinching, zooming; the readout.
 // May be changed: what a gesture does. A drag only says where things are; conversation.js decides when to ask.
 
-import { HANDLE, rimLength } from "./draw_wheels.js";
 import { needsExpansion } from "./scene_document.js";
 import { roundTo } from "./values.js";
 
@@ -160,12 +159,4 @@ export class Pointer {
     const wheel = event.target.closest?.("[data-wheel]")?.dataset.wheel;
     this.drawing.element.dispatchEvent(new CustomEvent("readout", { detail: { at: this.drawing.view.under(...pixel), cell, wheel } }));
   }
-}
-
-/** Where a wheel's rim handle is, in pixels of the window: for tests and the help. */
-export function handlePlace(drawing, index) {
-  const wheel = drawing.wheels()[index];
-  const [px, py] = drawing.view.at(wheel.x, wheel.y);
-  const reach = rimLength(drawing.view, drawing.wheels()) / 2 + HANDLE;
-  return [px + wheel.rim[0] * reach, py - wheel.rim[1] * reach];
 }

@@ -69,6 +69,7 @@ export class Results extends EventTarget {
     if (this.stale.has("comparison")) this.comparison = null;
     if (this.stale.has("tolerance")) this.tolerance = null;
     if (this.stale.has("paths")) this.paths = [];
+    this.stale.clear();
   }
 
   #take(part, value) {

@@ -4,7 +4,7 @@
 import { h, icon } from "./dom.js";
 import { isSystem } from "./scene_document.js";
 
-const SNAPS = [["0", "as fine as a pixel"], ["0.01", "0.01"], ["0.05", "0.05"], ["0.1", "0.1"], ["0.25", "1/4"], ["0.5", "1/2"], ["1", "1"]];
+const SNAPS = [["0", "finest"], ["0.01", "0.01"], ["0.05", "0.05"], ["0.1", "0.1"], ["0.25", "1/4"], ["0.5", "1/2"], ["1", "1"]];
 const EXACT_STEPS = { 0: "1/4", 0.01: "1/100", 0.05: "1/20", 0.1: "1/10", 0.25: "1/4", 0.5: "1/2", 1: "1" };
 const SHOWN = [["cells", "Cells and edges"], ["motions", "Motion arrows"], ["levels", "Level sets of V"], ["paths", "Starts and paths"], ["wheels", "Wheels"]];
 

@@ -15,6 +15,11 @@ export class View {
     Object.assign(this, { width, height, scale: this.scale * (factor || 1) });
   }
 
+  /** How large marks of a fixed size are drawn: smaller on a phone, larger on a wall. */
+  get unit() {
+    return Math.max(0.75, Math.min(3, Math.min(this.width, this.height) / 700));
+  }
+
   /** Shows the box of these points whole. */
   fit(points) {
     const finite = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
@@ -26,7 +31,7 @@ export class View {
     this.y = (low + high) / 2;
     const wide = Math.max(right - left, 1e-9);
     const tall = Math.max(high - low, 1e-9);
-    const margin = Math.min(MOST, MARGIN * Math.min(this.width, this.height));
+    const margin = Math.min(MOST * this.unit, MARGIN * Math.min(this.width, this.height));
     this.scale = Math.min((this.width - 2 * margin) / wide, (this.height - 2 * margin) / tall);
     this.extent = Math.max(wide, tall);
   }
@@ -34,6 +39,11 @@ export class View {
   /** Pixels of a point of the plane. */
   at(x, y) {
     return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
+  }
+
+  /** The transform of a mark of fixed size at a pixel. */
+  mark(px, py) {
+    return `translate(${px.toFixed(1)} ${py.toFixed(1)}) scale(${this.unit.toFixed(3)})`;
   }
 
   /** The point of the plane under a pixel. */

@@ -27,7 +27,8 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
 FIRST_WHEEL = "drawing.view.at(drawing.wheels()[0].x, drawing.wheels()[0].y)"
 FIRST_RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0"]');
     const [x, y] = drawing.view.at(drawing.wheels()[0].x, drawing.wheels()[0].y);
-    return [x + Number(knob.getAttribute('cx')), y + Number(knob.getAttribute('cy'))]; })()"""
+    const { unit } = drawing.view;
+    return [x + unit * knob.getAttribute('cx'), y + unit * knob.getAttribute('cy')]; })()"""
 FIRST_START = "drawing.view.at(...workbench.store.now.starts[0])"
 MIDDLE = "[drawing.view.width / 2, 12]"
 
