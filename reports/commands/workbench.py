@@ -34,9 +34,7 @@ def workbench(scene: Scene = None, port: Port = None, no_browser: NoBrowser = Fa
     from nonsmooth.reports.workbench.app import Settings
 
     if scene is not None:
-        from nonsmooth.symbolic.files.scene_file import read_document
-
-        read_document(scene)  # refused here, with one line
+        _require_usable(scene)
     try:
         listener = listening(port)
     except OSError as error:
@@ -52,6 +50,22 @@ def workbench(scene: Scene = None, port: Port = None, no_browser: NoBrowser = Fa
     with broken_pipes_raised(), suppress(KeyboardInterrupt):  # Ctrl-C is how a user closes it
         run(listener, Settings(token, number, scene=scene))
     return 0
+
+
+def _require_usable(scene: str) -> None:
+    """Refuse a scene here, with one line.
+
+    Raises:
+        SceneError: for whatever cannot be used.
+        RefusedError: for a vehicle, and for too many wheels.
+    """
+    from nonsmooth.reports.workbench.documents import document_of
+    from nonsmooth.reports.workbench.requests import RequestError
+
+    try:
+        document_of(scene)
+    except RequestError as error:
+        raise RefusedError(f"{scene}: {error}") from None
 
 
 def _flush() -> None:
