@@ -13,6 +13,7 @@ const QUESTIONS = {
   stability: "Do solutions come to the point?",
 };
 const ICONS = { good: "good", fair: "fair", bad: "bad", open: "open-answer" };
+const BLINK = 120; // milliseconds of checking that are not worth a word
 const QUIET = 500; // milliseconds without a change before readers of the screen are told
 
 export class AnswersPanel {
@@ -23,8 +24,7 @@ export class AnswersPanel {
 
   show() {
     const { checked, error } = this.results;
-    const found = checked?.answers ?? [];
-    const answers = found.length ? found : this.#placeholders();
+    const answers = this.#complete(checked?.answers ?? []);
     const items = pool(this.list, answers.length, card);
     answers.forEach((answer, k) => fill(items[k], answer));
     this.list.classList.toggle("stale", this.results.stale.has("checked") || this.results.status === "error");
@@ -33,9 +33,13 @@ export class AnswersPanel {
     if (checked?.stage === "exact" && !this.results.stale.has("checked")) this.#announce(answers);
   }
 
-  #placeholders() {
+  /** A card for every question, also for those that nothing is known about yet. */
+  #complete(found) {
     const keys = isSystem(this.store.document) ? ["stability"] : ["position", "heading", "pose"];
-    return keys.map((key) => ({ key, answer: "…", tone: "open", sentence: "" }));
+    return keys.map((key) => {
+      const answer = found.find((one) => one.key === key) ?? { key, answer: "…", tone: "open" };
+      return answer.provisional ? { ...answer, sentence: "a guess by floats; the exact answer follows" } : answer;
+    });
   }
 
   #status(error) {
@@ -46,11 +50,14 @@ export class AnswersPanel {
       error: "not checked: see the message",
       lost: "waiting for the server",
       working: "checking …",
-      fast: "in floats, not yet proved; exact answers follow",
+      fast: "guesses by floats, not yet proved",
       exact: "exact",
     };
     this.status.dataset.state = state ?? "working";
-    say(this.status, words[state] ?? words.working);
+    clearTimeout(this.wording);
+    const word = () => say(this.status, words[state] ?? words.working);
+    if (state === "working") this.wording = setTimeout(word, BLINK);
+    else word();
   }
 
   #announce(answers) {

@@ -28,7 +28,7 @@ export class ClausesPanel {
 
   show() {
     const { checked } = this.results;
-    this.list.classList.toggle("stale", this.results.stale.has("checked"));
+    this.list.classList.toggle("stale", this.results.stale.has("checked") || checked?.stage === "fast");
     if (!checked) return this.#clear();
     const text = JSON.stringify([checked.clauses, checked.verdict, checked.reason]);
     if (!checked.clauses || text === this.text) return;

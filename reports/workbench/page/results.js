@@ -1,6 +1,8 @@
 // What the server said about the present scene, stage by stage, and how good it is: floats, exact, or an error.
 // May be changed: when older results are dropped. Older geometry stays until newer comes, so nothing flickers.
 
+const PATIENCE = 40; // milliseconds after the cells for which exact answers are awaited before guesses are shown
+
 export class Results extends EventTarget {
   constructor(conversation, store) {
     super();
@@ -26,6 +28,7 @@ export class Results extends EventTarget {
   }
 
   #asked({ sequence }) {
+    clearTimeout(this.guess);
     this.sequence = sequence;
     this.finished = false;
     this.stale = new Set(["geometry", "checked", "comparison", "tolerance", "paths"]);
@@ -53,8 +56,18 @@ export class Results extends EventTarget {
     const { answers, clauses, verdict, reason, ...geometry } = line;
     if (line.stage === "fast") this.#take("geometry", withSquare(geometry));
     else this.geometry = { ...this.geometry, ...geometry, system: { ...this.geometry?.system, ...geometry.system } };
+    clearTimeout(this.guess);
     if (!answers) return;
-    this.#take("checked", { answers, clauses: clauses ?? null, verdict: verdict ?? null, reason, stage: line.stage });
+    const checked = { answers, clauses: clauses ?? null, verdict: verdict ?? null, reason, stage: line.stage };
+    if (line.stage === "exact") this.#take("checked", checked);
+    else this.guess = setTimeout(() => this.#guessed(checked, this.sequence), PATIENCE);
+  }
+
+  /** Guesses by floats are shown where the exact answers take longer than a blink. */
+  #guessed(checked, sequence) {
+    if (sequence !== this.sequence) return;
+    this.#take("checked", checked);
+    this.#tell("guess");
   }
 
   #error({ message, key, part }) {

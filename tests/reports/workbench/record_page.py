@@ -18,7 +18,7 @@ from playwright.sync_api import Page
 from tests.reports.workbench.workbench_page import Opened, chromium, place, running, settled
 
 SIZE = {"width": 1180, "height": 640}
-WIDTH, COLORS, MILLISECONDS = 820, 128, 110  # of a picture
+WIDTH, COLORS, MILLISECONDS = 820, 256, 110  # of a picture
 RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0"]'); const { unit } = drawing.view;
     const [x, y] = drawing.view.at(drawing.wheels()[0].x, drawing.wheels()[0].y);
     return [x + unit * knob.getAttribute('cx'), y + unit * knob.getAttribute('cy')]; })()"""
@@ -72,7 +72,7 @@ def common_palette(pictures: list[Image.Image]) -> Image.Image:
     sheet = Image.new("RGB", (few[0].width, height * len(few)))
     for row, picture in enumerate(few):
         sheet.paste(picture, (0, row * height))
-    return sheet.quantize(COLORS, method=Image.Quantize.MAXCOVERAGE)
+    return sheet.quantize(COLORS)
 
 
 def main(target: Path) -> None:
