@@ -2,7 +2,7 @@
 // exact or only the fast floats. What is said aloud to readers of the screen is said here as well.
 // May be changed: the words of TITLES. Verdicts, tones and sentences are Python's.
 
-import { h, icon, pool, say } from "./dom.js";
+import { h, icon, onceAFrame, pool, say } from "./dom.js";
 import { isSystem } from "./scene_document.js";
 
 const TITLES = { position: "Position", heading: "Heading", pose: "Pose", stability: "Stability" };
@@ -13,23 +13,33 @@ const QUESTIONS = {
   stability: "Do solutions come to the point?",
 };
 const ICONS = { good: "good", fair: "fair", bad: "bad", open: "open-answer" };
-const BLINK = 120; // milliseconds of checking that are not worth a word
 const QUIET = 500; // milliseconds without a change before readers of the screen are told
 
 export class AnswersPanel {
   constructor({ list, status, live }, store, results) {
     Object.assign(this, { list, status, live, store, results });
-    results.addEventListener("change", () => this.show());
+    const later = onceAFrame(() => this.show());
+    results.addEventListener("change", () => {
+      this.#state();
+      later();
+    });
+  }
+
+  /** How good the answers are, at once: for those who wait for it. */
+  #state() {
+    const { status, checked, stale, error } = this.results;
+    const answered = stale.has("checked") ? "working" : checked?.stage;
+    this.status.dataset.state = (error && status === "error" ? "error" : status === "lost" ? "lost" : answered) ?? "working";
   }
 
   show() {
-    const { checked, error } = this.results;
+    const { checked } = this.results;
     const answers = this.#complete(checked?.answers ?? []);
     const items = pool(this.list, answers.length, card);
     answers.forEach((answer, k) => fill(items[k], answer));
-    this.list.classList.toggle("stale", this.results.stale.has("checked") || this.results.status === "error");
+    this.list.classList.toggle("stale", this.results.isLate("checked") || this.results.status === "error");
     this.list.classList.toggle("approximate", checked?.stage === "fast");
-    this.#status(error);
+    this.#look();
     if (checked?.stage === "exact" && !this.results.stale.has("checked")) this.#announce(answers);
   }
 
@@ -42,10 +52,10 @@ export class AnswersPanel {
     });
   }
 
-  #status(error) {
-    const { status, checked, stale } = this.results;
-    const answered = stale.has("checked") ? "working" : checked?.stage;
-    const state = error && status === "error" ? "error" : status === "lost" ? "lost" : answered;
+  /** The same in words; checking that is over within a blink is not worth a word. */
+  #look() {
+    const { state } = this.status.dataset;
+    if (state === "working" && this.results.checked && !this.results.slow) return;
     const words = {
       error: "not checked: see the message",
       lost: "waiting for the server",
@@ -53,11 +63,8 @@ export class AnswersPanel {
       fast: "guesses by floats, not yet proved",
       exact: "exact",
     };
-    this.status.dataset.state = state ?? "working";
-    clearTimeout(this.wording);
-    const word = () => say(this.status, words[state] ?? words.working);
-    if (state === "working") this.wording = setTimeout(word, BLINK);
-    else word();
+    if (this.status.dataset.look !== state) this.status.dataset.look = state;
+    say(this.status, words[state] ?? words.working);
   }
 
   #announce(answers) {

@@ -45,6 +45,19 @@ export function pool(parent, count, make) {
   return parent.children;
 }
 
+/** `work`, done once in the next frame however often it is asked for: a drag changes things faster than they show. */
+export function onceAFrame(work) {
+  let asked = false;
+  return () => {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(() => {
+      asked = false;
+      work();
+    });
+  };
+}
+
 /** Replaces the text of an element only if it differs, so that screen readers are not told twice. */
 export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;

@@ -21,11 +21,20 @@ export class Drawing {
     for (const name of LAYERS) element.append((this.layers[name] = s("g", { class: `layer-${name}` })));
     new ResizeObserver(() => this.resize()).observe(element);
     results.addEventListener("change", ({ detail }) => this.#heard(detail.stage));
+    store.addEventListener("change", () => this.#other());
     for (const name of ["change", "select"]) store.addEventListener(name, () => this.request());
     this.wantsFit = true;
   }
 
-  /** A scene that was opened is shown whole as soon as its own geometry is there. */
+  /** Another scene, opened or come back to by undo, is looked at afresh. */
+  #other() {
+    const { name, system } = this.store.document;
+    const scene = `${name} ${Boolean(system)}`;
+    if (this.scene !== undefined && this.scene !== scene) this.fitsNext = true;
+    this.scene = scene;
+  }
+
+  /** It is shown whole as soon as its own geometry is there. */
   #heard(stage) {
     if (stage === "fast" && this.fitsNext) {
       this.fitsNext = false;

@@ -1,7 +1,7 @@
 // What stands behind the answers: Theorem 4 clause by clause, the contact rules side by side, the tolerance.
 // May be changed: the order within a section. A clause that Python adds appears by itself.
 
-import { h, icon, pool, say } from "./dom.js";
+import { h, icon, onceAFrame, pool, say } from "./dom.js";
 import { shown } from "./values.js";
 
 const GOOD = /^(holds|asymptotically stable|stabilizable|stable|comes home|returns|can be held|certified|valid)/;
@@ -23,12 +23,12 @@ function verdict(word, tone = toneOf(word)) {
 export class ClausesPanel {
   constructor({ list, total }, results) {
     Object.assign(this, { list, total, results, text: "" });
-    results.addEventListener("change", () => this.show());
+    results.addEventListener("change", onceAFrame(() => this.show()));
   }
 
   show() {
     const { checked } = this.results;
-    this.list.classList.toggle("stale", this.results.stale.has("checked") || checked?.stage === "fast");
+    this.list.classList.toggle("stale", this.results.isLate("checked") || checked?.stage === "fast");
     if (!checked) return this.#clear();
     const text = JSON.stringify([checked.clauses, checked.verdict, checked.reason]);
     if (!checked.clauses || text === this.text) return;
@@ -60,13 +60,13 @@ function factList(facts) {
 export class ComparisonPanel {
   constructor({ section, body, head }, store, results, choose) {
     Object.assign(this, { section, body, head, store, results, choose });
-    results.addEventListener("change", () => this.show());
+    results.addEventListener("change", onceAFrame(() => this.show()));
   }
 
   show() {
-    const { comparison, stale, finished } = this.results;
+    const { comparison, finished } = this.results;
     this.section.hidden = comparison === null && finished;
-    this.section.classList.toggle("stale", stale.has("comparison"));
+    this.section.classList.toggle("stale", this.results.isLate("comparison"));
     if (comparison === this.drawn) return;
     this.drawn = comparison;
     if (!comparison) return this.body.replaceChildren();
@@ -95,12 +95,12 @@ const LABELS = { factor: "holds up to this multiple", radius: "bodies end within
 export class TolerancePanel {
   constructor({ section, body }, results) {
     Object.assign(this, { section, body, results });
-    results.addEventListener("change", () => this.show());
+    results.addEventListener("change", onceAFrame(() => this.show()));
   }
 
   show() {
-    const { tolerance, stale, finished } = this.results;
-    this.section.classList.toggle("stale", stale.has("tolerance"));
+    const { tolerance, finished } = this.results;
+    this.section.classList.toggle("stale", this.results.isLate("tolerance"));
     if (!tolerance) {
       if (finished) this.body.replaceChildren(h("p", { class: "hint" }, "No tolerance is stated. Fill in how far the built array may be off, under Numbers, and what still holds is proved here."));
       this.drawn = null;
@@ -120,13 +120,13 @@ export class TolerancePanel {
 export class PathsPanel {
   constructor(list, waiting, store, results) {
     Object.assign(this, { list, waiting, store, results });
-    results.addEventListener("change", () => this.show());
+    results.addEventListener("change", onceAFrame(() => this.show()));
   }
 
   show() {
-    const { paths, stale } = this.results;
-    this.waiting.hidden = !(stale.has("paths") && this.store.now.starts.length > 0);
-    this.list.classList.toggle("stale", stale.has("paths"));
+    const { paths } = this.results;
+    this.waiting.hidden = !(this.results.isLate("paths") && this.store.now.starts.length > 0);
+    this.list.classList.toggle("stale", this.results.isLate("paths"));
     if (paths === this.drawn) return;
     this.drawn = paths;
     const items = pool(this.list, paths.length, () => h("li", {}, h("span", { class: "start-name" }), h("span", {})));

@@ -2,7 +2,7 @@
 // with it is shown at the field.
 // May be changed: how a field looks. It reads no formula itself; Enter or leaving the field hands the text on.
 
-import { h, say } from "./dom.js";
+import { attr, h, say } from "./dom.js";
 
 let count = 0;
 
@@ -30,7 +30,7 @@ export class Field {
 
   /** Shows a value, unless somebody is typing; `placeholder` is what holds while the field is empty. */
   show(text, placeholder) {
-    if (placeholder !== undefined) this.input.placeholder = placeholder;
+    if (placeholder !== undefined) attr(this.input, "placeholder", placeholder);
     if (document.activeElement === this.input && this.input.value !== this.shownText) return;
     this.shownText = text;
     if (this.input.value !== text) this.input.value = text;
@@ -40,8 +40,8 @@ export class Field {
   complain(error) {
     const key = error?.key ?? null;
     const meant = key !== null && this.keys.some((own) => key === own || key.startsWith(`${own}.`));
-    this.input.setAttribute("aria-invalid", String(meant));
-    this.message.hidden = !meant;
+    attr(this.input, "aria-invalid", meant);
+    if (this.message.hidden === meant) this.message.hidden = !meant;
     say(this.message, meant ? error.message : "");
     return meant;
   }

@@ -14,8 +14,8 @@ const EXPORTS = [
 ];
 
 export class Files {
-  constructor({ scenes, rules, menu, input, dialog }, { api, store, drawing, tell }) {
-    Object.assign(this, { scenes, rules, menu, input, dialog, api, store, drawing, tell });
+  constructor({ scenes, rules, menu, input, dialog }, { api, store, tell }) {
+    Object.assign(this, { scenes, rules, menu, input, dialog, api, store, tell });
     scenes.addEventListener("change", () => this.choose(scenes.value));
     rules.addEventListener("change", () => this.#rule(rules.value));
     input.addEventListener("change", () => this.#read(input.files[0]));
@@ -48,8 +48,6 @@ export class Files {
 
   #open(document) {
     this.store.open(document);
-    this.drawing.touched = false;
-    this.drawing.fitsNext = true;
   }
 
   #rule(rule) {

@@ -3,6 +3,8 @@
 
 const PATIENCE = 40; // milliseconds after the cells for which exact answers are awaited before guesses are shown
 
+const BLINK = 150; // milliseconds for which what is shown may be about the state before
+
 export class Results extends EventTarget {
   constructor(conversation, store) {
     super();
@@ -15,6 +17,7 @@ export class Results extends EventTarget {
     this.status = "idle"; // working, fast, exact, error, lost
     this.finished = false; // everything that was asked for has come
     this.sequence = 0;
+    this.slow = false; // the present state is being asked about for longer than a blink
     this.stale = new Set(); // parts that belong to an older state of the scene
     conversation.addEventListener("asked", ({ detail }) => this.#asked(detail));
     conversation.addEventListener("stage", ({ detail }) => this.#stage(detail));
@@ -32,8 +35,19 @@ export class Results extends EventTarget {
     this.sequence = sequence;
     this.finished = false;
     this.stale = new Set(["geometry", "checked", "comparison", "tolerance", "paths"]);
+    this.slow = false;
+    clearTimeout(this.blink);
+    this.blink = setTimeout(() => {
+      this.slow = true;
+      this.#tell("slow");
+    }, BLINK);
     this.status = this.status === "idle" ? "working" : this.status;
     this.#tell("asked");
+  }
+
+  /** Whether a part still belongs to an older state after a blink. */
+  isLate(part) {
+    return this.slow && this.stale.has(part);
   }
 
   #stage(line) {

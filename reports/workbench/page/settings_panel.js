@@ -2,7 +2,7 @@
 // May be changed: FIELDS lists what can be edited, one line each: the group, the path in the document, the label.
 // A new key of scene files needs a line here and nothing else.
 
-import { h, say } from "./dom.js";
+import { attr, h, onceAFrame, say } from "./dom.js";
 import { Field } from "./field.js";
 import { isSystem, valueAt, withValue } from "./scene_document.js";
 import { fromText, headingFromText, shown, toText } from "./values.js";
@@ -42,7 +42,10 @@ export class SettingsPanel {
     Object.assign(this, { store, results, groups: new Map(), fields: [] });
     for (const line of FIELDS) this.#add(container, line);
     this.#addShape();
-    for (const source of [store, results]) source.addEventListener("change", () => this.show());
+    const later = onceAFrame(() => this.show());
+    for (const source of [store, results]) source.addEventListener("change", later);
+    this.folder = container.closest("details");
+    this.folder.addEventListener("toggle", later);
   }
 
   #add(container, line) {
@@ -82,6 +85,7 @@ export class SettingsPanel {
   }
 
   show() {
+    if (!this.folder.open) return; // nobody sees it
     const { document } = this.store;
     const kind = isSystem(document) ? SYSTEMS : ARRAYS;
     const shape = document.body?.shape ?? "none";
@@ -104,7 +108,8 @@ export class Sliders {
     this.ratio = this.#add(container, "mu_side / mu_roll", { min: 0, max: 2, step: 0.01 }, (value) => this.#setRatio(value));
     this.radius = this.#add(container, "Checked radius", { min: -2, max: 1, step: 0.01 }, (value) => this.#set(["check", "radius"], value));
     this.length = this.#add(container, "Characteristic length", { min: -2, max: 1, step: 0.01 }, (value) => this.#set(["check", "length"], value));
-    for (const source of [store, results]) source.addEventListener("change", () => this.show());
+    const later = onceAFrame(() => this.show());
+    for (const source of [store, results]) source.addEventListener("change", later);
   }
 
   #add(container, label, range, take) {
@@ -171,8 +176,9 @@ export class Sliders {
   }
 
   #put({ input, output }, position, value) {
-    if (document.activeElement !== input || !this.conversation.dragging) input.value = String(position ?? 0);
+    const free = document.activeElement !== input || !this.conversation.dragging;
+    if (free && Number(input.value) !== position) input.value = String(position ?? 0);
     say(output, shown(value));
-    input.setAttribute("aria-valuetext", shown(value));
+    attr(input, "aria-valuetext", shown(value));
   }
 }

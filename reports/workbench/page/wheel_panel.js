@@ -1,7 +1,7 @@
 // The wheels as a table, and the selected one as fields that take exact formulas.
 // May be changed: the columns, and which keys of a wheel have a field (KEYS).
 
-import { h, pool, say } from "./dom.js";
+import { attr, h, onceAFrame, pool, say } from "./dom.js";
 import { Field } from "./field.js";
 import { isSystem, withHeading, withWheel } from "./scene_document.js";
 import { fromText, headingFromText, shown, toText } from "./values.js";
@@ -23,20 +23,13 @@ export class WheelPanel {
     Object.assign(this, { store, results, operations, title, body, empty, box: fields });
     this.fields = KEYS.map((line) => ({ line, field: new Field({ ...line }, (text) => this.#take(line.key, text)) }));
     fields.append(...this.fields.map(({ field }) => field.element));
-    for (const name of ["change", "select"]) store.addEventListener(name, () => this.later());
-    results.addEventListener("change", () => this.later());
+    const later = onceAFrame(() => this.show());
+    for (const name of ["change", "select"]) store.addEventListener(name, later);
+    results.addEventListener("change", later);
   }
 
   static get columns() {
     return COLUMNS;
-  }
-
-  /** At most once a frame: a drag changes the store more often than that. */
-  later() {
-    this.pending ??= requestAnimationFrame(() => {
-      this.pending = undefined;
-      this.show();
-    });
   }
 
   async #take(key, text) {
@@ -114,8 +107,8 @@ export class WheelPanel {
       const row = rows[k];
       row.dataset.row = k;
       row.classList.toggle("selected", chosen.has(k));
-      row.firstChild.firstChild.setAttribute("aria-pressed", String(chosen.has(k)));
-      row.firstChild.firstChild.setAttribute("aria-label", `Wheel ${k + 1}`);
+      attr(row.firstChild.firstChild, "aria-pressed", chosen.has(k));
+      attr(row.firstChild.firstChild, "aria-label", `Wheel ${k + 1}`);
       const own = stated?.length === wheels.length ? stated[k] : null;
       const place = own?.position ?? wheel.exact?.position ?? [shown(wheel.x), shown(wheel.y)];
       const friction = wheel.mu_roll === undefined ? "" : `${shown(wheel.mu_roll, 2)} | ${shown(wheel.mu_side, 2)}`;

@@ -56,8 +56,9 @@ def page(opened: Opened, server: Workbench) -> Iterator[Page]:
     """The four-wheel array, nothing selected, no starts; no test may leave a word on the console."""
     page = opened.page
     first = server.document("four-wheel")
-    page.evaluate("(first) => { workbench.store.open(first, []); workbench.drawing.fit(); }", first)
+    page.evaluate("(first) => workbench.store.open(first, [])", first)
     settled(page)
+    page.evaluate("() => { workbench.store.select([]); workbench.drawing.fit(); }")
     yield page
     assert opened.said == []
 
