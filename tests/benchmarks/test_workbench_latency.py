@@ -37,7 +37,7 @@ WATCH = """() => {
     conversation.addEventListener('asked', ({ detail }) => { seen.sent[detail.sequence] = seen.move; });
     results.addEventListener('change', ({ detail }) => {
         if (detail.stage !== 'fast' && detail.stage !== 'exact') return;
-        const row = { stage: detail.stage, moved: seen.sent[results.sequence], sequence: results.sequence };
+        const row = { stage: detail.stage, moved: seen.sent[results.sequence], took: results.took };
         requestAnimationFrame(() => { const { port1, port2 } = new MessageChannel();
             port1.onmessage = () => { row.shown = performance.now(); seen.rows.push(row); };
             port2.postMessage(null); });
@@ -126,7 +126,8 @@ def test_cells_and_answers_follow_the_pointer(
         found = times(seen["rows"], stage)
         if len(found):
             median, most = np.percentile(found, [50, 95])
-            lines.append(f"{stage}: {len(found)} shown, median {median:.0f} ms, 95 % {most:.0f} ms, max {found.max():.0f}")
+            reply = np.median([row["took"] for row in seen["rows"] if row["stage"] == stage])
+            lines.append(f"{stage}: reply after {reply:.0f} ms (median); {len(found)} shown, median {median:.0f} ms, 95 % {most:.0f} ms, max {found.max():.0f}")
     frames = sorted(seen["frames"])
     lines.append(f"longest task {longest:.0f} ms; {len(frames)} frames above 50 ms, the longest {max(frames, default=0):.0f}")
     with capsys.disabled():
