@@ -9,6 +9,7 @@ import pytest
 
 from nonsmooth.proofs.clauses.workspace import unheard
 from nonsmooth.reports.interface.load import load
+from nonsmooth.reports.workbench import array_view
 from nonsmooth.reports.workbench.documents import document_of
 from nonsmooth.reports.workbench.jobs import view
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
@@ -59,6 +60,16 @@ def assert_equal(fast: dict[str, Any], found: dict[str, Any], expected: dict[str
         assert (clause["verdict"], clause["reason"]) == (said["verdict"], said["reason"])
     for guess in fast["answers"] or ():
         assert guess["answer"] == expected["answers"][guess["key"]]["verdict"]
+
+
+def test_cells_that_take_long_come_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(array_view, "FAST_UNITS", 100)
+    request = {"document": document_of("ring-6"), "want": []}
+    stages = list(view(json.dumps(request).encode(), unheard))
+    assert [stage["stage"] for stage in stages] == ["fast", "fast", "exact"]
+    assert [stage["geometry"] for stage in stages[:2]] == ["later", "exact"]
+    assert len(stages[0]["wheels"]) == 6
+    assert not stages[0]["cells"]
 
 
 @pytest.mark.parametrize("name", sorted(set(builtin_systems()) - SLOW))
