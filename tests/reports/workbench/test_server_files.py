@@ -21,11 +21,11 @@ ENDS = {
 
 @pytest.mark.parametrize("kind", ENDS)
 def test_an_array_is_saved_as(server: Workbench, kind: str) -> None:
-    reply = server.ask("/api/export", {"document": server.document("four-wheel"), "kind": kind})
+    reply = server.ask("/api/export", {"document": server.document("ring-3"), "kind": kind})
     suffix, media = ENDS[kind]
     assert reply.status == 200
     assert reply.headers["content-type"].startswith(media)
-    assert reply.headers["content-disposition"] == f'attachment; filename="four-wheel{suffix}"'
+    assert reply.headers["content-disposition"] == f'attachment; filename="ring-3{suffix}"'
     assert len(reply.body) > 100
 
 
@@ -55,7 +55,7 @@ def test_what_there_is_not_is_refused(server: Workbench) -> None:
     system = server.document("eq-3")
     for kind in ("report", "certificate", "exe", None, 7):
         assert server.ask("/api/export", {"document": system, "kind": kind}).status == 400
-    assert server.ask("/api/export", {"document": system, "kind": "figure"}).status == 200
+    assert server.ask("/api/export", {"document": system, "kind": "toml"}).status == 200
 
 
 def test_an_edit_is_exact(server: Workbench) -> None:
