@@ -41,10 +41,10 @@ demo: $(PACKAGE) ## check the four-wheel array under every contact rule and writ
 	@echo "The derivation report is in $(REPORT)"
 
 test: $(INSTALLED) $(TOOLS) ## run the tests
-	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -q
+	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -m "not thorough" -q
 
 lowest: $(LOWEST)/installed ## run a part of the tests with the oldest versions of all libraries
-	$(LOWEST)/bin/python -m pytest -n 2 --dist worksteal -q $(LOWEST_TESTS)
+	$(LOWEST)/bin/python -m pytest -n 2 --dist worksteal -m "not thorough" -q $(LOWEST_TESTS)
 
 tools: ## try to install Chromium and LaTeX, in which tests open the reports (Debian and Ubuntu, as root)
 	@rm -f $(TOOLS)
@@ -60,8 +60,9 @@ format: $(INSTALLED) ## format the code and mend what ruff can mend
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-bench: $(INSTALLED) ## run the measured comparisons in tests/benchmarks
+bench: $(INSTALLED) ## run the further cases that `make test` leaves out, and the comparisons in tests/benchmarks
 	@$(PIP_INSTALL) --no-build-isolation -e '.[bench]'
+	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -m thorough -q
 	$(BIN)/python -m pytest tests/benchmarks
 
 precision: $(PACKAGE) ## measure error against run time and write docs/precision.md (some minutes)

@@ -12,6 +12,7 @@ from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.systems.system_stability import SystemResult
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
 
@@ -83,3 +84,22 @@ def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
     write_whole(path, certificate_text(certificate).encode())
     if certificate["feedback"]["verdict"] != result.feedback.verdict:
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
+
+
+def write_system_certificate(result: SystemResult, path: Path) -> None:
+    """The certificate of a plain system.
+
+    Raises:
+        RefusedError: for a verdict that has none.
+    """
+    from nonsmooth.proofs.systems.system_certificate import (
+        NoCertificateError,
+        build_system_certificate,
+        certificate_text,
+    )
+
+    try:
+        certificate = build_system_certificate(result)
+    except NoCertificateError as error:
+        raise RefusedError(f"{result.scene.origin}: {error}") from None
+    write_whole(path, certificate_text(certificate).encode())

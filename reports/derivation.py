@@ -1,4 +1,4 @@
-"""The derivation report of one scene: from the wheels to the verdict, every step with its formulas.
+"""The derivation report of one scene: from the wheels, or the formulas, to the verdict, every step written down.
 
 The report is built once as a :class:`nonsmooth.reports.document.Document`; the renderers only write it down.  It holds
 no times and no dates, so equal input gives equal bytes.
@@ -6,10 +6,13 @@ no times and no dates, so equal input gives equal bytes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.document import Document
@@ -20,21 +23,57 @@ from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.parts import PART_NAMES, PARTS
+from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES, system_document, system_subject
 from nonsmooth.reports.records import check_record, partition_record, states_record
 from nonsmooth.reports.subject import Invocation, Subject
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 REPORT_FORMATS = (".html", ".tex", ".md", ".json")
 
 
 @dataclass(frozen=True, repr=False)
-class Report(ShortRepr):
-    """The document of a scene and the result it reports."""
+class WrittenReport(ShortRepr, ABC):
+    """A document with the exact records of what it reports.
+
+    Attributes:
+        document: to be rendered.
+        records: computes what the JSON form adds.
+    """
 
     document: Document
+    records: Callable[[], Record] = field(repr=False, compare=False)
+
+    @property
+    @abstractmethod
+    def headline(self) -> str:
+        """The verdict in a line."""
+
+
+@dataclass(frozen=True, repr=False)
+class Report(WrittenReport):
+    """The report of an array, with the check that it reports."""
+
     result: Check
+
+    @property
+    def headline(self) -> str:
+        """The verdict of Theorem 4."""
+        return f"Theorem 4: {self.result.verdict}"
+
+
+@dataclass(frozen=True, repr=False)
+class SystemReport(WrittenReport):
+    """The report of a plain system, with the verdict that it reports."""
+
+    result: SystemResult
+
+    @property
+    def headline(self) -> str:
+        """The stability of the checked point."""
+        return str(self.result.verdict)
 
 
 def derive_report(
@@ -62,10 +101,33 @@ def derive_report(
         if part.name in parts and not part.lacks(subject):
             announce(f"section {part.name}")
             sections.append(part.build(subject))
-    return Report(Document(f"Derivation report: {one_line(scene.name)}", tuple(sections)), subject.result)
+    document = Document(f"Derivation report: {one_line(scene.name)}", tuple(sections))
+    return Report(document, lambda: _array_records(subject.result), subject.result)
 
 
-def write_report(report: Report, path: Path) -> None:
+def derive_system_report(
+    system: SwitchedSystem,
+    invocation: Invocation | None = None,
+    parts: tuple[str, ...] = SYSTEM_PART_NAMES,
+    announce: Announce = unheard,
+) -> SystemReport:
+    """Check a plain system and write the derivation down.
+
+    Args:
+        system: in two states.
+        invocation: as for :func:`derive_report`.
+        parts: names of the sections, see :data:`nonsmooth.reports.plain_systems.report.SYSTEM_PARTS`.
+        announce: hears the names of the sections.
+
+    Raises:
+        SceneError: for a system in another number of states.
+        RuntimeError: if the evidence of the verdict does not verify.
+    """
+    subject = system_subject(system, invocation, parts, announce)
+    return SystemReport(system_document(subject), lambda: subject.records, subject.result)
+
+
+def write_report(report: WrittenReport, path: Path) -> None:
     """Write the report to a file that ends in one of REPORT_FORMATS; LaTeX with its figures in a folder beside it.
 
     Raises:
@@ -81,7 +143,7 @@ def write_report(report: Report, path: Path) -> None:
         write_whole(file, content)
 
 
-def render_report(report: Report, suffix: str, figures: str = "figures") -> str:
+def render_report(report: WrittenReport, suffix: str, figures: str = "figures") -> str:
     """The report in one of REPORT_FORMATS.
 
     Args:
@@ -97,9 +159,14 @@ def render_report(report: Report, suffix: str, figures: str = "figures") -> str:
         case ".html":
             return render_html(report.document)
         case _:
-            check = {key: value for key, value in check_record(report.result).items() if key != "seconds"}
-            records: Record = {"check": check, "partition": None, "contact_states": None}
-            if isinstance(report.result, CellCheck):
-                records["partition"] = partition_record(report.result.partition)
-                records["contact_states"] = states_record(report.result.partition)
-            return json_text(derivation_record(report.document, records))
+            return json_text(derivation_record(report.document, report.records()))
+
+
+def _array_records(result: Check) -> Record:
+    """The exact records of a check, its cells and contact states."""
+    check = {key: value for key, value in check_record(result).items() if key != "seconds"}
+    records: Record = {"check": check, "partition": None, "contact_states": None}
+    if isinstance(result, CellCheck):
+        records["partition"] = partition_record(result.partition)
+        records["contact_states"] = states_record(result.partition)
+    return records

@@ -128,7 +128,9 @@ NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; th
 CertificateFile = Annotated[
     str | None,
     typer.Option(
-        "--certificate", metavar="FILE", help="Write a certificate for verify: .json (one scene, rule nearest or box)."
+        "--certificate",
+        metavar="FILE",
+        help="Write a certificate for verify: .json (one scene; of an array, rule nearest or box).",
     ),
 ]
 LawFile = Annotated[

@@ -8,29 +8,12 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.fields.cell_values import inside, polynomial_values
+
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
-    from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 Floats: TypeAlias = NDArray[np.float64]
-
-
-def values_of(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
-    """A polynomial in the displacement at many points."""
-    total = np.zeros_like(xs)
-    for (a, b), c in polynomial.terms.items():
-        total += float(c) * xs**a * ys**b
-    return total
-
-
-def inside(cell: FieldCell | LyapunovCell, xs: Floats, ys: Floats) -> NDArray[np.bool_]:
-    """The points of a cell."""
-    kept = np.ones(xs.shape, dtype=bool)
-    for a, b, c in cell.region.sides:
-        kept &= float(a) * xs + float(b) * ys + float(c) >= 0
-    for guard in cell.region.guards:
-        kept &= values_of(guard, xs, ys) >= 0
-    return kept
 
 
 def sampled_rates(cells: Iterable[FieldCell], xs: Floats, ys: Floats) -> tuple[Floats, Floats]:
@@ -39,7 +22,7 @@ def sampled_rates(cells: Iterable[FieldCell], xs: Floats, ys: Floats) -> tuple[F
     for cell in cells:
         here = inside(cell, xs, ys)
         f, g = cell.velocities[0]
-        first[here], second[here] = values_of(f, xs, ys)[here], values_of(g, xs, ys)[here]
+        first[here], second[here] = polynomial_values(f, xs, ys)[here], polynomial_values(g, xs, ys)[here]
     return first, second
 
 
@@ -48,5 +31,5 @@ def sampled_potential(cells: Iterable[LyapunovCell], xs: Floats, ys: Floats) -> 
     potential = np.zeros_like(xs)
     for cell in cells:
         here = inside(cell, xs, ys)
-        potential[here] = values_of(cell.potential, xs, ys)[here]
+        potential[here] = polynomial_values(cell.potential, xs, ys)[here]
     return potential

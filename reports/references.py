@@ -32,6 +32,11 @@ SHEVITZ_PADEN = Reference(
     "Lyapunov stability theory of nonsmooth systems",
     "IEEE Transactions on Automatic Control 39, 1994",
 )
+BACCIOTTI_CERAGIOLI = Reference(
+    "A. Bacciotti, F. Ceragioli",
+    "Stability and stabilization of discontinuous systems and nonsmooth Lyapunov functions",
+    "ESAIM: Control, Optimisation and Calculus of Variations 4, 1999",
+)
 BROCKETT = Reference(
     "R. W. Brockett",
     "Asymptotic stability and feedback stabilization",

@@ -1,7 +1,7 @@
-"""What ``nonsmooth simulate`` can do: four modes, each with the options that are its own.
+"""What ``nonsmooth simulate`` can do: its modes, each with the options that are its own.
 
 A mode reads its options, refuses those of other modes in one line, and returns what is shown.  To add one, write a
-class on :class:`SimulationMode` and name it in :func:`chosen_mode`.
+class on :class:`SimulationMode` and name it in :func:`array_mode` or :func:`system_mode`.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 2.0  # last time of a single path, where none is given
+SYSTEM_UNTIL = 10.0  # and of the paths of a map of a plain system
 
 # Parameters of the command by the mode they belong to.
 OF_LOOPS = ("feedback", "law", "gain")
@@ -105,7 +106,8 @@ class SystemPathMode(SimulationMode):
 
     def refuse_others(self, options: Options) -> None:
         """All that is for arrays."""
-        of_arrays = (*OF_MAPS, "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
+        options.refuse(("heading",), "an array of wheels", "a plain switched system")
+        of_arrays = ("kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
         options.refuse(of_arrays, "an array of wheels", "a plain switched system")
         if options.method is Method.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
@@ -124,6 +126,34 @@ class SystemPathMode(SimulationMode):
             raise
         except (ValueError, TrajectoryError) as error:
             raise RefusedError(f"{system.origin}: {error}") from None
+
+
+class SystemStartsMap(SimulationMode):
+    """Where N x N starts of a plain switched system in two states have come to, by events."""
+
+    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
+        self._load = load
+
+    def refuse_others(self, options: Options) -> None:
+        """All that is for arrays, and for one path."""
+        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
+        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        options.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
+
+    def shown(self, options: Options) -> Shown:
+        """The last places of a grid of paths."""
+        from nonsmooth.reports.interface.argument_error import ArgumentError
+        from nonsmooth.reports.interface.map_result import map_system
+
+        try:
+            return map_system(self._load(), options.grid or 0, options.until or SYSTEM_UNTIL).shown
+        except ArgumentError as error:
+            raise RefusedError(f"--{error}") from None
+
+
+def system_mode(options: Options, load: Callable[[], SwitchedSystem]) -> SimulationMode:
+    """The mode for a plain system."""
+    return SystemPathMode(load) if options.grid is None else SystemStartsMap(load)
 
 
 class ArrayMode(SimulationMode):

@@ -18,6 +18,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from tests.four_wheel import CORNERS, ROLL, SIDE
+from tests.thorough import is_further, thorough
 
 Rational: TypeAlias = int | Fraction
 Pair: TypeAlias = tuple[Rational, Rational]
@@ -174,11 +175,16 @@ class Arrays:
 SHARED = ({"derived", "derived_afresh"}, {"tied_array"})
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the longest single tests, so that no worker is left alone with one of them at the end.
+    """Mark further random arrays as thorough, before pytest selects by marks, and sort the tests.
 
-    Next come the files that share what is costly to build, together: mostly one worker then builds it once.
+    The longest single tests come first, so that no worker is left alone with one of them at the end; next the files
+    that share what is costly to build, together: mostly one worker then builds it once.
     """
+    for item in items:
+        if is_further(item):
+            item.add_marker(thorough)
     items.sort(key=place)
 
 

@@ -9,9 +9,9 @@ from typing import Any
 from tests.workbench_server import Workbench
 
 KINDS = ("drag", "drag", "drag", "turn", "slide", "rule", "exact", "starts", "nonsense")
-RULES = ("nearest", "nearest", "ellipse", "box")
-MOST = 8  # wheels
-LEFT = 0.5  # of the views
+RULES = (*["nearest"] * 6, "ellipse", "box")
+MOST = 6  # wheels
+LEFT = 0.7  # of the views
 FAULT = "fault of the program"
 OPERATIONS: tuple[dict[str, Any], ...] = (
     {"kind": "add", "position": [0.3, 0.2]},
@@ -35,7 +35,7 @@ class Hand:
         self.seen: dict[str, int] = {}
 
     def edit(self) -> None:
-        """One edit, and the view of what comes of it; half of the views are left for the next one, as in a drag."""
+        """One edit, and the view of what comes of it; most views are left for the next one, as in a drag."""
         kept, kind = self.document, self.random.choice(KINDS)
         self.document = copy.deepcopy(kept)
         getattr(self, f"_{kind}")()

@@ -14,11 +14,12 @@ from itertools import combinations, pairwise
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, common_edges
-from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.analysis.cells.switched_cells import FieldCell, PlaneField
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
 from nonsmooth.symbolic.constraints import outer
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.plane import dot
 
 
 class BorderKind(StrEnum):
@@ -39,12 +40,16 @@ class BorderPart:
         end: the other end.
         kind: what solutions do between.
         is_exact: whether the ends are exact; otherwise they are close to a root that has no name in the field.
+        normal: into the cell of the first field.
+        fields: the first field of the cell on each side.
     """
 
     start: Point
     end: Point
     kind: BorderKind
     is_exact: bool
+    normal: Point
+    fields: tuple[PlaneField, PlaneField]
 
 
 def border_parts(cells: Sequence[FieldCell]) -> Iterator[BorderPart]:
@@ -72,7 +77,24 @@ def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[Borde
     samples = [roots[0].low, *inner, roots[-1].high] if roots else [Fraction(1)]
     for t, ((start, known), (end, named)) in zip(samples, pairwise(ends), strict=True):
         signs = [{value(curve, t).sign() if curve else 0 for curve in side} for side in normal]
-        yield BorderPart(start, end, _kind(*signs), known and named)
+        fields = first.velocities[0], second.velocities[0]
+        yield BorderPart(start, end, _kind(*signs), known and named, (a, b), fields)
+
+
+def sliding_velocity(part: BorderPart, place: Point) -> Point:
+    """The mixture of both fields that is tangent to the border, ``((n . g) f - (n . f) g)/(n . g - n . f)``.
+
+    Args:
+        part: a border onto which both fields push, or from which both push away.
+        place: on it.
+
+    Raises:
+        ZeroDivisionError: where both fields have the same normal part.
+    """
+    f, g = (tuple(component(place) for component in field) for field in part.fields)
+    across_f, across_g = (dot(part.normal, velocity) for velocity in (f, g))
+    first, second = ((across_g * a - across_f * b) / (across_g - across_f) for a, b in zip(f, g, strict=True))
+    return (first, second)
 
 
 def _kind(first: set[int], second: set[int]) -> BorderKind:

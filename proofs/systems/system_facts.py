@@ -40,7 +40,7 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact("with", f"V = {proving_text(result)}")
         yield row_fact("on", result.domain.text(states))
     if result.region is not None:
-        yield row_fact("region", _region_words(result.region, states))
+        yield row_fact("region", region_words(result.region, states))
     if result.rate is not None:
         yield row_fact("rate", str(result.rate))
 
@@ -63,7 +63,7 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
         yield from _conditions(result.lyapunov)
     else:
         yield Fact("V", proving_text(result))
-        yield Fact("pieces", [_piece(piece) for piece in _pieces(result)] or None)
+        yield Fact("pieces", [_piece(piece) for piece in proving_pieces(result)] or None)
         yield _domain(result.domain or result.reported_domain, result.scene.states)
         yield from _conditions(proving)
     yield Fact("proves", proving is not None)
@@ -81,7 +81,8 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     yield Fact("tried", unsaid(own))
 
 
-def _region_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
+def region_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
+    """What is certified of a sublevel set of V, and what refutes a larger one."""
     inside = Domain(region.radius).text(states)
     reached = f"every start with {region} within {inside} reaches the equilibrium"
     if region.point is None:
@@ -98,7 +99,7 @@ def _region_record(region: SublevelRegion, states: tuple[str, ...]) -> dict[str,
         "within": Quantity(region.radius),
         "refuted": Quantity(region.refuted),
         "point": Quantity(region.point),
-        "text": _region_words(region, states),
+        "text": region_words(region, states),
     }
 
 
@@ -106,7 +107,8 @@ def _rate_record(rate: DecayRate) -> dict[str, object]:
     return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
 
 
-def _pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
+def proving_pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
+    """The V that was searched on cones, piece by piece; empty for one with a formula."""
     proving, searched = result.proving, result.searched
     return (
         ()
@@ -119,7 +121,9 @@ def proving_text(result: SystemResult) -> str:
     """V in the displacement from the equilibrium: a formula, or the pieces of one that was searched on cones."""
     if result.searched is not None and result.searched.formula is not None:
         return result.searched.formula.text
-    return "; ".join(map(str, _pieces(result))) if result.searched else one_line(result.scene.check.lyapunov.text)
+    return (
+        "; ".join(map(str, proving_pieces(result))) if result.searched else one_line(result.scene.check.lyapunov.text)
+    )
 
 
 def _piece(piece: PotentialPiece) -> dict[str, object]:

@@ -29,6 +29,7 @@ from nonsmooth.reports.options import (
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from nonsmooth.analysis.continuum.prediction import Prediction
     from nonsmooth.proofs.clauses.workspace import Announce
@@ -84,9 +85,9 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
         _require_one_scene({**asked, "--continuum": continuum, "--headings": headings, "--fail": failures}, len(scenes))
         return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
-        asked = {"a certificate": files.certificate is not None, "--law": files.law is not None}
-        _require_array(loaded[0], {**asked, "--continuum": continuum, "--headings": headings, "--fail": failures})
-        return _check_system(loaded[0], json=json)
+        of_arrays = {"--law": law is not None, "--continuum": continuum, "--headings": headings, "--fail": failures}
+        _require_array(loaded[0], of_arrays)
+        return _check_system(loaded[0], files.certificate, json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
     options = {"best": best, "prune": not no_prune, "around": headings}
     try:
@@ -207,7 +208,7 @@ def _require_array(scene: SwitchedSystem, asked: dict[str, bool]) -> None:
         )
 
 
-def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
+def _check_system(scene: SwitchedSystem, certificate: Path | None, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.systems.system_stability import system_check
     from nonsmooth.proofs.verified import verified
@@ -217,6 +218,10 @@ def _check_system(scene: SwitchedSystem, *, json: bool) -> int:
         result = system_check(scene)
         announce("verification of the evidence")
         verified(result)
+    if certificate is not None:
+        from nonsmooth.reports.check_files import write_system_certificate
+
+        write_system_certificate(result, certificate)
     if json:
         from nonsmooth.reports.system_views import system_record
 

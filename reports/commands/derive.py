@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, refusals_named, write
+from nonsmooth.reports.console import RefusedError, refusals_named, refuse_given, write
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, ReportFile, RuleOption, SceneText, complete_part
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.interface.report_result import PartChoice
 
 Only = Annotated[
     str | None,
@@ -30,6 +33,7 @@ Without = Annotated[
 
 
 def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
+    context: typer.Context,
     scene: SceneText,
     output: ReportFile = None,
     only: Only = None,
@@ -42,31 +46,44 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
 ) -> int:
     """Write the derivation report; without -o, as Markdown to standard output.
 
+    Of a plain system in two states: its cells, borders, Lyapunov function or leading terms, and phase portrait.
+
     Exit status: 0 written, whatever the verdict; 2 bad input.
     """
     from nonsmooth.reports.derivation import REPORT_FORMATS
     from nonsmooth.reports.files import output_path
-    from nonsmooth.reports.interface.report_result import derive_scene
+    from nonsmooth.reports.interface.report_result import derive_scene, derive_system
+    from nonsmooth.reports.parts import chosen_parts
+    from nonsmooth.reports.plain_systems.report import chosen_system_parts
     from nonsmooth.reports.progress import steps
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.files.system_file import holds_system, load_system
     from nonsmooth.symbolic.files.text_files import OUTSIDE_OPTION
 
-    parts = _parts(only, without)
-    loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
-    path = None if output is None else output_path(output, REPORT_FORMATS)
     options = _given({"--rule": rule, "--radius": radius, "--at": at})
     options += (OUTSIDE_OPTION,) if allow_outside else ()
     invocation = Invocation(scene, options, _given({"--only": only, "--without": without, "-o": output}))
-    with refusals_named(loaded), steps("derivation") as announce:
-        result = derive_scene(loaded, parts, invocation=invocation, announce=announce)
+    if holds_system(scene):
+        refuse_given(context, ("rule", "allow_outside"), "an array of wheels", "a plain system")
+        parts = _parts(only, without, chosen_system_parts)
+        system = load_system(scene, radius=radius, at=at)
+        path = None if output is None else output_path(output, REPORT_FORMATS)
+        with steps("derivation") as announce:
+            result = derive_system(system, parts, invocation=invocation, announce=announce)
+    else:
+        parts = _parts(only, without, chosen_parts)
+        loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
+        path = None if output is None else output_path(output, REPORT_FORMATS)
+        with refusals_named(loaded), steps("derivation") as announce:
+            result = derive_scene(loaded, parts, invocation=invocation, announce=announce)
     if path is not None:
         result.save(path)
     if json:
         write(result.text(".json"))
     elif path is not None:
-        write(f"{path}: Theorem 4: {result.theorem4}\n")
+        write(f"{path}: {result.report.headline}\n")
     else:
         write(result.text(".md"))
     return 0
@@ -77,10 +94,10 @@ def _given(options: dict[str, object]) -> tuple[str, ...]:
     return tuple(part for name, value in options.items() if value is not None for part in (name, str(value)))
 
 
-def _parts(only: str | None, without: str | None) -> tuple[str, ...]:
+def _parts(only: str | None, without: str | None, choose: PartChoice) -> tuple[str, ...]:
     from nonsmooth.reports.interface.report_result import named_parts
 
     try:
-        return named_parts(only, without)
+        return named_parts(only, without, choose)
     except ValueError as error:
         raise RefusedError(f"--{error}") from None

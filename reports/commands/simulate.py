@@ -149,7 +149,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     from nonsmooth.reports.animation.output import FILMS, require_film
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.shown import show
-    from nonsmooth.reports.simulation_modes import Options, SimulationMode, SystemPathMode, array_mode
+    from nonsmooth.reports.simulation_modes import Options, SimulationMode, array_mode, system_mode
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.system_file import holds_system, load_system
 
@@ -172,7 +172,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES, *films))
     options.check()
     if holds_system(scene):
-        mode: SimulationMode = SystemPathMode(partial(load_system, scene))
+        mode: SimulationMode = system_mode(options, partial(load_system, scene))
     else:
         load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
         mode = array_mode(options, load)

@@ -32,11 +32,13 @@ def verify(
     """Re-check a certificate with the stand-alone checker, which trusts nothing else of this program.
 
     Prints the array and the verdicts that are shown. With a scene, the certificate must be about the same wheels,
-    contact rule, point and square. Exit status: 0 accepted, 1 rejected, 2 no certificate, 3 accepted, but every clause
-    is undecided.
+    contact rule, point and square; a certificate of a plain system is proved anew from its formulas. Exit status: 0
+    accepted, 1 rejected, 2 no certificate, 3 accepted, but every clause is undecided.
     """
     from nonsmooth.proofs.checker import check_file
 
+    if _is_of_system(file):
+        return _verify_system(file, scene, radius, at, rule=rule)
     wanted = _wanted(scene, rule, radius, at)
     status, message = check_file(file)
     if status == BAD_INPUT:
@@ -51,6 +53,42 @@ def verify(
     return status
 
 
+def _is_of_system(file: str) -> bool:
+    """Whether a file says that it is the certificate of a plain system."""
+    import json
+
+    from nonsmooth.proofs.system_checker import MAX_BYTES, SCHEMA
+
+    try:
+        with open(file, "rb") as stream:
+            text = stream.read(MAX_BYTES)
+        return SCHEMA.encode() in text and json.loads(text).get("schema") == SCHEMA
+    except (OSError, ValueError, AttributeError, RecursionError):
+        return False
+
+
+def _verify_system(file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object) -> int:
+    """The certificate of a plain system, and whether it is about the system that is named."""
+    from nonsmooth.proofs.system_checker import check_file
+    from nonsmooth.proofs.systems.system_certificate import find_system_difference
+    from nonsmooth.symbolic.files.system_file import load_system
+
+    if rule is not None:
+        raise RefusedError("--rule: required a certificate of an array, received one of a plain system")
+    if scene is None:
+        _refuse_without_scene(rule, radius, at)
+    wanted = None if scene is None else load_system(scene, radius=radius, at=at)
+    status, message = check_file(file)
+    if wanted is not None and status != REJECTED:
+        difference = find_system_difference(file, wanted)
+        if difference:
+            write(f"rejected: required a certificate about {scene}, received one with {difference}\n{message}\n")
+            return REJECTED
+        message += f"\nabout {scene}: the same states, formulas and point"
+    write(f"{message}\n")
+    return status
+
+
 def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:
     """The scene to compare with; options that would replace something of it need one."""
     from nonsmooth.symbolic.contact_set import standing
@@ -58,10 +96,14 @@ def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) ->
 
     if scene is not None:
         return standing(load_scene(scene, rule=rule, radius=radius, at=at))
+    _refuse_without_scene(rule, radius, at)
+    return None
+
+
+def _refuse_without_scene(rule: Any, radius: str | None, at: str | None) -> None:
     for option, given in (("--rule", rule), ("--radius", radius), ("--at", at)):
         if given is not None:
             raise RefusedError(f"{option}: required a scene to compare the certificate with, received none")
-    return None
 
 
 def _difference(file: str, scene: Scene) -> str:

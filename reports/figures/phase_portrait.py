@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.analysis.fields.cell_values import inside, polynomial_values
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
-from nonsmooth.reports.phase_samples import Floats, inside, sampled_potential, sampled_rates, values_of
+from nonsmooth.reports.phase_samples import Floats, sampled_potential, sampled_rates
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     axes.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
     _draw_nullclines(axes, portrait, xs, ys)
     _draw_curves(axes, portrait, xs, ys)
-    _draw_borders(axes, portrait)
-    _draw_potential(axes, portrait)
+    draw_borders(axes, portrait)
+    draw_potential(axes, portrait)
     axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
     x, y = portrait.system.states
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
@@ -72,7 +73,7 @@ def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats
     for k, (name, color) in enumerate(zip(portrait.system.states, NULLCLINES, strict=True)):
         drawn = False
         for cell in portrait.cells:
-            values = np.where(inside(cell, xs, ys), values_of(cell.velocities[0][k], xs, ys), np.nan)
+            values = np.where(inside(cell, xs, ys), polynomial_values(cell.velocities[0][k], xs, ys), np.nan)
             known = values[~np.isnan(values)]
             if known.size and known.min() < 0 < known.max():
                 axes.contour(xs, ys, values, levels=[0.0], colors=color, linewidths=1.4, zorder=2)
@@ -84,12 +85,13 @@ def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats
 def _draw_curves(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
     """Switching curves, each once."""
     for guard in dict.fromkeys(guard for cell in portrait.cells for guard in cell.region.guards):
-        values = values_of(guard, xs, ys)
+        values = polynomial_values(guard, xs, ys)
         if values.min() < 0 < values.max():
             axes.contour(xs, ys, values, levels=[0.0], colors=CURVE, linestyles="--", linewidths=1.0, zorder=3)
 
 
-def _draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
+def draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
+    """Straight borders, their kinds told apart by form."""
     named: set[BorderKind] = set()
     for part in portrait.borders:
         ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
@@ -98,7 +100,7 @@ def _draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
         named.add(part.kind)
 
 
-def _draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
+def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     """Level sets of the V that proves the verdict, over the square on which it is proved."""
     result = portrait.stability
     proving, domain = result.proving, result.domain

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
-from nonsmooth.reports.derivation import REPORT_FORMATS, Report, derive_report, render_report, write_report
+from nonsmooth.reports.derivation import (
+    REPORT_FORMATS,
+    Report,
+    SystemReport,
+    derive_report,
+    derive_system_report,
+    render_report,
+    write_report,
+)
 from nonsmooth.reports.files import output_path
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.parts import PART_NAMES, chosen_parts
+from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES
 
 if TYPE_CHECKING:
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 @dataclass(frozen=True, repr=False)
@@ -26,12 +36,23 @@ class ReportResult:
         report: the document, and the check that it reports.
     """
 
-    report: Report
+    report: Report | SystemReport
+
+    @property
+    def verdict(self) -> str:
+        """Of Theorem 4 for an array, of stability for a plain system."""
+        return str(self.report.result.verdict)
 
     @property
     def theorem4(self) -> str:
-        """The verdict of Theorem 4."""
-        return str(self.report.result.verdict)
+        """The verdict of Theorem 4.
+
+        Raises:
+            AttributeError: for the report of a plain system.
+        """
+        if isinstance(self.report, SystemReport):
+            raise AttributeError("theorem4: the report is about a plain system, see verdict")
+        return self.verdict
 
     @property
     def title(self) -> str:
@@ -67,11 +88,21 @@ class ReportResult:
         return path
 
     def __repr__(self) -> str:
-        return short_lines(self.title, [("Theorem 4", self.theorem4), ("sections", ", ".join(self.sections))])
+        return short_lines(self.title, [("verdict", self.report.headline), ("sections", ", ".join(self.sections))])
 
 
-def named_parts(only: str | Sequence[str] | None, without: str | Sequence[str] | None) -> tuple[str, ...]:
+PartChoice: TypeAlias = Callable[[Collection[str], Collection[str]], tuple[str, ...]]
+
+
+def named_parts(
+    only: str | Sequence[str] | None, without: str | Sequence[str] | None, choose: PartChoice = chosen_parts
+) -> tuple[str, ...]:
     """The sections to write, of names in a sequence or in a text with commas.
+
+    Args:
+        only: these, or all.
+        without: less these.
+        choose: :func:`chosen_parts` for arrays, ``chosen_system_parts`` for plain systems.
 
     Raises:
         ValueError: for a name that is none, beginning with ``only`` or ``without``.
@@ -79,10 +110,10 @@ def named_parts(only: str | Sequence[str] | None, without: str | Sequence[str] |
     chosen = {"only": _names(only), "without": _names(without)}
     for option, names in chosen.items():
         try:
-            chosen_parts(names, ())
+            choose(names, ())
         except ValueError as error:
             raise ValueError(f"{option}: {error}") from None
-    return chosen_parts(chosen["only"], chosen["without"])
+    return choose(chosen["only"], chosen["without"])
 
 
 def _names(given: str | Sequence[str] | None) -> list[str]:
@@ -110,3 +141,24 @@ def derive_scene(
         RefusalError: where the motion is not determined.
     """
     return ReportResult(derive_report(scene, invocation, parts, announce))
+
+
+def derive_system(
+    system: SwitchedSystem,
+    parts: tuple[str, ...] = SYSTEM_PART_NAMES,
+    *,
+    invocation: Invocation | None = None,
+    announce: Announce = unheard,
+) -> ReportResult:
+    """Check a plain system and write its derivation; the evidence is verified before anything is written.
+
+    Args:
+        system: in two states.
+        parts: names of the sections to write.
+        invocation: how the report was asked for; None for the system as it stands.
+        announce: hears the names of the sections.
+
+    Raises:
+        SceneError: for a system in another number of states.
+    """
+    return ReportResult(derive_system_report(system, invocation, parts, announce))

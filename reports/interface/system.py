@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Self
 from nonsmooth.reports.interface.entries import entry, table
 
 if TYPE_CHECKING:
+    from nonsmooth.reports.interface.map_result import MapResult
     from nonsmooth.reports.interface.path_result import PathResult
+    from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -32,6 +34,7 @@ class System:
         radius: half-width of the square about it that is checked.
         lyapunov: a Lyapunov function to try, as a formula.
         name: what it is called in results.
+        parameters: numbers that stand in the formulas by name, such as ``{"k": 2}``.
 
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
@@ -48,8 +51,11 @@ class System:
         radius: Any = None,
         lyapunov: Any = None,
         name: str | None = None,
+        parameters: Mapping[str, Any] | None = None,
     ) -> None:
         document = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
+        if parameters is not None:
+            document["system"]["parameters"] = table(parameters)
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
 
     def _set(self, document: Mapping[str, Any]) -> None:
@@ -68,7 +74,7 @@ class System:
         return system
 
     def with_(self, **changes: Any) -> Self:
-        """Another system in which at, radius, lyapunov or name is changed.
+        """Another system in which at, radius, lyapunov, name or some parameters are changed.
 
         Raises:
             SceneError: for whatever cannot be used.
@@ -103,6 +109,24 @@ class System:
 
         return check_system((self.with_(**changes) if changes else self).system)
 
+    def derive(
+        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
+    ) -> ReportResult:
+        """The derivation report: cells, borders, Lyapunov function or leading terms, phase portrait, solutions.
+
+        Args:
+            only: names of the sections to write, or a text with commas; all unless given.
+            without: less these.
+
+        Raises:
+            SceneError: for a system in another number of states than two.
+            ValueError: for a name that is no section.
+        """
+        from nonsmooth.reports.interface.report_result import derive_system, named_parts
+        from nonsmooth.reports.plain_systems.report import chosen_system_parts
+
+        return derive_system(self.system, named_parts(only, without, chosen_system_parts))
+
     def simulate(
         self, start: Sequence[float], until: float = UNTIL, *, method: str = "events", width: float = 1e-3
     ) -> PathResult:
@@ -126,13 +150,31 @@ class System:
         path = follow_system(self.system, place, until, Method(method), width)
         return PathResult(self.system.name, tuple(self.system.states), path)
 
+    def map(self, grid: int = 21, *, until: float = UNTIL) -> MapResult:
+        """Where a grid of starts over the checked square has come to, sampled.
+
+        Args:
+            grid: starts in a row and in a column.
+            until: last time.
+
+        Raises:
+            ArgumentError: for a grid or a time that cannot be used.
+            SceneError: for another number of states than two, and for arbitrary switching.
+        """
+        from nonsmooth.reports.interface.map_result import map_system
+
+        return map_system(self.system, grid, until)
+
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:
     """The document with the keywords at their places; None leaves it as it is."""
-    unknown = set(changes) - {"at", "radius", "lyapunov", "name"}
+    unknown = set(changes) - {"at", "radius", "lyapunov", "name", "parameters"}
     if unknown:
-        raise TypeError(f"required a keyword among at, radius, lyapunov, name, received {min(unknown)!r}")
+        raise TypeError(f"required a keyword among at, radius, lyapunov, name, parameters, received {min(unknown)!r}")
     changed = dict(document)
+    if changes.get("parameters") is not None:
+        system = document["system"]
+        changed["system"] = {**system, "parameters": {**system.get("parameters", {}), **table(changes["parameters"])}}
     if changes.get("name") is not None:
         changed["name"] = changes["name"]
     given = table(

@@ -37,6 +37,7 @@ SECONDS = {
     "open": 15.0,
     "scenes": 30.0,
     "scene": 30.0,
+    "file": 30.0,
     "edit": 15.0,
     "export": 120.0,
 }  # in which a job must end

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -35,12 +36,14 @@ from nonsmooth.reports.workbench.shapes import (
     wheels_record,
 )
 from nonsmooth.symbolic.contact_set import TipsError, contact_set, standing
-from nonsmooth.symbolic.numbers.work_limit import watched
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
 from nonsmooth.symbolic.scene import Scene
 
 Announce: TypeAlias = Callable[[str], None]
 Stage: TypeAlias = dict[str, Any]
 
+FAST_UNITS = 40_000  # of exact arithmetic for the cells of the first stage: a second or so
+LATER = "later"  # geometry that a second stage ``fast`` shows
 FIELD = 15  # points in a row of the sampled field
 QUESTIONS = {
     "position": "Where does a body go that starts near the point?",
@@ -62,7 +65,10 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
         return {**stage, "time": round(time.perf_counter() - began, 6)}
 
     with watched(array.scene.field, lambda: announce("")):
-        yield timed(fast_stage(array))
+        shown = fast_stage(array, FAST_UNITS)
+        yield timed(shown)
+        if shown["geometry"] == LATER:
+            yield timed(fast_stage(array))
         try:
             result = proved(array, announce)
         except TipsError as tipping:
@@ -100,8 +106,13 @@ def _is_wanted(name: str, wanted: object) -> bool:
 # ---- what shows at once --------------------------------------------------------------------------
 
 
-def fast_stage(array: Array) -> Stage:
-    """Wheels, body, square, and the cells or a sampled field, with guessed answers."""
+def fast_stage(array: Array, units: int | None = None) -> Stage:
+    """Wheels, body, square, and the cells or a sampled field, with guessed answers.
+
+    Args:
+        array: the array.
+        units: of exact arithmetic for the cells; where they take more, they are left for ``later``.
+    """
     scene = array.scene
     geometry: Stage = {"cells": [], "edges": [], "field": [], "geometry": "none", "note": None}
     answers = None
@@ -110,7 +121,8 @@ def fast_stage(array: Array) -> Stage:
         contact = contact_set(stands)
         carrying = contact.wheels
         if isinstance(rule_of(scene), CellRule):
-            partition = array.partition
+            with _limited(scene, units):
+                partition = array.partition
             geometry |= {"cells": cells_record(partition), "edges": edges_record(partition), "geometry": "exact"}
             answers = guessed_answers(partition)
         else:
@@ -118,6 +130,8 @@ def fast_stage(array: Array) -> Stage:
     except TipsError as tipping:
         stands, contact, carrying = scene, None, tipping.carrying
         geometry["note"] = tipping.why
+    except _LaterError:
+        geometry |= {"geometry": LATER, "note": "the cells take a moment"}
     except RefusalError as refusal:
         geometry["note"] = str(refusal)
     return {
@@ -131,6 +145,30 @@ def fast_stage(array: Array) -> Stage:
         "contact": None if contact is None else contact_record(contact),
         "answers": answers,
     }
+
+
+class _LaterError(Exception):
+    """Cells that take more than a blink."""
+
+
+@contextmanager
+def _limited(scene: Scene, units: int | None) -> Iterator[None]:
+    """Limit the exact arithmetic of the cells.
+
+    Raises:
+        _LaterError: where they take more; whatever was refused for that reason is not refused yet.
+    """
+    if units is None:
+        yield
+        return
+    try:
+        with work_limit(scene.field, units):
+            meter = scene.field.meter
+            yield
+    except (WorkLimitError, RefusalError):
+        if meter is not None and meter.left <= 0:
+            raise _LaterError from None
+        raise
 
 
 def _field(scene: Scene) -> list[list[float | None]]:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+from nonsmooth.proofs.systems import system_certificate
+from nonsmooth.proofs.systems.system_certificate import NoCertificateError, build_system_certificate
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.cells_result import drawn
@@ -47,7 +49,7 @@ def _toml(document: Mapping[str, Any], made: Array | System) -> File:
 
 def _report(document: Mapping[str, Any], made: Array | System) -> File:
     del document
-    return File(".html", "text/html; charset=utf-8", _array(made, "a report").derive().text(".html").encode())
+    return File(".html", "text/html; charset=utf-8", made.derive().text(".html").encode())
 
 
 def _figure(document: Mapping[str, Any], made: Array | System) -> File:
@@ -70,18 +72,21 @@ def _json(document: Mapping[str, Any], made: Array | System) -> File:
 
 
 def _certificate(document: Mapping[str, Any], made: Array | System) -> File:
+    """The certificate of a verdict, for the stand-alone checker."""
     del document
     try:
-        certificate = build_certificate(_array(made, "a certificate").check().evidence)
-    except CertificateError as error:
+        text = _system_text(made) if isinstance(made, System) else _array_text(made)
+    except (CertificateError, NoCertificateError) as error:
         raise RequestError(f"certificate: {error}") from None
-    return File(".json", "application/json", certificate_text(certificate).encode())
+    return File(".json", "application/json", text.encode())
 
 
-def _array(made: Array | System, what: str) -> Array:
-    if not isinstance(made, Array):
-        raise RequestError(f"kind: required an array of wheels for {what}, received a plain system", "kind")
-    return made
+def _array_text(array: Array) -> str:
+    return certificate_text(build_certificate(array.check().evidence))
+
+
+def _system_text(system: System) -> str:
+    return system_certificate.certificate_text(build_system_certificate(system.check().evidence))
 
 
 _KINDS: dict[str, Callable[[Mapping[str, Any], Array | System], File]] = {

@@ -7,13 +7,15 @@ Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import PlainValidator
+from pydantic import Field, PlainValidator
 
 from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.parameters import parameter_texts, read_parameters, with_parameters
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
@@ -79,10 +81,11 @@ def read_numbers(value: object) -> tuple[Exact, ...]:
 
 
 class SystemTable(Table):
-    """``[system]``: the states and one right-hand side for each."""
+    """``[system]``: the states, one right-hand side for each, and numbers that stand in them by name."""
 
     states: Annotated[tuple[str, ...], PlainValidator(read_states)]
     rhs: Annotated[tuple[object, ...], PlainValidator(read_formulas)]
+    parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
 
 
 class SystemCheckTable(Table):
@@ -179,9 +182,11 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
     """
     document = validate(SystemDocument, data, file)
     states, check = document.system.states, document.check
-    rhs, *others = _right_hand_sides(document.system.rhs, states, file)
+    texts = parameter_texts(document.system.parameters, {*states, *_RESERVED}, file)
+    rhs, *others = _right_hand_sides(document.system.rhs, states, file, texts)
     default = " + ".join(f"{name}**2" for name in states)
-    lyapunov = parse_lyapunov(default if check.lyapunov is None else check.lyapunov, states, file, "check.lyapunov")
+    chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
+    lyapunov = parse_lyapunov(chosen, states, file, "check.lyapunov")
     formulas = [formula for side in (rhs, *others) for formula in side]
     turns = [turn for formula in (*formulas, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
@@ -199,7 +204,7 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
 
 
 def _right_hand_sides(
-    value: tuple[object, ...], states: tuple[str, ...], file: str
+    value: tuple[object, ...], states: tuple[str, ...], file: str, texts: Mapping[str, str]
 ) -> list[tuple[PiecewiseExpression, ...]]:
     """One list of formulas, or several of them."""
     nested = bool(value) and all(isinstance(part, list) for part in value)
@@ -208,7 +213,8 @@ def _right_hand_sides(
         key = f"system.rhs[{k}]" if nested else "system.rhs"
         formulas = tuple(side) if isinstance(side, list | tuple) else ()
         _require_one_each(states, formulas, file, key, "formulas")
-        found.append(tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(formulas, 1)))
+        complete = [with_parameters(text, texts) for text in formulas]
+        found.append(tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(complete, 1)))
     return found
 
 

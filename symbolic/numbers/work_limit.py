@@ -59,7 +59,7 @@ class WatchedMeter(WorkMeter):
         look_up: the function.
     """
 
-    STEP = 2_000  # units between two calls: a few milliseconds
+    STEP = 200  # units between two calls: some milliseconds, with what surrounds the arithmetic
 
     def __init__(self, units: int, look_up: Callable[[], None]) -> None:
         super().__init__(units)

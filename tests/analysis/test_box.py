@@ -23,6 +23,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -117,7 +118,7 @@ def test_rings_against_a_linear_program(arrays: Arrays, count: int) -> None:
     assert check_cells(arrays, scene, np.random.default_rng(count)).area_error == 0
 
 
-@pytest.mark.parametrize(("rows", "radius"), [(2, Fraction(2, 5)), (3, Fraction(1, 2)), (4, Fraction(5, 4))])
+@pytest.mark.parametrize(("rows", "radius"), keep(2, [(2, Fraction(2, 5)), (3, Fraction(1, 2)), (4, Fraction(5, 4))]))
 def test_grids_against_a_linear_program(arrays: Arrays, rows: int, radius: Fraction) -> None:
     scene = arrays.grid(rows, rows, (1, Fraction(1, 5)), radius)
     assert check_cells(arrays, scene, np.random.default_rng(rows)).area_error == 0

@@ -16,6 +16,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import thorough
 
 START, UNTIL = (0.2, 0.4, 0.0), 2.0
 SLOPE = 0.15  # of log distance against log mass, where 1 is expected: what is left of the higher orders at m = 0.01
@@ -59,6 +60,7 @@ def test_distance_to_the_other_rules_tends_to_theirs_from_ellipse(study: MassStu
     assert min(limit.position for limit in study.limits) > 0.1
 
 
+@thorough
 def test_flat_functional_puts_the_fall_off_until_the_mass_is_tiny() -> None:
     """Three wheels: the field turns around within 1e-4; the fall is that of sqrt(m) first, and that of m in the end."""
     scene = load_scene("ring-3")

@@ -53,9 +53,9 @@ def test_cells_and_answers_come_soon(server: Workbench, name: str) -> None:
         with server.stream(next(documents), tab=name, sequence=k, **more) as stages:
             for stage in stages:
                 spent.setdefault(stage["stage"], []).append(1e3 * (time.perf_counter() - began))
-    for stage, values in spent.items():
+    for label, values in spent.items():
         middle, late = np.percentile(values, [50, 95])
-        print(f"{name}: {stage}, {len(values)} times: median {middle:.1f} ms, 95 % within {late:.1f} ms")
+        print(f"{name}: {label}, {len(values)} times: median {middle:.1f} ms, 95 % within {late:.1f} ms")
     middle, late = np.percentile(spent["fast"], [50, 95])
     assert middle <= MOST[name][0]
     assert late <= MOST[name][1]

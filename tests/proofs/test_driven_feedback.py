@@ -28,6 +28,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from tests.conftest import WheelData
 from tests.ruled import centred
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -388,7 +389,7 @@ def test_where_load_regions_meet_the_reach_counts_all_of_them(arrays: Arrays) ->
         assert 2 * g @ found <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
 
 
-@pytest.mark.parametrize("exponent", [-12, -6, 0, 6, 12])
+@pytest.mark.parametrize("exponent", keep(3, [-12, 0, 6, -6, 12]))
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_the_verdict_does_not_depend_on_the_unit_of_length(arrays: Arrays, rule: str, exponent: int) -> None:
     unit = Fraction(10) ** exponent

@@ -35,6 +35,7 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -377,7 +378,7 @@ TRAPS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("first", "second"), TRAPS)
+@pytest.mark.parametrize(("first", "second"), keep(6, TRAPS))
 def test_negative_in_open_cells_only_is_not_asymptotic(load: Load, first: str, second: str) -> None:
     """V' < 0 inside (nearly) every cell, but not on closed ones: there are equilibria arbitrarily near."""
     for lyapunov in ("x**2 + y**2", "x**2 + 2*y**2", "Abs(x) + Abs(y)"):

@@ -12,6 +12,7 @@ import nonsmooth as ns
 from nonsmooth.symbolic.contact_set import TipsError
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -45,7 +46,7 @@ def record(invoke: Invoke, *arguments: str) -> tuple[int, dict[str, Any]]:
 
 
 @pytest.mark.parametrize("rule", CONTACT_RULES)
-@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "off-center"])
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "off-center", "ring-5"]))
 def test_a_body_over_all_wheels_changes_no_verdict(name: str, rule: str, invoke: Invoke, tmp_path: Path) -> None:
     source = Path(load_scene.__code__.co_filename).parents[1] / "scenes" / f"{name}.toml"
     file = tmp_path / "covered.toml"

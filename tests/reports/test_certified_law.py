@@ -28,6 +28,7 @@ from nonsmooth.reports.document import Figure, Math, Paragraph, Section, Text
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -149,7 +150,7 @@ def small_starts(region: float) -> list[Floats]:
 # ---- the certified law brings the body home, by an integrator of its own -------------------------
 
 
-@pytest.mark.parametrize("name", [*GRADIENT, *SLOW])
+@pytest.mark.parametrize("name", keep(2, [*GRADIENT, *SLOW]))
 def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: str) -> None:
     """The clause's law by its text and the literal rule; the product's default path tells the same."""
     record = invoke("check", name, "--rule", "nearest", "--json").record["feedback"]
@@ -187,7 +188,9 @@ def typed(start: Floats) -> str:
 # ---- one law under one name ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "law"), [("outward", "gradient"), ("conveyor-3", "cascade"), ("saddle", "cascade")])
+@pytest.mark.parametrize(
+    ("name", "law"), keep(2, [("outward", "gradient"), ("conveyor-3", "cascade"), ("saddle", "cascade")])
+)
 def test_terminal_json_and_report_name_the_same_law(invoke: Invoke, tmp_path: Path, name: str, law: str) -> None:
     clause = invoke("check", name, "--json").record["feedback"]
     start = ("simulate", name, "--from", "0.01,0.005,0.01", "--feedback", "--until", "1")

@@ -176,7 +176,7 @@ def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> Non
         (["flower", "--from", "1,0", "--kinematics", "leading"], "--kinematics"),
         (["flower", "--from", "1,0", "--rule", "box"], "--rule"),
         (["flower", "--from", "1,0", "--at", "0,0"], "--at"),
-        (["flower", "--grid", "5"], "--grid"),
+        (["flower", "--grid", "1"], "--grid"),
         (["flower", "--from", "1,0", "--width", "0"], "--width"),
         (["no-such-scene", "--from", "1,0"], "no-such-scene"),
     ],

@@ -146,8 +146,8 @@ BAD = {
         "flower: contact.rule: required no contact rule for a plain switched system, received 'box'",
     ),
     "a certificate of a system": (
-        ["check", "flower", "--certificate", "flower.json"],
-        "flower: required an array of wheels for a certificate, received a plain switched system",
+        ["check", "eq-3", "--certificate", "eq-3.json"],
+        "eq-3: a certificate needs a verdict by a Lyapunov function, received one by fan of cones",
     ),
     "a certificate of all rules": (
         ["check", "four-wheel", "--rule", "all", "--certificate", "all.json"],
@@ -322,3 +322,21 @@ def test_a_key_outside_of_its_table_is_told_where_it_belongs(
     expected = f"my.toml: {key}: required this key in the table [{table}], received it outside of every table"
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err == f"nonsmooth: {expected}\n"
+
+
+# ---- certificates --------------------------------------------------------------------------------
+
+
+def test_a_certificate_is_written_verified_and_compared(invoke: Invoke, tmp_path: Path) -> None:
+    file = tmp_path / "c.json"
+    assert invoke("check", "flower", "--certificate", str(file)).status == 0
+    accepted = invoke("verify", str(file), "flower")
+    assert accepted.status == 0
+    assert accepted.out.startswith("valid\nsystem in x, y at (0, 0): asymptotically stable")
+    assert "about flower: the same states, formulas and point" in accepted.out
+    other = invoke("verify", str(file), "eq-4")
+    assert (other.status, other.out.splitlines()[0]) == (
+        1, "rejected: required a certificate about eq-4, received one with other rhs"
+    )  # fmt: skip
+    file.write_text(file.read_text(encoding="utf-8").replace("asymptotically stable", "unstable"), encoding="utf-8")
+    assert invoke("verify", str(file)).out.startswith("rejected: required V' below its bound")

@@ -25,6 +25,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.interface.law_result import certified_law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -82,7 +83,7 @@ def stepped(scene: Scene, speeds: Speeds, start: Any, until: float, minimizer: A
 
 
 @pytest.mark.parametrize(("rule", "minimizer"), [("box", BoxHighs()), ("ellipse", EllipseInterior())])
-@pytest.mark.parametrize("name", ["four-wheel", "ring-5"])
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "ring-5"]))
 def test_small_steps_with_a_minimizer_lead_the_same_way(name: str, rule: str, minimizer: Any, tmp_path: Path) -> None:
     loop = loop_of(name, rule)
     start, until = start_of(loop, (0.4, 0.8, 0.3), 0.9), 0.6
@@ -117,7 +118,7 @@ def test_a_path_beyond_the_reach_is_refused() -> None:
 # ---- in the report -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("rule", "rows"), [("box", 4), ("ellipse", 1)])
+@pytest.mark.parametrize(("rule", "rows"), keep(1, [("box", 4), ("ellipse", 1)]))
 def test_the_report_tabulates_and_draws_the_closed_loop(invoke: Invoke, rule: str, rows: int) -> None:
     out = invoke("derive", "ring-3", "--rule", rule, "--only", "feedback").out
     assert "## Feedback law" in out

@@ -190,12 +190,12 @@ def test_a_large_array_shows_the_wheels_near_the_path(tmp_path: Path) -> None:
 
 
 def test_a_rule_without_cells_moves_on_the_command_line_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    simulate = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0.1,0.2,0", "--until", "1")
+    simulate = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0.1,0.2,0", "--until", "0.3")
     assert run(app, (*simulate, "--json")) == 0
     record = json.loads(capsys.readouterr().out)
     array = ns.load("ring-6")
     assert isinstance(array, ns.Array)
-    path = array.simulate((0.1, 0.2, 0.0), until=1.0, rule="ellipse")
+    path = array.simulate((0.1, 0.2, 0.0), until=0.3, rule="ellipse")
     assert record["state"] == path.to_dict()["state"]
     assert (record["schema"], record["law"], record["speeds"]) == ("nonsmooth-trajectory/1", None, None)
     for suffix in (".html", ".svg", ".csv"):

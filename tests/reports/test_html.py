@@ -22,6 +22,7 @@ from nonsmooth.reports.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived_afresh, page
+from tests.thorough import thorough
 
 HOSTILE = "<script>alert(1)</script> & \"q\" 'a' </p><img src=x onerror=y> {{ 7 * 7 }} {% raw %}"
 MOST_BYTES = 2_000_000
@@ -150,6 +151,7 @@ def test_marked_pieces_become_links_and_frames() -> None:
     assert "#t" in set(page.values("href"))
 
 
+@thorough
 def test_equal_input_gives_equal_pages() -> None:
     assert page("four-wheel") == render_report(derived_afresh("four-wheel"), ".html")
 

@@ -13,6 +13,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 from nonsmooth.reports.derivation import render_report
 from tests.reports.derived import derived
+from tests.thorough import keep
 
 CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
 pytestmark = pytest.mark.skipif(
@@ -88,7 +89,7 @@ def opened(browser: Browser, path: Path, width: int = WIDE, **options: Any) -> O
 
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", keep(3, SCENES))
 def test_a_report_opens_quietly_and_fits(browser: Browser, pages: dict[str, Path], name: str, width: int) -> None:
     seen = opened(browser, pages[name], width)
     assert seen.said == []

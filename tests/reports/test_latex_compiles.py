@@ -14,6 +14,7 @@ from nonsmooth.reports.derivation import derive_report, render_report, write_rep
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.reports.derived import derived
+from tests.thorough import keep
 
 WIDEST = 5.0  # points by which a box may stick out: below a character, unseen on paper
 HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
@@ -40,7 +41,10 @@ def overfull(said: str) -> list[float]:
     return [float(points) for points in re.findall(r"Overfull \\[hv]box \(([\d.]+)pt", said)]
 
 
-@pytest.mark.parametrize("name", builtin_scenes())
+SHORT = ("four-wheel", "carton-on-6x6", "ring-3", "elliptic")  # four kinds: small, with an outline, odd, spiral
+
+
+@pytest.mark.parametrize("name", keep(len(SHORT), dict.fromkeys((*SHORT, *builtin_scenes()))))
 def test_every_built_in_scene_compiles_and_fits(tmp_path: Path, name: str) -> None:
     said = compiled(tmp_path, render_report(derived(name), ".tex"))
     assert max(overfull(said), default=0.0) <= WIDEST

@@ -35,6 +35,7 @@ from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.interface.path_result import PathResult
 from nonsmooth.reports.simulate import loop_speeds
 from nonsmooth.symbolic.similar_scenes import in_own_length
+from tests.thorough import keep
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +109,7 @@ def speeds_of(path: PathResult, times: Any = None) -> Floats:
 
 
 @pytest.mark.parametrize("gain", [0.5, 4.0])
-@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize("name", keep(3, ARRAYS))
 def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> None:
     array = ARRAYS[name]
     feedback, limited = feedback_of(array)

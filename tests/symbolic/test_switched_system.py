@@ -158,7 +158,8 @@ def test_pieces_that_are_no_polynomials_are_refused(load: Load) -> None:
         load(["x"], ["1/x"]).surfaces()
 
 
-def test_too_many_surfaces_are_refused(load: Load) -> None:
-    relays = " + ".join(f"sign(x - {k})*sign(y - {k})" for k in range(8))
+def test_too_many_surfaces_are_refused(load: Load, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("nonsmooth.symbolic.switched_system.MAX_PATTERNS", 64)
+    relays = " + ".join(f"sign(x - {k})*sign(y - {k})" for k in range(4))
     with pytest.raises(SceneError, match="fewer switching surfaces"):
         load(["x", "y"], [relays, "0"]).surfaces()

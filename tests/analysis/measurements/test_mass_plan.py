@@ -15,6 +15,7 @@ from nonsmooth.analysis.measurements.plan import LeftOut, Plan
 from nonsmooth.analysis.measurements.slopes import log_slope
 from nonsmooth.analysis.measurements.studies.masses import MASS, MASSES
 from nonsmooth.analysis.measurements.timing import Clock
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -29,6 +30,7 @@ def errors(plan: Plan, method: str, own: slice = slice(None)) -> list[float]:
     return [trial.judge(trial.work(Clock(60.0))).error for trial in trials[own]]
 
 
+@thorough
 def test_the_distance_falls_like_the_mass(arrays: Arrays) -> None:
     scene = arrays.four_wheel((1, Fraction(1, 2)))
     plan = MASS.build(scene)

@@ -165,12 +165,12 @@ def inside(value: Any, depth: int = 0) -> Iterator[Any]:
 
 
 def test_a_body_with_mass_is_what_the_command_follows(capsys: pytest.CaptureFixture[str]) -> None:
-    command = ("simulate", "four-wheel", "--from", "0.2,0.3,0", "--until", "0.05", "--method", "dynamics")
-    path = array().dynamics((0.2, 0.3, 0), until=0.05, mass=0.02, inertia=0.01)
+    command = ("simulate", "four-wheel", "--from", "0.2,0.3,0", "--until", "0.01", "--method", "dynamics")
+    path = array().dynamics((0.2, 0.3, 0), until=0.01, mass=0.02, inertia=0.01)
     assert json.loads(json.dumps(path.to_dict())) == json.loads(
         printed(capsys, *command, "--mass", "0.02", "--inertia", "0.01", "--json")
     )
-    study = array().compare_masses((0.2, 0.3, 0), until=0.05, mass=0.01)
+    study = array().compare_masses((0.2, 0.3, 0), until=0.01, mass=0.01)
     assert json.loads(json.dumps(study.to_dict())) == json.loads(
         printed(capsys, *command, "--mass", "0.01", "--compare-masses", "--json")
     )

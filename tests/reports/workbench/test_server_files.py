@@ -21,11 +21,11 @@ ENDS = {
 
 @pytest.mark.parametrize("kind", ENDS)
 def test_an_array_is_saved_as(server: Workbench, kind: str) -> None:
-    reply = server.ask("/api/export", {"document": server.document("four-wheel"), "kind": kind})
+    reply = server.ask("/api/export", {"document": server.document("ring-3"), "kind": kind})
     suffix, media = ENDS[kind]
     assert reply.status == 200
     assert reply.headers["content-type"].startswith(media)
-    assert reply.headers["content-disposition"] == f'attachment; filename="four-wheel{suffix}"'
+    assert reply.headers["content-disposition"] == f'attachment; filename="ring-3{suffix}"'
     assert len(reply.body) > 100
 
 
@@ -53,9 +53,18 @@ def test_the_name_of_a_file_is_plain(server: Workbench) -> None:
 
 def test_what_there_is_not_is_refused(server: Workbench) -> None:
     system = server.document("eq-3")
-    for kind in ("report", "certificate", "exe", None, 7):
+    for kind in ("exe", None, 7):
         assert server.ask("/api/export", {"document": system, "kind": kind}).status == 400
-    assert server.ask("/api/export", {"document": system, "kind": "figure"}).status == 200
+    saddle = {**system, "system": {"states": ["x", "y"], "rhs": ["x", "-y"]}}
+    saddle.pop("check", None)
+    assert server.ask("/api/export", {"document": saddle, "kind": "certificate"}).status == 400
+
+
+@pytest.mark.parametrize("kind", ["toml", "json", "certificate"])
+def test_a_plain_system_is_saved_as(server: Workbench, kind: str) -> None:
+    reply = server.ask("/api/export", {"document": server.document("relay-oscillator-damped"), "kind": kind})
+    assert reply.status == 200
+    assert reply.headers["content-disposition"].endswith(f'{ENDS[kind][0]}"')
 
 
 def test_an_edit_is_exact(server: Workbench) -> None:

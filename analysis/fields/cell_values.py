@@ -1,0 +1,50 @@
+"""Polynomials on cells of the plane, evaluated in floats at many places, for pictures and samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+def polynomial_values(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
+    """A polynomial in two variables at many places, of any shape."""
+    total = np.zeros_like(xs)
+    for (a, b), c in polynomial.terms.items():
+        total += float(c) * xs**a * ys**b
+    return total
+
+
+def inside(cell: FieldCell, xs: Floats, ys: Floats) -> NDArray[np.bool_]:
+    """Which places lie in a closed cell."""
+    kept = np.ones(xs.shape, dtype=bool)
+    for a, b, c in cell.region.sides:
+        kept &= float(a) * xs + float(b) * ys + float(c) >= 0
+    for guard in cell.region.guards:
+        kept &= polynomial_values(guard, xs, ys) >= 0
+    return kept
+
+
+def potential_values(cells: Iterable[LyapunovCell], places: Floats) -> Floats:
+    """V at places in the displacement from the checked point; infinite outside all cells.
+
+    Args:
+        cells: of the domain of V.
+        places: (m, 2).
+
+    Returns:
+        (m,) values.
+    """
+    xs, ys = places[:, 0], places[:, 1]
+    values = np.full(len(places), np.inf)
+    for cell in cells:
+        here = inside(cell, xs, ys)
+        values[here] = polynomial_values(cell.potential, xs[here], ys[here])
+    return values

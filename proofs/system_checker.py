@@ -1,0 +1,916 @@
+"""Stand-alone checker for certificates of plain systems: ``python -I -S system_checker.py FILE``, nothing else.
+
+It shares no code with the workbench that wrote the certificate.  A certificate names a switched system
+``(x, y)' = f(x, y)`` by its formulas, a point, a Lyapunov function V in the displacement from the point, a square
+about the point (or the plane), and a verdict.  The checker reads the formulas itself, cuts the domain along the lines
+on which they switch, and proves by rational arithmetic, with F the convex hull of the fields of all closed cells at a
+point:
+
+- V is continuous, zero at the point and positive elsewhere;
+- ``grad V . f <= -q`` on every closed cell, for every field f of the cell;
+- on edges across which V changes its formula, and at their corners: of all velocities in F, V has one derivative only
+  along those that have the same product with all its gradients there, and this derivative is at most ``-q``.
+
+A continuous V that is polynomial on finitely many convex cells changes along every solution by such derivatives, at
+almost all times (Bacciotti and Ceragioli 1999; Davis, Drusvyatskiy, Kakade and Lee 2020).  With ``q = 0`` and strict
+inequalities off the point it is asymptotically stable; with ``<=`` it is stable; with all fields reversed, and strict
+inequalities, it is unstable.  With ``q = kappa V`` or ``q = kappa`` the rate is shown, and with ``V >= level`` on the
+border of the square every start with ``V < level`` in the square stays there and reaches the point.
+
+A polynomial is at least 0 on a simplex of the plane (corners, or directions of unbounded cells) if its coefficients in
+the homogeneous coordinates of the simplex are; where some are not, the simplex is cut in two.  Whatever is not shown
+within the limits below is rejected: that is no counterexample.
+
+Exit status: 0 valid, 1 rejected, 2 not readable.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import sys
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, product
+from math import isqrt
+from typing import Any, TypeAlias
+
+SCHEMA = "nonsmooth-system-certificate/1"
+KEYS = "schema states rhs at radius lyapunov verdict level rate notes"
+ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
+
+# ---- limits: no certificate keeps the checker busy for ever ------------------------------------
+
+MAX_BYTES = 4 << 20
+MAX_TEXT, MAX_DEPTH, MAX_DEGREE = 4_000, 60, 16
+MAX_DIGITS = 400  # of a number, and of a power of ten in one
+MAX_FIELDS, MAX_PIECES, MAX_LINES, MAX_CELLS = 8, 64, 12, 200
+MAX_PARTS = 3_000  # into which a cell or an edge is cut
+MAX_WORK = 2_000_000  # products of two numbers: less than half a minute
+
+RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
+DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
+
+Exponents: TypeAlias = tuple[int, int]
+Line: TypeAlias = tuple[Fraction, Fraction, Fraction]  # a X + b Y + c W
+Generator: TypeAlias = tuple[Fraction, Fraction, Fraction]  # (X, Y, W): a corner with W = 1, a direction with W = 0
+
+
+class RejectedError(ValueError):
+    """A claim that does not hold or is not shown."""
+
+
+MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, SyntaxError)
+
+
+def require(holds: object, claim: str) -> None:
+    """Reject the certificate unless something holds."""
+    if not holds:
+        raise RejectedError(claim)
+
+
+class Budget:
+    """Work that may still be done."""
+
+    def __init__(self) -> None:
+        self.left = MAX_WORK
+
+    def spend(self, work: int) -> None:
+        """Take from it.
+
+        Raises:
+            RejectedError: where nothing is left.
+        """
+        self.left -= work
+        require(self.left > 0, "a proof within the limits of this checker")
+
+
+BUDGET = Budget()
+
+# ---- polynomials -------------------------------------------------------------------------------
+
+
+class Polynomial:
+    """A polynomial in the displacement ``(x, y)`` with rational coefficients."""
+
+    __slots__ = ("terms",)
+
+    def __init__(self, terms: dict[Exponents, Fraction]) -> None:
+        self.terms = {exponents: value for exponents, value in terms.items() if value}
+        require(self.degree <= MAX_DEGREE, f"polynomials of degree at most {MAX_DEGREE}")
+
+    @property
+    def degree(self) -> int:
+        """The largest sum of exponents; 0 for the zero polynomial."""
+        return max((i + j for i, j in self.terms), default=0)
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Polynomial) and self.terms == other.terms
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.terms.items()))
+
+    def __add__(self, other: Polynomial) -> Polynomial:
+        total = dict(self.terms)
+        for exponents, value in other.terms.items():
+            total[exponents] = total.get(exponents, Fraction(0)) + value
+        return Polynomial(total)
+
+    def __neg__(self) -> Polynomial:
+        return Polynomial({exponents: -value for exponents, value in self.terms.items()})
+
+    def __sub__(self, other: Polynomial) -> Polynomial:
+        return self + -other
+
+    def __mul__(self, other: Polynomial) -> Polynomial:
+        BUDGET.spend(1 + len(self.terms) * len(other.terms))
+        total: dict[Exponents, Fraction] = {}
+        for (i, j), a in self.terms.items():
+            for (k, m), b in other.terms.items():
+                total[i + k, j + m] = total.get((i + k, j + m), Fraction(0)) + a * b
+        return Polynomial(total)
+
+    def derivative(self, which: int) -> Polynomial:
+        """By x (0) or y (1)."""
+        lowered: dict[Exponents, Fraction] = {}
+        for exponents, value in self.terms.items():
+            if exponents[which]:
+                own = (exponents[0] - (which == 0), exponents[1] - (which == 1))
+                lowered[own] = value * exponents[which]
+        return Polynomial(lowered)
+
+    def at(self, x: Fraction, y: Fraction) -> Fraction:
+        """Its value."""
+        return sum((value * x**i * y**j for (i, j), value in self.terms.items()), Fraction(0))
+
+
+def constant(value: Fraction | int) -> Polynomial:
+    """A polynomial without variables."""
+    return Polynomial({(0, 0): Fraction(value)})
+
+
+Field: TypeAlias = tuple[Polynomial, Polynomial]
+
+
+# ---- formulas ----------------------------------------------------------------------------------
+
+
+class Cut(Exception):
+    """A line on which a formula switches inside a cell."""
+
+    def __init__(self, line: Line) -> None:
+        super().__init__(line)
+        self.line = line
+
+
+SignOf: TypeAlias = Callable[[Polynomial], int]
+
+
+def rational(text: Any) -> Fraction:
+    """A number of the certificate."""
+    require(type(text) is str and RATIONAL.fullmatch(text), "rational numbers as texts such as '-3/4'")
+    return Fraction(text)
+
+
+class Formula:
+    """A formula in two states, read by Python's grammar and never evaluated by Python.
+
+    Args:
+        text: such as ``-sign(x) + y/4``.
+        states: the polynomial for each name.
+    """
+
+    def __init__(self, text: Any, states: dict[str, Polynomial]) -> None:
+        require(type(text) is str and len(text) <= MAX_TEXT, f"formulas as texts of at most {MAX_TEXT} characters")
+        self.text, self.states = text.strip(), states
+        self.tree = ast.parse(self.text, mode="eval").body
+
+    def on(self, sign_of: SignOf) -> Polynomial:
+        """The polynomial on a cell, given the signs of switching expressions there."""
+        return self._value(self.tree, sign_of, MAX_DEPTH)
+
+    def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
+        require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
+        if isinstance(node, ast.Constant):
+            return constant(self._number(node))
+        if isinstance(node, ast.Name):
+            require(node.id in self.states, "formulas in the states")
+            return self.states[node.id]
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+            value = self._value(node.operand, sign_of, depth - 1)
+            return -value if isinstance(node.op, ast.USub) else value
+        if isinstance(node, ast.BinOp):
+            return self._operation(node, sign_of, depth - 1)
+        require(isinstance(node, ast.Call), "formulas of sums, products, powers and switching functions")
+        return self._call(node, sign_of, depth - 1)  # type: ignore[arg-type]
+
+    def _number(self, node: ast.Constant) -> Fraction:
+        text = ast.get_source_segment(self.text, node) or ""
+        require(DECIMAL.fullmatch(text) and len(text) <= MAX_DIGITS, "numbers as decimals")
+        return Fraction(text)
+
+    def _operation(self, node: ast.BinOp, sign_of: SignOf, depth: int) -> Polynomial:
+        left = self._value(node.left, sign_of, depth)
+        if isinstance(node.op, ast.Pow):
+            exponent = node.right
+            require(isinstance(exponent, ast.Constant) and type(exponent.value) is int, "whole exponents")
+            return self._power(left, exponent.value)  # type: ignore[attr-defined]
+        right = self._value(node.right, sign_of, depth)
+        if isinstance(node.op, ast.Add):
+            return left + right
+        if isinstance(node.op, ast.Sub):
+            return left - right
+        if isinstance(node.op, ast.Mult):
+            return left * right
+        require(isinstance(node.op, ast.Div) and right and right.degree == 0, "division by numbers that are not zero")
+        return left * constant(1 / right.terms[0, 0])
+
+    def _power(self, base: Polynomial, exponent: int) -> Polynomial:
+        require(0 <= exponent <= MAX_DEGREE, f"exponents from 0 to {MAX_DEGREE}")
+        value = constant(1)
+        for _ in range(exponent):
+            value *= base
+        return value
+
+    def _call(self, node: ast.Call, sign_of: SignOf, depth: int) -> Polynomial:
+        require(isinstance(node.func, ast.Name) and not node.keywords, "calls of sign, Abs, Max, Min, relu or sat")
+        require(node.func.id not in ("sqrt", "sin", "cos"), "rational numbers")  # type: ignore[attr-defined]
+        name, values = node.func.id, [self._value(arg, sign_of, depth) for arg in node.args]  # type: ignore[attr-defined]
+        if name in ("sign", "sgn", "Abs", "relu"):
+            require(len(values) == 1, f"one argument of {name}")
+            (value,) = values
+            own = sign_of(value) if value else 0
+            return {"Abs": value * constant(own), "relu": value if own > 0 else constant(0)}.get(name, constant(own))
+        if name == "sat":
+            require(len(values) == 3, "three arguments of sat")
+            value, low, high = values
+            return _larger(low, _smaller(high, value, sign_of), sign_of)
+        require(name in ("Max", "max", "Min", "min") and values, "calls of sign, Abs, Max, Min, relu or sat")
+        chosen, choose = values[0], _larger if name in ("Max", "max") else _smaller
+        for value in values[1:]:
+            chosen = choose(chosen, value, sign_of)
+        return chosen
+
+
+def _larger(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
+    return a if not a - b or sign_of(a - b) > 0 else b
+
+
+def _smaller(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
+    return b if not a - b or sign_of(a - b) > 0 else a
+
+
+# ---- geometry ----------------------------------------------------------------------------------
+
+
+def height(line: Line, place: Generator) -> Fraction:
+    """The linear form at homogeneous coordinates."""
+    return line[0] * place[0] + line[1] * place[1] + line[2] * place[2]
+
+
+def normalized(place: Generator) -> Generator:
+    """A corner with W = 1, a direction with largest entry 1."""
+    x, y, w = place
+    size = w or max(abs(x), abs(y))
+    return (x / size, y / size, Fraction(1) if w else Fraction(0))
+
+
+def midpoint(a: Generator, b: Generator) -> Generator:
+    """Between two corners; of a corner and a direction, or two directions, their sum."""
+    return normalized((a[0] + b[0], a[1] + b[1], a[2] + b[2]))
+
+
+def clipped(polygon: Sequence[Generator], line: Line) -> tuple[Generator, ...] | None:
+    """The part of a convex polygon where the form is not negative; None where that has no inside."""
+    heights = [height(line, place) for place in polygon]
+    if max(heights) <= 0:
+        return None
+    kept: list[Generator] = []
+    for k, place in enumerate(polygon):
+        here, before = heights[k], heights[k - 1]
+        if here * before < 0:
+            last = polygon[k - 1]
+            mixed = tuple(abs(here) * u + abs(before) * v for u, v in zip(last, place, strict=True))
+            kept.append(normalized(mixed))  # type: ignore[arg-type]
+        if here >= 0:
+            kept.append(place)
+    return tuple(kept)
+
+
+def factors(value: Polynomial) -> list[Line]:
+    """The lines on which a polynomial vanishes, if it is a product of lines as far as this checker factors it.
+
+    A linear polynomial; a monomial times such; a quadratic form or a product of two parallel lines with rational roots.
+    """
+    for which in (0, 1):
+        if value.degree > 1 and all(exponents[which] for exponents in value.terms):
+            lowered = {(i - (which == 0), j - (which == 1)): v for (i, j), v in value.terms.items()}
+            axis = (Fraction(which == 0), Fraction(which == 1), Fraction(0))
+            return [axis, *factors(Polynomial(lowered))]
+    if value.degree == 0:
+        return []
+    if value.degree == 1:
+        return [tuple(value.terms.get(e, Fraction(0)) for e in ((1, 0), (0, 1), (0, 0)))]  # type: ignore[list-item]
+    require(value.degree == 2, "switching expressions that are products of lines")
+    return _quadratic_factors(value)
+
+
+def _quadratic_factors(value: Polynomial) -> list[Line]:
+    """Of ``p u^2 + q u w + r w^2``: a form in (x, y), or a polynomial in one of them."""
+    zero, one = Fraction(0), Fraction(1)
+    x, y, w = (one, zero, zero), (zero, one, zero), (zero, zero, one)
+    shapes = (((2, 0), (1, 1), (0, 2), x, y), ((2, 0), (1, 0), (0, 0), x, w), ((0, 2), (0, 1), (0, 0), y, w))
+    for first, mixed, last, u, v in shapes:
+        if set(value.terms) <= {first, mixed, last} and first in value.terms:
+            p, q, r = (value.terms.get(e, zero) for e in (first, mixed, last))
+            discriminant = q * q - 4 * p * r
+            if discriminant < 0:
+                return []  # of one sign off one point
+            root = _square_root(discriminant)
+            roots = [(-q + sign * root) / (2 * p) for sign in (1, -1)]
+            return [tuple(a - t * b for a, b in zip(u, v, strict=True)) for t in roots]  # type: ignore[misc]
+    raise RejectedError("switching expressions that are products of lines")
+
+
+def _square_root(value: Fraction) -> Fraction:
+    top, bottom = isqrt(value.numerator), isqrt(value.denominator)
+    require(top * top == value.numerator and bottom * bottom == value.denominator, "switching lines in rationals")
+    return Fraction(top, bottom)
+
+
+def sign_on(polygon: Sequence[Generator], value: Polynomial) -> int:
+    """The sign of a switching expression inside a cell.
+
+    Raises:
+        Cut: where one of its lines runs through the cell.
+    """
+    for line in factors(value):
+        heights = [height(line, place) for place in polygon]
+        if min(heights) < 0 < max(heights):
+            raise Cut(line)
+    inner = [sum(entries) for entries in zip(*polygon, strict=True)]
+    found = value.at(inner[0] / inner[2], inner[1] / inner[2])
+    require(found, "switching expressions that do not vanish inside cells")
+    return 1 if found > 0 else -1
+
+
+# ---- proofs of signs ---------------------------------------------------------------------------
+
+
+def in_simplex(value: Polynomial, degree: int, corners: Sequence[Generator]) -> dict[tuple[int, ...], Fraction]:
+    """Coefficients of the polynomial, made homogeneous of a degree by W, in the coordinates of a simplex."""
+    powers = [_powers([corner[k] for corner in corners], degree) for k in range(3)]
+    total: dict[tuple[int, ...], Fraction] = {}
+    for (i, j), own in value.terms.items():
+        part = _times(_times(powers[0][i], powers[1][j]), powers[2][degree - i - j])
+        for exponents, coefficient in part.items():
+            total[exponents] = total.get(exponents, Fraction(0)) + own * coefficient
+    return total
+
+
+def _powers(form: Sequence[Fraction], degree: int) -> list[dict[tuple[int, ...], Fraction]]:
+    count = len(form)
+    linear = {tuple(int(k == m) for m in range(count)): form[k] for k in range(count) if form[k]}
+    powers = [{(0,) * count: Fraction(1)}]
+    for _ in range(degree):
+        powers.append(_times(powers[-1], linear))
+    return powers
+
+
+def _times(
+    first: dict[tuple[int, ...], Fraction], second: dict[tuple[int, ...], Fraction]
+) -> dict[tuple[int, ...], Fraction]:
+    BUDGET.spend(1 + len(first) * len(second))
+    total: dict[tuple[int, ...], Fraction] = {}
+    for a, u in first.items():
+        for b, v in second.items():
+            key = tuple(map(sum, zip(a, b, strict=True)))
+            total[key] = total.get(key, Fraction(0)) + u * v
+    return total
+
+
+def is_origin(place: Generator) -> bool:
+    """Whether a corner is the checked point."""
+    return bool(place[2]) and not place[0] and not place[1]
+
+
+Coefficients: TypeAlias = dict[tuple[int, ...], Fraction]
+
+
+def shows(value: Polynomial, corners: Sequence[Generator], *, strict: bool) -> bool:
+    """Whether the coefficients show ``value >= 0`` on a simplex, or ``> 0`` except at the checked point."""
+    return coefficients_show(in_simplex(value, value.degree, corners), corners, strict=strict)
+
+
+def coefficients_show(found: Coefficients, corners: Sequence[Generator], *, strict: bool) -> bool:
+    """The same for given coefficients.
+
+    With no negative coefficient the value is not negative.  A point of the simplex has positive coordinates for some
+    set of corners, one of them not a direction; there the value is positive if a positive coefficient belongs to the
+    set.
+    """
+    if min(found.values(), default=Fraction(0)) < 0:
+        return False
+    if not strict:
+        return True
+    supports = [{k for k, e in enumerate(exponents) if e} for exponents, own in found.items() if own > 0]
+    for size in range(1, len(corners) + 1):
+        for chosen in combinations(range(len(corners)), size):
+            bounded = any(corners[k][2] for k in chosen)
+            exempt = size == 1 and is_origin(corners[chosen[0]])
+            if bounded and not exempt and not any(support <= set(chosen) for support in supports):
+                return False
+    return True
+
+
+def fails_at_corner(found: Coefficients, degree: int, corners: Sequence[Generator], *, strict: bool) -> bool:
+    """Whether the value at a corner refutes the claim: there it is the coefficient of the power of one coordinate."""
+    for k, corner in enumerate(corners):
+        if corner[2] and not (strict and is_origin(corner)):
+            own = found.get(tuple(degree * int(m == k) for m in range(len(corners))), Fraction(0))
+            if own < 0 or (strict and own == 0):
+                return True
+    return False
+
+
+def edge_of_doubt(found: Coefficients, corners: Sequence[Generator]) -> tuple[int, int] | None:
+    """The edge to cut: between the corners to which the most negative coefficient belongs most; None without one."""
+    lowest = min(found, key=lambda exponents: found[exponents], default=None)
+    if lowest is None or found[lowest] >= 0:
+        return None
+    first, second = sorted(range(len(corners)), key=lambda k: -lowest[k])[:2]
+    return (first, second) if lowest[second] else None
+
+
+def longest_edge(corners: Sequence[Generator]) -> tuple[int, int]:
+    """Where the plane is drawn into a square."""
+    places = [_shown(corner) for corner in corners]
+
+    def length(pair: tuple[int, int]) -> Fraction:
+        (a, b), (c, d) = places[pair[0]], places[pair[1]]
+        return (a - c) ** 2 + (b - d) ** 2
+
+    return max(combinations(range(len(corners)), 2), key=length)
+
+
+def parts_of(
+    corners: Sequence[Generator], edge: tuple[int, int]
+) -> tuple[tuple[Generator, ...], tuple[Generator, ...]]:
+    """A simplex cut in two at the middle of an edge."""
+    i, j = edge
+    middle = midpoint(corners[i], corners[j])
+    near, far = list(corners), list(corners)
+    near[j], far[i] = middle, middle
+    return tuple(near), tuple(far)
+
+
+def _shown(place: Generator) -> tuple[Fraction, Fraction]:
+    """Where a corner or direction lies when the plane is drawn into a square."""
+    x, y, w = place
+    size = max(abs(x), abs(y), w)
+    return (x / size, y / size)
+
+
+def proved_sign(value: Polynomial, corners: Sequence[Generator], *, strict: bool) -> bool:
+    """Whether ``value >= 0``, or ``> 0`` except at the checked point, is shown on a simplex within the limits.
+
+    Where to cut follows from the coefficients, but for every fourth cut, which halves the longest edge.
+    """
+    waiting = deque([(tuple(corners), 0)])
+    for _ in range(MAX_PARTS):
+        if not waiting:
+            return True
+        part, depth = waiting.popleft()
+        found = in_simplex(value, value.degree, part)
+        if coefficients_show(found, part, strict=strict):
+            continue
+        if fails_at_corner(found, value.degree, part, strict=strict):
+            return False
+        edge = edge_of_doubt(found, part) if depth % 4 < 3 else None
+        waiting.extend((half, depth + 1) for half in parts_of(part, edge or longest_edge(part)))
+    return not waiting
+
+
+# ---- cells -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A convex cell with its fields and V, all polynomials.
+
+    Attributes:
+        polygon: corners and directions, counterclockwise.
+        fields: one or more.
+        potential: V.
+    """
+
+    polygon: tuple[Generator, ...]
+    fields: tuple[Field, ...]
+    potential: Polynomial
+
+    def rate(self, field: Field) -> Polynomial:
+        """``grad V . f``."""
+        return self.potential.derivative(0) * field[0] + self.potential.derivative(1) * field[1]
+
+    @property
+    def triangles(self) -> Iterator[tuple[Generator, ...]]:
+        """The cell as simplices; from the checked point where it is a corner, so that edges there are shared."""
+        first = next((k for k, place in enumerate(self.polygon) if is_origin(place)), 0)
+        turned = self.polygon[first:] + self.polygon[:first]
+        for k in range(1, len(turned) - 1):
+            yield (turned[0], turned[k], turned[k + 1])
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A side that two cells share."""
+
+    first: Cell
+    second: Cell
+    ends: tuple[Generator, Generator]
+
+
+def quadrants(radius: Fraction | None) -> list[tuple[Generator, ...]]:
+    """The square, or the plane, cut along both axes through the point."""
+    zero, one = Fraction(0), Fraction(1)
+    size, weight = (one, zero) if radius is None else (radius, one)
+    cells = []
+    for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
+        x, y = (a * size, zero, weight), (zero, b * size, weight)
+        ends = (x, y) if a * b > 0 else (y, x)
+        corner = () if radius is None else ((a * size, b * size, weight),)
+        cells.append(((zero, zero, one), ends[0], *corner, ends[1]))
+    return cells
+
+
+class Piecewise:
+    """V by one formula, or by one formula on each of some cones at the point."""
+
+    def __init__(self, data: Any, states: dict[str, Polynomial]) -> None:
+        if type(data) is str:
+            self.pieces: list[tuple[Generator, Generator, Formula]] | None = None
+            self.formula = Formula(data, states)
+            return
+        require(type(data) is list and 0 < len(data) <= MAX_PIECES, "V as a formula or as pieces on cones")
+        self.pieces = []
+        for entry in data:
+            require(type(entry) is dict and sorted(entry) == ["V", "from", "to"], "pieces with from, to and V")
+            start, end = (_direction(entry[key]) for key in ("from", "to"))
+            self.pieces.append((start, end, Formula(entry["V"], states)))
+
+    def on(self, polygon: Sequence[Generator], sign_of: SignOf) -> Polynomial:
+        """V on a cell; all cones that hold the cell must agree."""
+        if self.pieces is None:
+            return self.formula.on(sign_of)
+        found = {formula.on(sign_of) for start, end, formula in self.pieces if _holds(start, end, polygon)}
+        require(len(found) == 1, "one piece of V on every cell")
+        return found.pop()
+
+
+def _direction(data: Any) -> Generator:
+    require(type(data) is list and len(data) == 2, "directions of two numbers")
+    x, y = map(rational, data)
+    require(x or y, "directions that are not zero")
+    return (x, y, Fraction(0))
+
+
+def _holds(start: Generator, end: Generator, polygon: Sequence[Generator]) -> bool:
+    """Whether a cone of at most a half turn holds a cell; a cell that it cuts is cut."""
+    sides = [(-start[1], start[0], Fraction(0)), (end[1], -end[0], Fraction(0))]  # not negative inside
+    heights = [[height(side, place) for place in polygon] for side in sides]
+    opposite = start[0] * end[1] == start[1] * end[0]
+    turns = start[0] * end[1] - start[1] * end[0]
+    require(turns > 0 or (opposite and start[0] * end[0] + start[1] * end[1] < 0), "cones of at most a half turn")
+    if any(max(own) <= 0 for own in heights):
+        return False
+    for side, own in zip(sides, heights, strict=True):
+        if min(own) < 0:
+            raise Cut(side)
+    return True
+
+
+def build_cells(fields: Sequence[tuple[Formula, Formula]], potential: Piecewise, radius: Fraction | None) -> list[Cell]:
+    """The domain cut along every line on which a formula switches, with the polynomials of each cell.
+
+    Every line cuts all cells that it meets, so that neighbours share whole sides.
+    """
+    polygons, lines = quadrants(radius), 0
+    while True:
+        try:
+            return [_cell(polygon, fields, potential) for polygon in polygons]
+        except Cut as cut:
+            lines += 1
+            require(lines <= MAX_LINES, f"formulas with at most {MAX_LINES} switching lines")
+            opposite = tuple(-v for v in cut.line)
+            halves = [(clipped(polygon, line)) for polygon in polygons for line in (cut.line, opposite)]  # type: ignore[arg-type]
+            polygons = [half for half in halves if half is not None]
+            require(len(polygons) <= MAX_CELLS, f"at most {MAX_CELLS} cells")
+
+
+def _cell(polygon: tuple[Generator, ...], fields: Sequence[tuple[Formula, Formula]], potential: Piecewise) -> Cell:
+    def sign_of(value: Polynomial) -> int:
+        return sign_on(polygon, value)
+
+    own = tuple((first.on(sign_of), second.on(sign_of)) for first, second in fields)
+    return Cell(polygon, own, potential.on(polygon, sign_of))
+
+
+def sides_of(cell: Cell) -> Iterator[tuple[Generator, Generator]]:
+    """The sides of a cell; that between two directions lies at infinity."""
+    for k, place in enumerate(cell.polygon):
+        yield (cell.polygon[k - 1], place)
+
+
+def on_border(ends: Sequence[Generator], radius: Fraction | None) -> bool:
+    """Whether a side lies on the border of the domain."""
+    if radius is None:
+        return not any(place[2] for place in ends)
+    return any(ends[0][k] == ends[1][k] and abs(ends[0][k]) == radius for k in (0, 1))
+
+
+def edges_of(cells: Sequence[Cell], radius: Fraction | None) -> list[Edge]:
+    """Sides that two cells share, where their formulas of V differ.
+
+    Raises:
+        RejectedError: for a side that is neither shared nor on the border: the cells would leave a gap.
+    """
+    sides: dict[frozenset[Generator], list[Cell]] = {}
+    for cell in cells:
+        for ends in sides_of(cell):
+            sides.setdefault(frozenset(ends), []).append(cell)
+    found = []
+    for pair, own in sides.items():
+        first, second = pair
+        require(len(own) == (1 if on_border((first, second), radius) else 2), "cells that share their sides")
+        if len(own) == 2 and own[0].potential != own[1].potential:
+            found.append(Edge(own[0], own[1], (first, second)))
+    return found
+
+
+# ---- claims ------------------------------------------------------------------------------------
+
+
+class Conditions:
+    """The conditions on V, for a shift q."""
+
+    def __init__(self, cells: Sequence[Cell], radius: Fraction | None) -> None:
+        self.cells, self.edges = cells, edges_of(cells, radius)
+
+    def show_continuous(self) -> None:
+        """Neighbouring formulas of V agree along the side that their cells share, and V is zero at the point."""
+        for edge in self.edges:
+            gap = edge.first.potential - edge.second.potential
+            values = in_simplex(gap, gap.degree, edge.ends)
+            require(not any(values.values()), "a V that is continuous")
+        require(all((0, 0) not in cell.potential.terms for cell in self.cells), "a V that is zero at the point")
+
+    def show_positive(self) -> None:
+        """V is positive on every closed cell, except at the point."""
+        for cell in self.cells:
+            for triangle in cell.triangles:
+                require(proved_sign(cell.potential, triangle, strict=True), "V > 0 except at the point")
+
+    def show_falls(self, shift: Callable[[Cell], Polynomial], *, strict: bool) -> None:
+        """V falls at least by the shift: on closed cells, along edges, at corners."""
+        for cell in self.cells:
+            for field in cell.fields:
+                rise = -(cell.rate(field) + shift(cell))
+                for triangle in cell.triangles:
+                    require(proved_sign(rise, triangle, strict=strict), "V' below its bound on every cell")
+        for edge in self.edges:
+            for fields in product(edge.first.fields, edge.second.fields):
+                require(self._falls_along(edge, fields, shift, strict), "V' below its bound along every edge")
+        for corner in self._corners():
+            require(self._falls_at(corner, shift, strict), "V' below its bound at every corner")
+
+    def _falls_along(
+        self, edge: Edge, fields: tuple[Field, Field], shift: Callable[[Cell], Polynomial], strict: bool
+    ) -> bool:
+        """The mixture of two fields that is tangent to the edge: ``(b f - a g)/(b - a)``, where ``a b < 0``.
+
+        a and b are the parts of f and g along the normal into the first cell.  Along the edge V has one derivative,
+        which both gradients give.
+        """
+        (x0, y0, w0), (x1, y1, w1) = edge.ends
+        normal = (y0 * w1 - w0 * y1, w0 * x1 - x0 * w1)
+        inner = [sum(entries) for entries in zip(*edge.first.polygon, strict=True)]
+        offset = x0 * y1 - y0 * x1
+        if normal[0] * inner[0] + normal[1] * inner[1] + offset * inner[2] < 0:
+            normal = (-normal[0], -normal[1])
+        f, g = fields
+        a, b = (constant(normal[0]) * own[0] + constant(normal[1]) * own[1] for own in (f, g))
+        along_f, along_g = (edge.first.rate(own) + shift(edge.first) for own in (f, g))
+        mixed = along_f * b - along_g * a  # times b - a the derivative along the tangent mixture
+
+        waiting = deque([edge.ends])
+        for _ in range(MAX_PARTS):
+            if not waiting:
+                return True
+            part = waiting.popleft()
+            if _settles(part, a, b, mixed, strict=strict):
+                continue
+            if any(place[2] and _refutes(place, a, b, mixed, strict=strict) for place in part):
+                return False
+            waiting.extend(parts_of(part, (0, 1)))  # type: ignore[arg-type]
+        return not waiting
+
+    def _corners(self) -> set[Generator]:
+        ends = {place for edge in self.edges for place in edge.ends}
+        return {place for place in ends if place[2] and not is_origin(place)}
+
+    def _falls_at(self, corner: Generator, shift: Callable[[Cell], Polynomial], strict: bool) -> bool:
+        """All velocities in the hull there that have one product with all gradients of V there."""
+        x, y, _ = corner
+        around = [cell for cell in self.cells if corner in cell.polygon]
+        gradients = [tuple(cell.potential.derivative(k).at(x, y) for k in (0, 1)) for cell in around]
+        velocities = [tuple(own.at(x, y) for own in field) for cell in around for field in cell.fields]
+        bound = -shift(around[0]).at(x, y)
+        first, *others = gradients
+        bends = [(g[0] - first[0], g[1] - first[1]) for g in others if g != first]
+
+        def low(v: tuple[Fraction, ...]) -> bool:
+            value = first[0] * v[0] + first[1] * v[1]
+            return value < bound or (not strict and value == bound)
+
+        if not bends:
+            return all(map(low, velocities))
+        m = bends[0]
+        if any(m[0] * n[1] != m[1] * n[0] for n in bends):
+            return (not strict and bound >= 0) or not _hull_holds_zero(velocities)
+        return all(map(low, _tangent_mixtures(velocities, m)))
+
+
+def _settles(part: Sequence[Generator], a: Polynomial, b: Polynomial, mixed: Polynomial, *, strict: bool) -> bool:
+    """Whether V falls along the tangent mixture on a part of an edge: where ``a < 0 < b`` by mixed, else by -mixed."""
+    rises = {v: shows(v, part, strict=False) for v in (a, -a, b, -b)}
+    if (rises[a] and rises[b]) or (rises[-a] and rises[-b]):
+        return True  # no tangent mixture but of fields that are tangent themselves
+    if (rises[-a] or rises[b]) and shows(-mixed, part, strict=strict):
+        return True
+    return (rises[a] or rises[-b]) and shows(mixed, part, strict=strict)
+
+
+def _refutes(place: Generator, a: Polynomial, b: Polynomial, mixed: Polynomial, *, strict: bool) -> bool:
+    """Whether V does not fall along the tangent mixture at a corner of a part of an edge."""
+    x, y, _ = place
+    into, out = a.at(x, y), b.at(x, y)
+    if into * out >= 0 or (strict and is_origin(place)):
+        return False
+    value = mixed.at(x, y) if out > into else -mixed.at(x, y)
+    return value > 0 or (strict and value == 0)
+
+
+def _tangent_mixtures(velocities: Sequence[tuple[Fraction, ...]], m: tuple[Fraction, Fraction]) -> Iterator[Any]:
+    """The ends of the part of the hull with ``m . v = 0``, each as a mixture of one or two velocities."""
+    parts = [m[0] * v[0] + m[1] * v[1] for v in velocities]
+    yield from (v for v, part in zip(velocities, parts, strict=True) if not part)
+    for (u, p), (v, q) in combinations(zip(velocities, parts, strict=True), 2):
+        if p * q < 0:
+            yield tuple((q * a - p * b) / (q - p) for a, b in zip(u, v, strict=True))
+
+
+def _hull_holds_zero(velocities: Sequence[tuple[Fraction, ...]]) -> bool:
+    """Whether 0 is in the convex hull: no line through 0 has all of them strictly on one side."""
+    if any(not any(v) for v in velocities):
+        return True
+    # A separating direction exists iff the normal of one velocity, turned a little, separates: test both sides of each.
+    for v in velocities:
+        for sign in (1, -1):
+            normal = (-sign * v[1], sign * v[0])
+            heights = [normal[0] * u[0] + normal[1] * u[1] for u in velocities]
+            along = [v[0] * u[0] + v[1] * u[1] for u, h in zip(velocities, heights, strict=True) if not h]
+            if min(heights) >= 0 and all(value > 0 for value in along):
+                return False
+    return True
+
+
+# ---- the certificate ---------------------------------------------------------------------------
+
+
+class Certificate:
+    """One certificate: reading it builds the cells; :meth:`check` shows the claims."""
+
+    def __init__(self, data: Any) -> None:
+        require(type(data) is dict and sorted(data) == sorted(KEYS.split()), f"an object with the keys {KEYS}")
+        require(data["schema"] == SCHEMA, f"the schema {SCHEMA}")
+        BUDGET.left = MAX_WORK
+        self.states = data["states"]
+        require(type(self.states) is list and len(self.states) == 2, "two states")
+        require(all(type(name) is str and NAME.fullmatch(name) for name in self.states), "states with names")
+        require(self.states[0] != self.states[1], "two states with different names")
+        self.at = [rational(text) for text in data["at"]]
+        require(len(self.at) == 2, "a point of two numbers")
+        self.radius = None if data["radius"] is None else rational(data["radius"])
+        require(self.radius is None or self.radius > 0, "a square of positive size, or null for the plane")
+        self.verdict, self.level, self.rate = data["verdict"], data["level"], data["rate"]
+        require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
+        self.cells = self._build(data["rhs"], data["lyapunov"])
+
+    def _build(self, rhs: Any, lyapunov: Any) -> list[Cell]:
+        axes = (Polynomial({(1, 0): Fraction(1)}), Polynomial({(0, 1): Fraction(1)}))
+        moved = {name: axis + constant(at) for name, axis, at in zip(self.states, axes, self.at, strict=True)}
+        require(type(rhs) is list and 0 < len(rhs) <= MAX_FIELDS, f"one to {MAX_FIELDS} right-hand sides")
+        require(all(type(side) is list and len(side) == 2 for side in rhs), "two formulas in each right-hand side")
+        fields = [(Formula(first, moved), Formula(second, moved)) for first, second in rhs]
+        return build_cells(fields, Piecewise(lyapunov, dict(zip(self.states, axes, strict=True))), self.radius)
+
+    def check(self) -> None:
+        """Show every claim."""
+        cells = self.cells
+        if self.verdict == UNSTABLE:
+            cells = [Cell(c.polygon, tuple((-f, -g) for f, g in c.fields), c.potential) for c in cells]
+        conditions = Conditions(cells, self.radius)
+        conditions.show_continuous()
+        conditions.show_positive()
+        conditions.show_falls(lambda cell: constant(0), strict=self.verdict != STABLE)
+        if self.level is not None:
+            self._show_region(rational(self.level))
+        if self.rate is not None:
+            self._show_rate(conditions)
+
+    def _show_region(self, level: Fraction) -> None:
+        """V is at least the level on the border of the square: no solution leaves ``V < level``."""
+        require(self.verdict == ASYMPTOTICALLY_STABLE and self.radius is not None, "a region in a square that attracts")
+        require(level > 0, "a positive level")
+        for cell in self.cells:
+            above = cell.potential - constant(level)
+            for ends in sides_of(cell):
+                shown = not on_border(ends, self.radius) or proved_sign(above, ends, strict=False)
+                require(shown, "V >= level on the border of the square")
+
+    def _show_rate(self, conditions: Conditions) -> None:
+        """``V' <= -kappa V`` or ``V' <= -kappa``."""
+        require(type(self.rate) is dict and sorted(self.rate) == ["kappa", "kind"], "a rate with kind and kappa")
+        require(self.verdict == ASYMPTOTICALLY_STABLE, "a rate of a point that attracts")
+        kappa, kind = rational(self.rate["kappa"]), self.rate["kind"]
+        require(kappa > 0 and kind in ("finite", "exponential"), "a positive rate, finite or exponential")
+        whole = constant(kappa)
+        conditions.show_falls(
+            (lambda cell: whole) if kind == "finite" else (lambda cell: whole * cell.potential), strict=False
+        )
+
+    def describe(self) -> str:
+        """What is shown, one claim to a line."""
+        x, y = self.states
+        where = "the plane" if self.radius is None else f"abs({x} - x*), abs({y} - y*) <= {self.radius}"
+        point = ", ".join(str(value) for value in self.at)
+        lines = [f"system in {x}, {y} at ({point}): {self.verdict}", f"V proved on {where}, {len(self.cells)} cells"]
+        if self.level is not None:
+            lines.append(f"every start with V < {self.level} there reaches the point")
+        if self.rate is not None:
+            fall = f"{self.rate['kappa']} V" if self.rate["kind"] == "exponential" else self.rate["kappa"]
+            lines.append(f"V' <= -{fall}")
+        return "\n".join(lines)
+
+
+# ---- the command -------------------------------------------------------------------------------
+
+
+def read_certificate(data: Any) -> tuple[str, Certificate | None]:
+    """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
+    try:
+        certificate = Certificate(data)
+        certificate.check()
+    except MALFORMED as error:
+        claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
+        return claim, None
+    return "", certificate
+
+
+def check_certificate(data: Any) -> str:
+    """The claim that is not shown; empty where all are."""
+    return read_certificate(data)[0]
+
+
+def check_file(path: str) -> tuple[int, str]:
+    """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable."""
+    try:
+        with open(path, "rb") as file:
+            text = file.read(MAX_BYTES + 1)
+        require(len(text) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
+        data = json.loads(text)
+    except (OSError, *MALFORMED) as error:
+        return 2, f"unreadable: {error}"
+    claim, certificate = read_certificate(data)
+    return (1, f"rejected: required {claim}") if certificate is None else (0, f"valid\n{certificate.describe()}")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Check one file."""
+    if len(arguments) != 1:
+        print("usage: system_checker.py FILE")
+        return 2
+    status, line = check_file(arguments[0])
+    print(line)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

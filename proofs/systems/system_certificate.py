@@ -1,0 +1,109 @@
+"""Certificates of plain systems: the statement that a V proves, for the stand-alone checker of systems.
+
+The checker (:mod:`nonsmooth.proofs.system_checker`) reads the formulas itself and proves everything anew, so a
+certificate holds no more than the system, V, its domain and what is claimed.  It takes rational numbers and switching
+lines; other verdicts have no certificate yet.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from typing import Any
+
+from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
+from nonsmooth.proofs.systems.decay_rate import DecayRate
+from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text
+from nonsmooth.proofs.systems.system_stability import Method, SystemResult
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+class NoCertificateError(ValueError):
+    """A verdict that has no certificate, in one line."""
+
+
+def build_system_certificate(result: SystemResult) -> dict[str, Any]:
+    """The certificate of a verdict, accepted by the stand-alone checker.
+
+    Args:
+        result: of a check that a Lyapunov function decides.
+
+    Raises:
+        NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
+            does not show all of it within its limits.
+    """
+    if result.proving is None or result.domain is None or result.method not in (Method.LYAPUNOV, Method.GROWTH):
+        raise NoCertificateError(
+            f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
+        )
+    system, radius = result.scene, result.domain.radius
+    region = result.region if result.region is not None and result.region.falls else None
+    certificate = {
+        "schema": SCHEMA,
+        **_about(system),
+        "radius": None if radius is None else _text(radius),
+        "lyapunov": _lyapunov(result),
+        "verdict": str(result.verdict),
+        "level": None if region is None else _text(region.level),
+        "rate": None if result.rate is None else _rate(result.rate),
+        "notes": {"scene": system.name},
+    }
+    refused = check_certificate(certificate)
+    if refused:
+        raise NoCertificateError(f"the stand-alone checker does not show it: required {refused}")
+    return certificate
+
+
+def _about(system: SwitchedSystem) -> dict[str, Any]:
+    """What a certificate is about."""
+    return {
+        "states": list(system.states),
+        "rhs": [[one_line(side.text) for side in member.rhs] for member in system.members],
+        "at": [_text(value) for value in system.check.equilibrium],
+    }
+
+
+def find_system_difference(file: str, system: SwitchedSystem) -> str:
+    """The first key in which a certificate that was accepted is about another system; empty where there is none.
+
+    Args:
+        file: of the certificate.
+        system: to compare with, formula by formula as text.
+
+    Raises:
+        NoCertificateError: for a point that no certificate can name.
+    """
+    with open(file, encoding="utf-8") as stream:
+        data = json.load(stream)
+    return next((f"other {key}" for key, value in _about(system).items() if data[key] != value), "")
+
+
+def certificate_text(certificate: dict[str, Any]) -> str:
+    """As the file is written."""
+    return json.dumps(certificate, indent=1, ensure_ascii=True) + "\n"
+
+
+def _text(value: Number | Fraction) -> str:
+    text = str(value)
+    if not set(text) <= set("-0123456789/"):
+        raise NoCertificateError(f"a certificate of a plain system needs rational numbers, received {text[:60]}")
+    return text
+
+
+def _lyapunov(result: SystemResult) -> str | list[dict[str, Any]]:
+    pieces = proving_pieces(result)
+    if len(pieces) <= 1:
+        return str(pieces[0].potential) if pieces else proving_text(result)
+    found = []
+    for piece in pieces:
+        if piece.start is None or piece.end is None:
+            raise NoCertificateError("a certificate needs a V on cones with both rays")
+        rays = {key: [_text(v) for v in ray] for key, ray in (("from", piece.start), ("to", piece.end))}
+        found.append({**rays, "V": str(piece.potential)})
+    return found
+
+
+def _rate(rate: DecayRate) -> dict[str, str]:
+    return {"kind": rate.decay.name.lower(), "kappa": _text(rate.kappa)}

@@ -1,0 +1,72 @@
+"""Starts of a plain system by how near they have come to the checked point, with the certified region of V."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.phase_portrait import draw_borders, draw_potential
+from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from nonsmooth.reports.plain_systems.starts_map import SystemMap
+
+Floats: TypeAlias = NDArray[np.float64]
+
+SIZE = (7.4, 6.6)  # inches
+NEAREST, FARTHEST = 1e-6, 10.0  # ratios of distances at the ends of the color scale
+COLORS = "cividis"  # safe for color-blind readers; dark is near
+LOST = "0.85"
+
+
+def system_map_figure(found: SystemMap, suffix: str) -> bytes:
+    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
+    return figure_bytes(lambda: build_figure(found), suffix)
+
+
+def build_figure(found: SystemMap) -> Figure:
+    """The picture as a Matplotlib figure."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    axes = figure.add_subplot()
+    _draw_ratios(figure, axes, found)
+    draw_borders(axes, found.portrait)
+    draw_potential(axes, found.portrait)
+    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
+    half = float(found.portrait.system.check.radius)
+    x, y = found.portrait.system.states
+    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
+    axes.set_aspect("equal")
+    figure.legend(loc="outside lower center", ncols=3, fontsize="small", frameon=False)
+    system, verdict = one_line(found.portrait.system.name), found.portrait.stability.verdict
+    title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
+    figure.suptitle(title, fontsize="medium", parse_math=False)
+    return figure
+
+
+def _draw_ratios(figure: Figure, axes: Axes, found: SystemMap) -> None:
+    """Every start as a square in the color of its ratio."""
+    from matplotlib.colors import LogNorm
+
+    half, shape = float(found.portrait.system.check.radius), (found.count, found.count)
+    ratios: Floats = np.where(np.isfinite(found.ends).all(axis=1), np.clip(found.ratios, NEAREST, FARTHEST), np.nan)
+    wide = half * (1 + 1 / (found.count - 1))  # squares are centred at the starts
+    axes.set_facecolor(LOST)
+    image = axes.imshow(
+        ratios.reshape(shape),
+        origin="lower",
+        extent=(-wide, wide, -wide, wide),
+        cmap=COLORS,
+        norm=LogNorm(NEAREST, FARTHEST),
+        interpolation="nearest",
+        zorder=0,
+    )
+    figure.colorbar(image, ax=axes, shrink=0.8, label="distance from the point: at the end by at the start")

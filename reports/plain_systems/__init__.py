@@ -1,0 +1,1 @@
+"""Plain switched systems: the derivation report of one system, section by section."""

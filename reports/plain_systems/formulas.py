@@ -1,0 +1,67 @@
+"""Polynomials and names of states as formulas of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from nonsmooth.analysis.cells.switched_cells import PlaneField
+from nonsmooth.reports.document import Math
+from nonsmooth.symbolic.formulas import symbol_latex
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands
+
+GREEK = frozenset({
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
+    "rho", "sigma", "tau", "phi", "chi", "psi", "omega",
+})  # fmt: skip
+
+
+def state_latex(name: str) -> str:
+    """A state's name: one letter or a Greek one as a symbol with its index, a word as a word."""
+    stem, _, index = name.partition("_")
+    if stem in GREEK:
+        stem = rf"\{stem}"
+    elif len(stem) != 1:
+        word = name.replace("_", r"\_")
+        return rf"\mathit{{{word}}}"
+    return symbol_latex(f"{stem}_{index}") if index else stem
+
+
+def polynomial_math(polynomial: Polynomial, states: Sequence[str]) -> Math:
+    """A polynomial in the displacement, whose entries are called like the states.
+
+    Args:
+        polynomial: in as many variables as there are states.
+        states: their names.
+    """
+    named = replace(polynomial, variables=tuple(states))
+    summands: list[Summand] = []
+    for exponents, coefficient in sorted(polynomial.terms.items(), key=lambda term: (-sum(term[0]), term[0][::-1])):
+        powers = [_power(name, k) for name, k in zip(states, exponents, strict=True) if k]
+        summands.append(_term(number_summands(coefficient), powers))
+    return Math(latex_sum(summands) if summands else "0", str(named))
+
+
+def field_math(field: PlaneField, states: Sequence[str]) -> tuple[Math, ...]:
+    """The rate of each state."""
+    return tuple(polynomial_math(part, states) for part in field)
+
+
+def rate_name(state: str) -> Math:
+    """``x'``."""
+    return Math(rf"\dot{{{state_latex(state)}}}", f"{state}'")
+
+
+def _power(name: str, exponent: int) -> str:
+    return state_latex(name) if exponent == 1 else rf"{state_latex(name)}^{{{exponent}}}"
+
+
+def _term(coefficients: list[Summand], powers: list[str]) -> Summand:
+    """A coefficient times powers; a sum as a coefficient stands in parentheses."""
+    if len(coefficients) > 1:
+        text = latex_sum(coefficients)
+        return Summand(False, "", " ".join([rf"\left({text}\right)", *powers]) if powers else text)
+    (only,) = coefficients
+    shown = [only.latex] * (only.latex != "1" or not powers)
+    return Summand(only.negative, "", " ".join([*shown, *powers]))

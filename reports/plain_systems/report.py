@@ -1,0 +1,123 @@
+"""The derivation report of a plain switched system: from its formulas to the verdict, every step written down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.reports.document import Bullets, Document, Section
+from nonsmooth.reports.plain_systems.inclusion_sections import borders_section, cells_section, point_section
+from nonsmooth.reports.plain_systems.subject import SystemSubject
+from nonsmooth.reports.plain_systems.system_sections import (
+    paths_section,
+    portrait_section,
+    references_section,
+    system_section,
+    verdict_section,
+)
+from nonsmooth.reports.plain_systems.v_sections import leading_section, lyapunov_section
+from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.sections.closing import reproduction_section
+from nonsmooth.reports.subject import Invocation
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+def _always(subject: SystemSubject) -> str:
+    return ""
+
+
+def _several_fields(subject: SystemSubject) -> str:
+    switches = "the field may switch at any time, and this is about one field in each cell"
+    return switches if subject.system.others else ""
+
+
+def _no_leading(subject: SystemSubject) -> str:
+    return "" if subject.result.leading is not None else "what decides are not the leading terms"
+
+
+@dataclass(frozen=True)
+class SystemPart:
+    """A section under its name on the command line.
+
+    Attributes:
+        name: for ``--only`` and ``--without``.
+        build: the section.
+        lacks: why the system has no such section; empty where it has.
+    """
+
+    name: str
+    build: Callable[[SystemSubject], Section]
+    lacks: Callable[[SystemSubject], str] = _always
+
+
+def _left_out(subject: SystemSubject) -> Section:
+    asked = [(part.name, part.lacks(subject)) for part in SYSTEM_PARTS if part.name in subject.parts]
+    items = [(f"Section {name}: {why}.",) for name, why in asked if why]
+    items += [(f"Section {part.name}: not asked for.",) for part in SYSTEM_PARTS if part.name not in subject.parts]
+    return Section("What was left out, and why", (Bullets(tuple(items)) if items else paragraph("Nothing."),))
+
+
+SYSTEM_PARTS = (
+    SystemPart("verdict", verdict_section),
+    SystemPart("system", system_section),
+    SystemPart("cells", cells_section),
+    SystemPart("borders", borders_section, _several_fields),
+    SystemPart("point", point_section),
+    SystemPart("lyapunov", lyapunov_section),
+    SystemPart("leading-terms", leading_section, _no_leading),
+    SystemPart("portrait", portrait_section, _several_fields),
+    SystemPart("trajectories", paths_section, _several_fields),
+    SystemPart("left-out", _left_out),
+    SystemPart("references", references_section),
+    SystemPart("versions", lambda subject: reproduction_section(subject.invocation)),
+)
+SYSTEM_PART_NAMES = tuple(part.name for part in SYSTEM_PARTS)
+
+
+def chosen_system_parts(only: Collection[str], without: Collection[str]) -> tuple[str, ...]:
+    """Names of the sections to write: those of ``only``, or all, less those of ``without``.
+
+    Raises:
+        ValueError: for a name that is none.
+    """
+    unknown = next((name for name in (*only, *without) if name not in SYSTEM_PART_NAMES), None)
+    if unknown is not None:
+        raise ValueError(f"required names among {', '.join(SYSTEM_PART_NAMES)}, received {unknown[:60]!r}")
+    return tuple(name for name in SYSTEM_PART_NAMES if (not only or name in only) and name not in without)
+
+
+def system_document(subject: SystemSubject) -> Document:
+    """The report of a system.
+
+    Args:
+        subject: the system, and which sections are written.
+
+    Raises:
+        SceneError: for a system in another number of states than two.
+        RuntimeError: if the evidence of the verdict does not verify.
+    """
+    sections = []
+    for part in SYSTEM_PARTS:
+        if part.name in subject.parts and not part.lacks(subject):
+            subject.announce(f"section {part.name}")
+            sections.append(part.build(subject))
+    return Document(f"Derivation report: {one_line(subject.system.name)}", tuple(sections))
+
+
+def system_subject(
+    system: SwitchedSystem,
+    invocation: Invocation | None = None,
+    parts: tuple[str, ...] = SYSTEM_PART_NAMES,
+    announce: Announce = unheard,
+) -> SystemSubject:
+    """What the report is about.
+
+    Args:
+        system: in two states.
+        invocation: how the report was asked for; None for the system as it stands.
+        parts: names of the sections to write.
+        announce: hears the names of the sections.
+    """
+    return SystemSubject(system, invocation or Invocation(system.origin), parts, announce)

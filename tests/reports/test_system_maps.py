@@ -1,0 +1,91 @@
+"""Maps of a plain system: where a grid of starts has come to, beside an integrator of its own and the certified V."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import nonsmooth as ns
+from nonsmooth.analysis.fields.cell_values import potential_values
+from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.reports.console import BAD_INPUT
+from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.reports.conftest import Invoke
+
+# An unstable plant under a saturated gain: a strip of starts comes home, the others run away.
+SATURATED = ns.System(["x", "v"], ["v", "x - sat(3*x + v, -1/2, 1/2)"], radius=1, at=[0, 0])
+
+
+@pytest.fixture(scope="module")
+def found() -> SystemMap:
+    shown = SATURATED.map(7, until=6.0).shown
+    assert isinstance(shown, SystemMap)
+    return shown
+
+
+def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
+    def rate(t: float, state: list[float]) -> list[float]:
+        x, v = state
+        return [v, x - float(np.clip(3 * x + v, -0.5, 0.5))]
+
+    for start, end in zip(found.starts[::3], found.ends[::3], strict=True):
+        expected = solve_ivp(rate, (0, 6.0), start, rtol=1e-10, atol=1e-12, max_step=0.05).y[:, -1]
+        assert end == pytest.approx(expected, rel=1e-4, abs=1e-6)
+    assert {Whereabouts.NEARER, Whereabouts.OUTSIDE, Whereabouts.ARRIVED} <= set(found.whereabouts)
+
+
+def test_paths_from_the_certified_region_lower_v(found: SystemMap) -> None:
+    result = found.portrait.stability
+    assert result.region is not None
+    assert result.proving is not None
+    before, after = (potential_values(result.proving.cells, places) for places in (found.starts, found.ends))
+    inside = before < float(result.region.level)
+    assert inside.sum() >= 1
+    assert (after[inside] <= before[inside]).all()
+
+
+def test_a_path_that_contradicts_the_proof_is_a_fault(found: SystemMap) -> None:
+    ends = found.ends.copy()
+    near = int(np.argmin(np.abs(found.starts).max(axis=1)))
+    ends[near] = (0.2, 0.1)  # away from the point, though V is certified to fall
+    with pytest.raises(ContradictionError, match="a fault of this program"):
+        replace(found, ends=ends).refuse_contradiction()
+
+
+def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
+    grid = ("simulate", "eq-4", "--grid", "3", "--until", "1")
+    record = invoke(*grid, "--json").record
+    assert record["schema"] == "nonsmooth-system-map/1"
+    assert sum(record["shares"].values()) == pytest.approx(1)
+    assert "proved" in invoke(*grid).out
+    for suffix in ("csv", "svg"):
+        assert "9 starts" in invoke(*grid, "-o", str(tmp_path / f"map.{suffix}")).out
+    header, *rows = csv.reader((tmp_path / "map.csv").read_text(encoding="utf-8").splitlines())
+    assert header == ["x", "y", "x_end", "y_end", "whereabouts"]
+    assert len(rows) == 9
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [(("--from", "0,0"), "--from"), (("--feedback",), "--feedback"), (("--heading", "1"), "--heading")],
+)
+def test_options_of_others_are_refused(invoke: Invoke, options: tuple[str, ...], named: str) -> None:
+    outcome = invoke("simulate", "eq-4", "--grid", "3", *options)
+    assert outcome.status == BAD_INPUT
+    assert named in outcome.err
+
+
+def test_too_many_starts_and_three_states_are_refused(invoke: Invoke, tmp_path: Path) -> None:
+    assert "required 2 to 500 starts" in invoke("simulate", "eq-4", "--grid", "501").err
+    file = tmp_path / "three.toml"
+    file.write_text('[system]\nstates = ["x", "y", "z"]\nrhs = ["-x", "-y", "-sign(z)"]\n', encoding="utf-8")
+    assert "required two states" in invoke("simulate", str(file), "--grid", "3").err
