@@ -11,7 +11,6 @@ import math
 import os
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -110,6 +109,19 @@ def times(rows: list[dict[str, Any]], stage: str) -> Any:
     return np.array([row["shown"] - row["moved"] for row in rows if row["stage"] == stage and row["moved"]])
 
 
+def told(seen: dict[str, Any]) -> Iterator[str]:
+    """What was measured, in words."""
+    for stage in ("fast", "exact"):
+        found = times(seen["rows"], stage)
+        if len(found):
+            reply = np.median([row["took"] for row in seen["rows"] if row["stage"] == stage])
+            median, most = np.percentile(found, [50, 95])
+            yield f"{stage}: reply after {reply:.0f} ms (median); {len(found)} shown, median {median:.0f} ms"
+            yield f"{stage}: 95 % within {most:.0f} ms, the last after {found.max():.0f}"
+    frame, task = (max(seen[kind], default=0) for kind in ("frames", "tasks"))
+    yield f"{len(seen['frames'])} frames above 50 ms, the longest {frame:.0f}; longest task {task:.0f} ms"
+
+
 @pytest.mark.parametrize("flowing", [False, True], ids=["step by step", "flowing"])
 @pytest.mark.parametrize("scene", SCENES)
 def test_cells_and_answers_follow_the_pointer(
@@ -120,19 +132,10 @@ def test_cells_and_answers_follow_the_pointer(
     drag(page, scene, flowing=flowing)
     seen = page.evaluate("() => watch")
     page.context.close()
-    longest = max(seen["tasks"], default=0)
-    lines = [f"{scene}, {'flowing' if flowing else 'step by step'}, load {load:.1f} on {os.cpu_count()} cores:"]
-    for stage in ("fast", "exact"):
-        found = times(seen["rows"], stage)
-        if len(found):
-            median, most = np.percentile(found, [50, 95])
-            reply = np.median([row["took"] for row in seen["rows"] if row["stage"] == stage])
-            lines.append(f"{stage}: reply after {reply:.0f} ms (median); {len(found)} shown, median {median:.0f} ms, 95 % {most:.0f} ms, max {found.max():.0f}")
-    frames = sorted(seen["frames"])
-    lines.append(f"longest task {longest:.0f} ms; {len(frames)} frames above 50 ms, the longest {max(frames, default=0):.0f}")
     with capsys.disabled():
-        print("\n  " + "\n    ".join(lines), end="")
+        print(f"\n  {scene}, {'flowing' if flowing else 'step by step'}, load {load:.1f} on {os.cpu_count()} cores:")
+        print("\n".join(f"    {line}" for line in told(seen)), end="")
     median, most = np.percentile(times(seen["rows"], "fast"), [50, 95])
-    assert longest <= LONGEST_TASK
+    assert max(seen["tasks"], default=0) <= LONGEST_TASK
     assert median <= SCENES[scene][0]
     assert most <= SCENES[scene][1]

@@ -9,13 +9,17 @@ import io
 import math
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TypeAlias
 
 from PIL import Image
 from playwright.sync_api import Page
 
 from tests.reports.workbench.workbench_page import Opened, chromium, place, running, settled
+
+Place: TypeAlias = tuple[float, float]
+Shot: TypeAlias = Callable[[], Image.Image]
 
 SIZE = {"width": 1180, "height": 640}
 WIDTH, COLORS, MILLISECONDS = 820, 256, 110  # of a picture
@@ -38,7 +42,9 @@ def shots(page: Page) -> Iterator[Image.Image]:
     yield shot()
     (x, y), (cx, cy) = place(page, RIM), place(page, WHEEL)
     reach, angle = math.hypot(x - cx, y - cy), math.atan2(y - cy, x - cx)
-    yield from dragged(page, shot, (x, y), [arc(cx, cy, reach, angle + 0.9 * math.sin(k * math.pi / 14)) for k in range(15)])
+    yield from dragged(
+        page, shot, (x, y), [arc(cx, cy, reach, angle + 0.9 * math.sin(k * math.pi / 14)) for k in range(15)]
+    )
     x, y = place(page, WHEEL)
     yield from dragged(page, shot, (x, y), [(x - 10 * min(k, 12), y + 5 * min(k, 12)) for k in range(13)])
     page.keyboard.press("Escape")
@@ -53,14 +59,14 @@ def arc(x: float, y: float, radius: float, angle: float) -> tuple[float, float]:
     return x + radius * math.cos(angle), y + radius * math.sin(angle)
 
 
-def dragged(page: Page, shot: object, start: tuple[float, float], places: list[tuple[float, float]]) -> Iterator[Image.Image]:
+def dragged(page: Page, shot: Shot, start: Place, places: list[Place]) -> Iterator[Image.Image]:
     """A picture at each place of a drag, with the answers to it."""
     page.mouse.move(*start)
     page.mouse.down()
     for target in places:
         page.mouse.move(*target)
         settled(page)
-        yield shot()  # type: ignore[operator]
+        yield shot()
     page.mouse.up()
     settled(page)
 

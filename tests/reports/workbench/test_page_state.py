@@ -36,12 +36,6 @@ CHANGED = """(most) => new Promise((ready) => { const began = performance.now();
 
 
 @pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
-    with running(tmp_path_factory.mktemp("state")) as server:
-        yield server
-
-
-@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with chromium() as browser:
         yield browser
@@ -202,7 +196,8 @@ def test_every_control_has_a_name(browser: Browser, server: Workbench) -> None:
     opened = Opened(browser, server.address)
     page = opened.page
     edited(page, lambda: page.click("#add-start"))
-    unnamed = page.evaluate("""() => [...document.querySelectorAll('button, input, select, dialog, [role]')].filter((e) => {
+    unnamed = page.evaluate("""() =>
+        [...document.querySelectorAll('button, input, select, dialog, [role]')].filter((e) => {
         const labels = e.labels?.length || e.getAttribute('aria-label') || e.getAttribute('aria-labelledby');
         return !labels && !e.textContent.trim() && !e.title && !['alert', 'status'].includes(e.getAttribute('role'));
     }).map((e) => e.outerHTML.slice(0, 120))""")
