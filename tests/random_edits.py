@@ -11,7 +11,7 @@ from tests.workbench_server import Workbench
 KINDS = ("drag", "drag", "drag", "turn", "slide", "rule", "exact", "starts", "nonsense")
 RULES = (*["nearest"] * 6, "ellipse", "box")
 MOST = 6  # wheels
-LEFT = 0.7  # of the views
+LEFT = 0.85  # of the views
 FAULT = "fault of the program"
 OPERATIONS: tuple[dict[str, Any], ...] = (
     {"kind": "add", "position": [0.3, 0.2]},
