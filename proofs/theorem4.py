@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from nonsmooth.analysis.cells.equilibria import find_equilibria
-from nonsmooth.analysis.cells.partition import affordable
+from nonsmooth.analysis.cells.partition import Partition, affordable
 from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
@@ -28,7 +28,14 @@ CHECK_UNITS = 15_000_000  # of exact arithmetic in a whole check: a minute or so
 SEARCH_UNITS = 4_000_000  # in the search for other equilibria, which no clause needs
 
 
-def check_theorem4(scene: Scene, *, prune: bool = True, beside: bool = True, announce: Announce = unheard) -> Check:
+def check_theorem4(
+    scene: Scene,
+    *,
+    prune: bool = True,
+    beside: bool = True,
+    announce: Announce = unheard,
+    built: Partition | None = None,
+) -> Check:
     """Check Theorem 4 for an array under the contact rule of its scene.
 
     Args:
@@ -36,6 +43,7 @@ def check_theorem4(scene: Scene, *, prune: bool = True, beside: bool = True, ann
         prune: leave out what no verdict needs; without, everything is computed, with the same verdicts.
         beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
         announce: hears the name of each step before it begins.
+        built: all cells of the square, where they are known already.
 
     With a body the array is that of the wheels that carry it at the checked pose.
 
@@ -46,7 +54,7 @@ def check_theorem4(scene: Scene, *, prune: bool = True, beside: bool = True, ann
     """
     scene = standing(scene)
     with affordable(scene, CHECK_UNITS, "all clauses"):
-        return _check(Workspace(scene, prune=prune, sample=beside, announce=announce), beside=beside)
+        return _check(Workspace(scene, prune=prune, sample=beside, announce=announce, built=built), beside=beside)
 
 
 def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:

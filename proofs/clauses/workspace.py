@@ -47,9 +47,19 @@ class Workspace:
         earlier: the results of the clauses that are decided, by name.
         skipped: what was left out, and why.
         seconds: where the time went, by step.
+
+    Cells that were ``built`` before are taken where they are those of the centred scene.
     """
 
-    def __init__(self, given: Scene, *, prune: bool = True, sample: bool = True, announce: Announce = unheard) -> None:
+    def __init__(
+        self,
+        given: Scene,
+        *,
+        prune: bool = True,
+        sample: bool = True,
+        announce: Announce = unheard,
+        built: Partition | None = None,
+    ) -> None:
         self.given = given
         self.scene = given.recentred()
         self.prune = prune
@@ -58,6 +68,7 @@ class Workspace:
         self.skipped: list[Skipped] = []
         self.seconds: dict[str, float] = {}
         self._announce = announce
+        self._built = built
 
     @property
     def rule(self) -> ContactRule:
@@ -99,7 +110,10 @@ class Workspace:
         if rest is not None:
             self.skip("cells away from the point", 1, f"{LEMMA}: no other cells are needed")
             return rest
-        partition = rule.build_partition(self.scene, prune=self.prune)
+        if self._built is not None and self.prune and self._built.scene is self.scene:
+            partition = self._built
+        else:
+            partition = rule.build_partition(self.scene, prune=self.prune)
         idle = len(self.scene.wheels) - partition.wheels_considered
         if idle:
             in_pairs = all(state.is_of_a_pair for state in partition.states)

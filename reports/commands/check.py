@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.check_files import CheckFiles
 from nonsmooth.reports.check_output import failed_wheels, write_check_views, write_records
@@ -148,7 +148,7 @@ def _check_many(scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str
 def _check_array(  # one keyword for each option
     scenes: list[Scene],
     files: CheckFiles,
-    options: dict[str, bool],
+    options: dict[str, Any],
     *,
     required: Sequence[str],
     beside: Beside,

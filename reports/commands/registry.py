@@ -79,6 +79,10 @@ COMMANDS = {  # in the order of the help
         "Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.",
         "vehicle husky-a200 --spin 1.9",
     ),
+    "workbench": Entry(
+        "Open the workbench: a local page to drag wheels, turn rims and slide friction, with answers within a blink.",
+        "workbench four-wheel",
+    ),
     "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems and vehicles.", "scenes"),
     "rules": Entry(
         "List the contact rules: what each says, and for which hardware it is a good guess.",

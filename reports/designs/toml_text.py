@@ -42,7 +42,7 @@ def _value(value: Any) -> str:
         case float():
             return repr(value)
         case str():
-            return json.dumps(value)  # a basic string of TOML has JSON's escapes
+            return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON's escapes, and one more
         case list() | tuple():
             return f"[{', '.join(map(_value, value))}]"
         case Mapping():

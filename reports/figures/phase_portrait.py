@@ -6,25 +6,22 @@ proves stability and the largest one that is certified to be a region of attract
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.cell_values import inside, polynomial_values
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.phase_samples import Floats, sampled_potential, sampled_rates
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.cells.switched_cells import FieldCell
     from nonsmooth.reports.phase_portrait import PhasePortrait
-
-Floats: TypeAlias = NDArray[np.float64]
 
 SIZE = 6.4  # inches
 MESH = 161  # points in a row; odd, so that the middle is one
@@ -60,7 +57,7 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     half = float(portrait.system.check.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    rates = _sampled(portrait.cells, xs, ys)
+    rates = sampled_rates(portrait.cells, xs, ys)
     axes.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
     _draw_nullclines(axes, portrait, xs, ys)
     _draw_curves(axes, portrait, xs, ys)
@@ -69,16 +66,6 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
     x, y = portrait.system.states
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
-
-
-def _sampled(cells: tuple[FieldCell, ...], xs: Floats, ys: Floats) -> tuple[Floats, Floats]:
-    """The field at many points, that of one cell where several meet."""
-    first, second = np.zeros_like(xs), np.zeros_like(xs)
-    for cell in cells:
-        here = inside(cell, xs, ys)
-        f, g = cell.velocities[0]
-        first[here], second[here] = polynomial_values(f, xs, ys)[here], polynomial_values(g, xs, ys)[here]
-    return first, second
 
 
 def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
@@ -122,10 +109,7 @@ def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     half = float(portrait.system.check.radius if domain.radius is None else domain.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    potential = np.zeros_like(xs)
-    for cell in proving.cells:
-        here = inside(cell, xs, ys)
-        potential[here] = polynomial_values(cell.potential, xs, ys)[here]
+    potential = sampled_potential(proving.cells, xs, ys)
     axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
     if result.region is not None and result.region.falls:
         axes.contour(xs, ys, potential, levels=[float(result.region.level)], colors=REGION, linewidths=2.0, zorder=5)

@@ -21,6 +21,7 @@ from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import short_text
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.headings import HeadingsOfRest
@@ -153,7 +154,9 @@ def check_scene(  # one keyword for each choice
     best: bool = False,
     ask_others: bool = True,
     around: bool = False,
+    beside: bool = True,
     announce: Announce = unheard,
+    built: Partition | None = None,
 ) -> CheckResult:
     """Check an array; its evidence is verified before it is handed out.
 
@@ -163,7 +166,9 @@ def check_scene(  # one keyword for each choice
         best: check at the best rest point of the square instead of the scene's point.
         ask_others: let the answers say what the other contact rules say.
         around: look for headings of rest around the checked point too.
+        beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
         announce: told the name of each step as it begins.
+        built: all cells of the square, where they are known already.
 
     Raises:
         RefusalError: where the motion is not determined.
@@ -175,6 +180,6 @@ def check_scene(  # one keyword for each choice
 
         announce("the best rest point of the square")
         scene = at_best_point(standing(scene))
-    found = check_theorem4(scene, prune=prune, announce=announce)
+    found = check_theorem4(scene, prune=prune, beside=beside, announce=announce, built=built)
     announce("verification of the evidence")
     return CheckResult(verified(found), ask_others, around)

@@ -6,7 +6,7 @@ work of one product of short rationals, a microsecond or two with what surrounds
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -46,6 +46,50 @@ class WorkMeter:
         if self.left < 0:
             raise WorkLimitError(self.units)
 
+    def within(self, units: int) -> WorkMeter:
+        """A meter of a smaller limit inside this one."""
+        return WorkMeter(min(units, self.left))
+
+
+class WatchedMeter(WorkMeter):
+    """Counts down, and every so often calls a function, which may end the work by an exception.
+
+    Args:
+        units: what may be spent.
+        look_up: the function.
+    """
+
+    STEP = 200  # units between two calls: some milliseconds, with what surrounds the arithmetic
+
+    def __init__(self, units: int, look_up: Callable[[], None]) -> None:
+        super().__init__(units)
+        self._look_up, self._next = look_up, units - self.STEP
+
+    def spend(self, units: int) -> None:
+        """See :class:`WorkMeter`."""
+        super().spend(units)
+        if self.left < self._next:
+            self._next = self.left - self.STEP
+            self._look_up()
+
+    def within(self, units: int) -> WorkMeter:
+        """See :class:`WorkMeter`."""
+        return WatchedMeter(min(units, self.left), self._look_up)
+
+
+UNLIMITED = 1 << 62  # units: more than any machine does
+
+
+@contextmanager
+def watched(field: NumberField, look_up: Callable[[], None]) -> Iterator[None]:
+    """Call a function every so often while a field is computed in; it ends the work by raising an exception."""
+    outer = field.meter
+    field.meter = WatchedMeter(UNLIMITED, look_up)
+    try:
+        yield
+    finally:
+        field.meter = outer
+
 
 @contextmanager
 def work_limit(field: NumberField, units: int) -> Iterator[None]:
@@ -55,7 +99,7 @@ def work_limit(field: NumberField, units: int) -> Iterator[None]:
         WorkLimitError: at the operation that goes beyond the limit.
     """
     outer = field.meter
-    inner = WorkMeter(units if outer is None else min(units, outer.left))
+    inner = WorkMeter(units) if outer is None else outer.within(units)
     field.meter = inner
     try:
         yield

@@ -1,0 +1,195 @@
+"""The server of the workbench: a few routes of Starlette, each a job of a worker."""
+
+from __future__ import annotations
+
+import base64
+import json
+import secrets
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import aclosing, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from nonsmooth.reports.console import own_version
+from nonsmooth.reports.workbench.pool import Job, Pool
+from nonsmooth.reports.workbench.requests import RequestError, read_request
+from nonsmooth.reports.workbench.safety import Safety, refused
+
+PAGE = Path(__file__).with_name("page")
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".json": "application/json",
+}
+SECONDS = {
+    "view": 60.0,
+    "open": 15.0,
+    "scenes": 30.0,
+    "scene": 30.0,
+    "file": 30.0,
+    "edit": 15.0,
+    "export": 120.0,
+}  # in which a job must end
+MAX_TAB = 64  # characters of the name of a tab
+MAX_SEQUENCE = 2**53  # up to which a browser counts
+BUSY = "required fewer requests at once"
+
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the server runs.
+
+    Attributes:
+        token: that requests must bear.
+        port: on which it listens.
+        workers: how many processes compute.
+        scene: what the command line named, if anything.
+    """
+
+    token: str
+    port: int
+    workers: int = 3
+    scene: str | None = None
+
+
+def build_app(settings: Settings) -> Starlette:
+    """The application."""
+    pool = Pool(settings.workers)
+    routes = Routes(pool, settings)
+
+    @asynccontextmanager
+    async def life(app: Starlette) -> AsyncIterator[None]:
+        del app
+        pool.start()
+        try:
+            yield
+        finally:
+            pool.close()
+
+    middleware = [Middleware(Safety, token=settings.token, port=settings.port)]
+    handlers = {HTTPException: _unknown}
+    return Starlette(routes=routes.table(), middleware=middleware, exception_handlers=handlers, lifespan=life)
+
+
+async def _unknown(request: Request, error: Exception) -> Response:
+    """A path or a method that there is not."""
+    del request
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    return JSONResponse({"error": "required a path and a method of the workbench"}, status)
+
+
+class Routes:
+    """What is answered at which path."""
+
+    def __init__(self, pool: Pool, settings: Settings) -> None:
+        self._pool, self._settings = pool, settings
+        self._started = secrets.token_hex(8)
+        self._files = {path.name: path.read_bytes() for path in PAGE.iterdir() if path.suffix in TYPES}
+
+    def table(self) -> list[Route]:
+        """All routes."""
+        return [
+            Route("/", self.index),
+            Route("/page/{name}", self.file),
+            Route("/api/health", self.health),
+            Route("/api/scenes", self.scenes),
+            Route("/api/scenes/{name}", self.scene),
+            Route("/api/open", self.open, methods=["POST"]),
+            Route("/api/view", self.view, methods=["POST"]),
+            Route("/api/edit", self.edit, methods=["POST"]),
+            Route("/api/export", self.export, methods=["POST"]),
+        ]
+
+    async def index(self, request: Request) -> Response:
+        """The page."""
+        del request
+        return self._file("index.html")
+
+    async def file(self, request: Request) -> Response:
+        """A file of the page, one of those read at the start."""
+        return self._file(request.path_params["name"])
+
+    def _file(self, name: str) -> Response:
+        content = self._files.get(name)
+        if content is None:
+            return JSONResponse({"error": "required a file of the page"}, 404)
+        return Response(content, media_type=TYPES[Path(name).suffix])
+
+    async def health(self, request: Request) -> Response:
+        """Which run of the server this is."""
+        del request
+        return JSONResponse({"started": self._started})
+
+    async def scenes(self, request: Request) -> Response:
+        """The built-in scenes, the contact rules, and what the command line named."""
+        del request
+        answer = await self._answer("scenes", b"")
+        if isinstance(answer, Response):
+            return answer
+        return JSONResponse({**answer, "opened": self._settings.scene, "version": own_version()})
+
+    async def scene(self, request: Request) -> Response:
+        """The document of a built-in scene, or of the one that the command line named."""
+        name = request.path_params["name"]
+        return await self._one("file" if name == self._settings.scene else "scene", name.encode())
+
+    async def open(self, request: Request) -> Response:
+        """The document of a text."""
+        return await self._one("open", await request.body())
+
+    async def edit(self, request: Request) -> Response:
+        """A document after an exact edit."""
+        return await self._one("edit", await request.body())
+
+    async def export(self, request: Request) -> Response:
+        """A file as an attachment."""
+        answer = await self._answer("export", await request.body())
+        if isinstance(answer, Response):
+            return answer
+        headers = {"Content-Disposition": f'attachment; filename="{answer["name"]}"'}
+        return Response(base64.b64decode(answer["content"]), headers=headers, media_type=answer["type"])
+
+    async def view(self, request: Request) -> Response:
+        """The stages of a view, line by line."""
+        body = await request.body()
+        try:
+            read = read_request(body)
+        except RequestError as error:
+            return refused(400, str(error))
+        tab, sequence = read.get("tab"), read.get("sequence")
+        if not isinstance(tab, str) or not 0 < len(tab) <= MAX_TAB:
+            return refused(400, f"tab: required a text of 1 to {MAX_TAB} characters")
+        if not isinstance(sequence, int) or not 0 <= sequence <= MAX_SEQUENCE:
+            return refused(400, f"sequence: required an integer from 0 to {MAX_SEQUENCE}")
+        if self._pool.is_full:
+            return refused(503, BUSY)
+        stages = self._pool.run(Job("view", body, SECONDS["view"], sequence), tab)
+        return StreamingResponse(stages, media_type="application/x-ndjson")
+
+    async def _one(self, name: str, body: bytes) -> Response:
+        """The one answer of a job as JSON."""
+        answer = await self._answer(name, body)
+        return answer if isinstance(answer, Response) else JSONResponse(answer)
+
+    async def _answer(self, name: str, body: bytes) -> Response | dict[str, Any]:
+        """The one answer of a job, or why there is none."""
+        if self._pool.is_full:
+            return refused(503, BUSY)
+        async with aclosing(self._pool.run(Job(name, body, SECONDS[name]))) as lines:
+            answer: dict[str, Any] = json.loads(await anext(lines))
+        if answer.get("stage") == "error":
+            return JSONResponse({"error": answer["message"], "key": answer["key"]}, 400)
+        return answer

@@ -1,0 +1,278 @@
+"""The stages of the view of an array.
+
+``fast`` shows the cells, which are exact (or a sampled field), with answers that floats guess and nobody has proved;
+``exact`` says what ``nonsmooth check`` says.  Paths, other equilibria, tolerances and the other rules follow.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.minimizers.sampled_field import sample_field
+from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
+from nonsmooth.proofs.answers.robust import robust_answer
+from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.reports.exact_record import floats
+from nonsmooth.reports.facts import fact_lines, fact_record
+from nonsmooth.reports.interface.array import Array
+from nonsmooth.reports.interface.check_result import CheckResult, check_scene
+from nonsmooth.reports.interface.tipped_result import TippedResult
+from nonsmooth.reports.workbench.equilibria import equilibria_record
+from nonsmooth.reports.workbench.guesses import guessed_answers
+from nonsmooth.reports.workbench.paths import path_records
+from nonsmooth.reports.workbench.shapes import (
+    body_record,
+    cells_record,
+    contact_record,
+    edges_record,
+    loads_at_point,
+    square_record,
+    wheels_record,
+)
+from nonsmooth.symbolic.contact_set import TipsError, contact_set, standing
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
+from nonsmooth.symbolic.scene import Scene
+
+Announce: TypeAlias = Callable[[str], None]
+Stage: TypeAlias = dict[str, Any]
+
+FAST_UNITS = 40_000  # of exact arithmetic for the cells of the first stage: a second or so
+LATER = "later"  # geometry that a second stage ``fast`` shows
+FIELD = 15  # points in a row of the sampled field
+QUESTIONS = {
+    "position": "Where does a body go that starts near the point?",
+    "heading": "What does its heading do?",
+    "pose": "Can feedback hold position and heading together?",
+}
+
+
+def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> Iterator[Stage]:
+    """Everything that the request wants, one stage after the other.
+
+    Raises:
+        RefusalError: where the motion is not determined.
+        SceneError: where a wheel lies exactly under the edge of the body.
+    """
+    began = time.perf_counter()
+
+    def timed(stage: Stage) -> Stage:
+        return {**stage, "time": round(time.perf_counter() - began, 6)}
+
+    with watched(array.scene.field, lambda: announce("")):
+        shown = fast_stage(array, FAST_UNITS)
+        yield timed(shown)
+        if shown["geometry"] == LATER:
+            yield timed(fast_stage(array))
+        try:
+            result = proved(array, announce)
+        except TipsError as tipping:
+            yield timed(tipped_stage(TippedResult(array.scene, tipping)))
+            return
+        yield timed(exact_stage(result))
+        for stage in _later_stages(array, result, request, announce):
+            yield timed(stage)
+
+
+def _later_stages(array: Array, result: CheckResult, request: Mapping[str, Any], announce: Announce) -> Iterator[Stage]:
+    """What takes longer and changes no answer."""
+    wanted = request.get("want")
+    if _is_wanted("paths", wanted) and request.get("starts"):
+        yield {"stage": "paths", "paths": path_records(array, request, announce)}
+    if _is_wanted("clauses", wanted):
+        announce("facts")
+        yield facts_stage(result)
+    if _is_wanted("equilibria", wanted):
+        announce("other equilibria")
+        yield {"stage": "equilibria", **equilibria_record(array)}
+    if _is_wanted("tolerance", wanted) and array.scene.tolerances is not None:
+        announce("tolerances")
+        yield {"stage": "tolerance", **tolerance_record(array.scene)}
+    if _is_wanted("comparison", wanted):
+        announce("other rules")
+        yield {"stage": "comparison", "rules": [_other_record(other) for other in other_rules(standing(array.scene))]}
+
+
+def _is_wanted(name: str, wanted: object) -> bool:
+    """Whether the request wants this stage; without a list it wants all."""
+    return not isinstance(wanted, list) or name in wanted
+
+
+# ---- what shows at once --------------------------------------------------------------------------
+
+
+def fast_stage(array: Array, units: int | None = None) -> Stage:
+    """Wheels, body, square, and the cells or a sampled field, with guessed answers.
+
+    Args:
+        array: the array.
+        units: of exact arithmetic for the cells; where they take more, they are left for ``later``.
+    """
+    scene = array.scene
+    geometry: Stage = {"cells": [], "edges": [], "field": [], "geometry": "none", "note": None}
+    answers = None
+    try:
+        stands = standing(scene)
+        contact = contact_set(stands)
+        carrying = contact.wheels
+        if isinstance(rule_of(scene), CellRule):
+            with _limited(scene, units):
+                partition = array.partition
+            geometry |= {"cells": cells_record(partition), "edges": edges_record(partition), "geometry": "exact"}
+            answers = guessed_answers(partition)
+        else:
+            geometry |= {"field": _field(stands), "geometry": "sampled"}
+    except TipsError as tipping:
+        stands, contact, carrying = scene, None, tipping.carrying
+        geometry["note"] = tipping.why
+    except _LaterError:
+        geometry |= {"geometry": LATER, "note": "the cells take a moment"}
+    except RefusalError as refusal:
+        geometry["note"] = str(refusal)
+    return {
+        "stage": "fast",
+        "kind": "array",
+        **geometry,
+        "wheels": wheels_record(stands, carrying, loads_at_point(stands)),
+        "body": body_record(scene),
+        "square": square_record(stands),
+        "values": _values(stands),
+        "contact": None if contact is None else contact_record(contact),
+        "answers": answers,
+    }
+
+
+class _LaterError(Exception):
+    """Cells that take more than a blink."""
+
+
+@contextmanager
+def _limited(scene: Scene, units: int | None) -> Iterator[None]:
+    """Limit the exact arithmetic of the cells.
+
+    Raises:
+        _LaterError: where they take more; whatever was refused for that reason is not refused yet.
+    """
+    if units is None:
+        yield
+        return
+    try:
+        with work_limit(scene.field, units):
+            meter = scene.field.meter
+            yield
+    except (WorkLimitError, RefusalError):
+        if meter is not None and meter.left <= 0:
+            raise _LaterError from None
+        raise
+
+
+def _field(scene: Scene) -> list[list[float | None]]:
+    """``[x, y, x', y', omega]`` at the points of a grid, sampled; None where the motion is not determined."""
+    field = sample_field(scene, FIELD)
+    rows = zip(field.points.tolist(), field.velocities.tolist(), field.rates.tolist(), strict=True)
+    return [floats((*place, *velocity, rate)) for place, velocity, rate in rows]
+
+
+def _values(scene: Scene) -> dict[str, Any]:
+    """What holds where the document states nothing."""
+    square = square_record(scene)
+    named = {key: {"value": square[key], "text": square["exact"][key]} for key in ("radius", "length")}
+    return {**named, "rule": scene.contact.rule}
+
+
+# ---- what is proved ------------------------------------------------------------------------------
+
+
+def proved(array: Array, announce: Announce) -> CheckResult:
+    """The check of the array, whose evidence is verified; the cells that are shown are not built again.
+
+    Raises:
+        RefusalError: where the motion is not determined.
+        SceneError: where a wheel lies exactly under the edge of the body.
+    """
+    built = array.partition if isinstance(rule_of(array.scene), CellRule) else None
+    return check_scene(array.scene, ask_others=False, beside=False, announce=announce, built=built)
+
+
+def exact_stage(result: CheckResult) -> Stage:
+    """The answers and clauses of a check whose evidence is verified."""
+    evidence = result.evidence
+    return {
+        "stage": "exact",
+        "kind": "array",
+        "answers": answer_records((result.position, result.heading, result.pose)),
+        "clauses": [_clause_record(clause.name, found) for clause, found in evidence.clauses],
+        "verdict": result.theorem4,
+        "reason": evidence.reason,
+        "rule": evidence.scene.contact.rule,
+    }
+
+
+def facts_stage(result: CheckResult) -> Stage:
+    """The clauses with everything else that there is to say of them."""
+    evidence = result.evidence
+    clauses = [
+        {
+            **_clause_record(clause.name, found),
+            "facts": [{"label": "", "text": line} for line in fact_lines(evidence.facts(clause))],
+        }
+        for clause, found in evidence.clauses
+    ]
+    return {"stage": "facts", "clauses": clauses}
+
+
+def _clause_record(name: str, found: ClauseResult) -> dict[str, Any]:
+    return {"key": name, "title": name, "verdict": str(found.verdict), "reason": found.reason, "facts": []}
+
+
+def tipped_stage(result: TippedResult) -> Stage:
+    """The answers about a body that does not stand at the checked pose."""
+    return {
+        "stage": "exact",
+        "kind": "array",
+        "answers": answer_records((result.position, result.heading, result.pose)),
+        "clauses": [],
+        "verdict": result.theorem4,
+        "reason": result.tipping.why,
+        "rule": result.scene.contact.rule,
+    }
+
+
+def answer_records(answers: Collection[Answer]) -> list[dict[str, Any]]:
+    """Question, answer, how it looks, and why."""
+    return [
+        {
+            "key": answer.name,
+            "question": QUESTIONS[answer.name],
+            "answer": str(answer.verdict),
+            "tone": answer.tone,
+            "sentence": answer.sentence,
+        }
+        for answer in answers
+    ]
+
+
+def tolerance_record(scene: Scene) -> dict[str, Any]:
+    """What holds for every array within the tolerances: the disc in which bodies end, and the certified factor."""
+    answer = robust_answer(standing(scene))
+    if answer is None:
+        return {"verdict": None, "sentence": "", "tone": "open"}
+    return {
+        "verdict": str(answer.verdict),
+        "tone": answer.tone,
+        "sentence": answer.sentence,
+        **fact_record(answer.facts),
+    }
+
+
+def _other_record(other: OtherRule) -> dict[str, Any]:
+    answers = [
+        {"key": answer.name, "answer": str(answer.verdict), "tone": answer.tone, "sentence": answer.sentence}
+        for answer in other.answers
+    ]
+    return {"rule": other.name, "answers": answers, "why_not": other.why_not or None}

@@ -1,0 +1,141 @@
+"""The geometry of an array as JSON: wheels, body, checked square, cells and the edges on which the motion switches."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.fields.sliding_edges import switching_stretches
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.scene import LoadTable
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Cell, Partition
+    from nonsmooth.symbolic.body import Body
+    from nonsmooth.symbolic.contact_set import ContactSet
+    from nonsmooth.symbolic.scene import Scene, Wheel
+
+EDGE_KINDS = {"sliding": "sliding", "resting": "resting", "repelling": "escaping"}
+MOST_LOADED = 40  # wheels up to which elastic loads are shown: they take a moment
+CORNERS = 96  # of the polygon that stands for a round body
+
+
+def point(vector: Sequence[Any]) -> list[float]:
+    """Exact coordinates as floats."""
+    return [float(value) for value in vector]
+
+
+def wheels_record(scene: Scene, carrying: Collection[int], loads: Mapping[int, float]) -> list[dict[str, Any]]:
+    """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited."""
+    wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
+    return [_wheel_record(wheel, wheel.index in carrying, loads.get(wheel.index)) for wheel in wheels]
+
+
+def loads_at_point(scene: Scene) -> dict[int, float]:
+    """Shares of the weight by wheel, of a body at the checked point; none where they are unknown or do not exist."""
+    loads, place = scene.contact.loads, scene.check.equilibrium
+    numbers = [wheel.index for wheel in scene.wheels]
+    try:
+        if isinstance(loads, LoadTable):
+            forces = [value_at(row, place) for row in loads.rows]
+        elif loads is None and len(numbers) <= MOST_LOADED:
+            forces = list(elastic_loads_at(scene, place))
+        else:
+            return {}
+    except RefusalError:
+        return {}
+    return {number: float(force) for number, force in zip(numbers, forces, strict=True)}
+
+
+def _wheel_record(wheel: Wheel, carries: bool, load: float | None) -> dict[str, Any]:
+    x, y = point(wheel.position)
+    return {
+        "x": x,
+        "y": y,
+        "rim": point(wheel.unit_direction),
+        "axis": None if wheel.axis is None else point(wheel.unit_grip),
+        "speed": float(wheel.speed),
+        "mu_roll": float(wheel.friction.roll),
+        "mu_side": float(wheel.friction.side),
+        "carries": carries,
+        "load": load,
+        "exact": {
+            "position": [brief_text(value) for value in wheel.position],
+            "rim": [brief_text(value) for value in wheel.direction],
+            "speed": brief_text(wheel.speed),
+        },
+    }
+
+
+def body_record(scene: Scene) -> dict[str, Any] | None:
+    """The outline about the checked point; None for a body that lies on every wheel."""
+    if scene.body is None:
+        return None
+    x, y = point(scene.check.equilibrium)
+    return {"outline": [[x + a, y + b] for a, b in _outline(scene.body)], "round": scene.body.is_round}
+
+
+def _outline(body: Body) -> list[list[float]]:
+    from math import cos, pi, sin
+
+    if not isinstance(body.outline, Disc):
+        return [point(corner) for corner in body.vertices]
+    (x, y), radius = point(body.centroid), float(body.outline.radius)
+    turns = [2 * pi * k / CORNERS for k in range(CORNERS)]
+    return [[x + radius * cos(turn), y + radius * sin(turn)] for turn in turns]
+
+
+def square_record(scene: Scene) -> dict[str, Any]:
+    """The checked square and the characteristic length."""
+    x, y = point(scene.check.equilibrium)
+    check = scene.check
+    exact = {"x": brief_text(check.equilibrium[0]), "y": brief_text(check.equilibrium[1])}
+    return {
+        "x": x,
+        "y": y,
+        "radius": float(check.radius),
+        "length": float(check.length),
+        "exact": {**exact, "radius": brief_text(check.radius), "length": str(check.length)},
+    }
+
+
+def contact_record(contact: ContactSet) -> dict[str, Any]:
+    """Which wheels carry, and how far the body may move and turn before that changes."""
+    return {
+        "wheels": list(contact.wheels),
+        "margin": None if contact.margin is None else float(contact.margin),
+        "angle": None if contact.angle is None else float(contact.angle),
+    }
+
+
+def cells_record(partition: Partition) -> list[dict[str, Any]]:
+    """Every cell with its motion about the world's origin; equal motions share a number, for their colour."""
+    motions = list(dict.fromkeys(cell.twists for cell in partition.cells))
+    return [_cell_record(cell, motions.index(cell.twists)) for cell in partition.cells]
+
+
+def _cell_record(cell: Cell, motion: int) -> dict[str, Any]:
+    twist = cell.twists[0]
+    velocity = point(twist.pose_rate(cell.polygon.centre))
+    return {
+        "polygon": [point(vertex) for vertex in cell.polygon.vertices],
+        "centre": point(cell.polygon.centre),
+        "twist": point(twist),
+        "velocity": velocity,
+        "omega": float(twist.omega),
+        "kind": "rest" if cell.rests else "tied" if len(cell.states) > 1 else "moving",
+        "motion": motion,
+        "wheels": list(cell.wheels),
+        "rows": cell.states[0].name,
+    }
+
+
+def edges_record(partition: Partition) -> list[dict[str, Any]]:
+    """The stretches of edges on which bodies slide or rest, or which they may leave to both sides."""
+    return [
+        {"from": list(part.start), "to": list(part.end), "kind": EDGE_KINDS[str(part.kind)]}
+        for part in switching_stretches(partition)
+    ]

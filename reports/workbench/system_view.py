@@ -1,0 +1,128 @@
+"""The stages of the view of a plain system: its phase portrait at once, then its verdict with level sets of V."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from nonsmooth.reports.interface.system import System
+from nonsmooth.reports.phase_portrait import PhasePortrait
+from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
+from nonsmooth.reports.workbench.paths import path_records
+from nonsmooth.reports.workbench.shapes import point
+from nonsmooth.symbolic.number_text import brief_text
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.systems.system_stability import SystemResult
+    from nonsmooth.reports.interface.system_result import SystemCheckResult
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+Stage: TypeAlias = dict[str, Any]
+
+FIELD = 21  # arrows in a row
+MESH = 121  # points in a row at which V is evaluated for its level sets
+LEVELS = 6  # of V
+BORDERS = {"sliding": "sliding", "repelling": "escaping", "crossing": "crossing", "touched": "touched"}
+TONES = {"asymptotically stable": "good", "stable": "fair", "unstable": "bad"}
+
+
+def system_stages(system: System, request: dict[str, Any], announce: Callable[[str], None]) -> Iterator[Stage]:
+    """Everything that the request wants, one stage after the other."""
+    began = time.perf_counter()
+    yield {"stage": "fast", "kind": "system", **_portrait(system.system), "time": time.perf_counter() - began}
+    announce("paths")
+    if request.get("starts"):
+        yield {"stage": "paths", "paths": path_records(system, request, announce)}
+    announce("stability")
+    yield {"stage": "exact", "kind": "system", **_verdict(system.check()), "time": time.perf_counter() - began}
+
+
+def is_planar(system: SwitchedSystem) -> bool:
+    """Whether it has a phase portrait: two states, one field."""
+    return len(system.states) == 2 and not system.others
+
+
+def _portrait(system: SwitchedSystem) -> dict[str, Any]:
+    """Field, borders and cells about the checked point, in the system's own coordinates."""
+    centre, radius = point(system.check.equilibrium), float(system.check.radius)
+    square = {"radius": radius, "exact": {"radius": brief_text(system.check.radius)}}
+    record: dict[str, Any] = {"states": list(system.states), "centre": centre, "square": square}
+    if is_planar(system):
+        portrait = PhasePortrait(system)
+        record |= {"field": _arrows(portrait, centre, radius), "edges": _borders(portrait, centre)}
+        record["cells"] = len(portrait.cells)
+    return {"system": record}
+
+
+def _arrows(portrait: PhasePortrait, centre: list[float], radius: float) -> list[list[float]]:
+    line = np.linspace(-radius, radius, FIELD)
+    xs, ys = np.meshgrid(line, line)
+    first, second = sampled_rates(portrait.cells, xs, ys)
+    columns = (xs + centre[0], ys + centre[1], first, second)
+    rows: list[list[float]] = np.column_stack([column.ravel() for column in columns]).tolist()
+    return rows
+
+
+def _borders(portrait: PhasePortrait, centre: list[float]) -> list[dict[str, Any]]:
+    x, y = centre
+    return [
+        {
+            "from": [float(part.start[0]) + x, float(part.start[1]) + y],
+            "to": [float(part.end[0]) + x, float(part.end[1]) + y],
+            "kind": BORDERS[str(part.kind)],
+        }
+        for part in portrait.borders
+    ]
+
+
+def _verdict(result: SystemCheckResult) -> dict[str, Any]:
+    """What ``nonsmooth check`` says, as one answer; level sets of the V that proves it."""
+    evidence, verdict = result.evidence, result.verdict
+    answer = {
+        "key": "stability",
+        "question": "Does the point attract?",
+        "answer": verdict,
+        "tone": TONES.get(verdict, "open"),
+        "sentence": result.reason,
+    }
+    facts = [{"label": row["what"], "text": row["found"]} for row in result.rows()]
+    shown: dict[str, Any] = {"V": result.lyapunov, "level_sets": [], "region": []}
+    if is_planar(evidence.scene):
+        shown |= _level_sets(evidence)
+    return {
+        "answers": [answer],
+        "clauses": [
+            {"key": "stability", "title": "stability", "verdict": verdict, "reason": result.reason, "facts": facts}
+        ],
+        "verdict": verdict,
+        "reason": result.reason,
+        "system": {"states": list(evidence.scene.states), **shown},
+    }
+
+
+def _level_sets(result: SystemResult) -> dict[str, Any]:
+    """Curves of constant V on the square where it is proved, and the border of the certified region; in floats."""
+    from matplotlib.figure import Figure
+
+    proving, domain = result.proving, result.domain
+    if proving is None or domain is None:
+        return {}
+    system = result.scene
+    x, y = point(system.check.equilibrium)
+    half = float(system.check.radius if domain.radius is None else domain.radius)
+    line = np.linspace(-half, half, MESH)
+    xs, ys = np.meshgrid(line, line)
+    potential = sampled_potential(proving.cells, xs, ys)
+    axes = Figure().subplots()
+
+    def curves(levels: Sequence[float]) -> list[Any]:
+        drawn = axes.contour(line + x, line + y, potential, levels=levels)
+        return [np.asarray(curve).tolist() for curves in drawn.allsegs for curve in curves if len(curve)]
+
+    found: dict[str, Any] = {"level_sets": curves(np.linspace(0, float(potential.max()), LEVELS + 2)[1:-1].tolist())}
+    if result.region is not None and result.region.falls:
+        found["region"] = curves([float(result.region.level)])
+    return found

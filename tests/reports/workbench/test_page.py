@@ -1,0 +1,318 @@
+"""The page of the workbench in Chromium: every control does what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.reports.workbench.workbench_page import (
+    CHROMIUM,
+    NO_CHROMIUM,
+    Opened,
+    chromium,
+    document,
+    drag,
+    edited,
+    proved,
+    settled,
+)
+from tests.workbench_server import Workbench
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
+
+FIRST_WHEEL = "drawing.view.at(drawing.wheels()[0].x, drawing.wheels()[0].y)"
+FIRST_RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0"]');
+    const [x, y] = drawing.view.at(drawing.wheels()[0].x, drawing.wheels()[0].y);
+    const { unit } = drawing.view;
+    return [x + unit * knob.getAttribute('cx'), y + unit * knob.getAttribute('cy')]; })()"""
+FIRST_START = "drawing.view.at(...workbench.store.now.starts[0])"
+MIDDLE = "[drawing.view.width / 2, 12]"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Browser, server: Workbench) -> Opened:
+    """One page for the module: opening it costs more than most tests."""
+    return Opened(browser, server.address)
+
+
+@pytest.fixture
+def page(opened: Opened, server: Workbench) -> Iterator[Page]:
+    """The four-wheel array, nothing selected, no starts; no test may leave a word on the console."""
+    page = opened.page
+    first = server.document("four-wheel")
+    page.evaluate("(first) => workbench.store.open(first, [])", first)
+    settled(page)
+    page.evaluate("() => { workbench.store.select([]); workbench.drawing.fit(); }")
+    yield page
+    assert opened.said == []
+
+
+def test_the_page_asks_its_own_server_only_and_hides_the_token(opened: Opened, server: Workbench) -> None:
+    own = f"http://127.0.0.1:{server.port}/"
+    assert all(address.startswith(own) for address in opened.asked if not address.startswith("blob:"))
+    assert "token" not in opened.page.url
+    assert [address for address in opened.asked if server.token in address] == [server.address]
+
+
+def test_the_answers_are_words_with_forms(page: Page) -> None:
+    cards = page.locator("#answers .answer")
+    words = [card.locator(".answer-word").inner_text() for card in cards.all()]
+    assert words == ["comes home", "drifts", "can be held"]
+    icons = [card.locator("use").get_attribute("href") for card in cards.all()]
+    assert icons == ["#i-good", "#i-fair", "#i-good"]
+    page.wait_for_timeout(600)
+    assert page.locator("#live").inner_text() == "Position: comes home. Heading: drifts. Pose: can be held."
+
+
+def test_a_wheel_is_dragged_in_one_step_of_undo(page: Page) -> None:
+    after = edited(page, lambda: drag(page, FIRST_WHEEL, (40, 25)))
+    x, y = after["wheel"][0]["position"]
+    assert x > 1 > y
+    assert after["wheel"][1:] == document(page)["wheel"][1:]
+    settled(page)
+    shown = page.evaluate("() => { const w = workbench.results.geometry.wheels[0]; return [w.x, w.y]; }")
+    assert shown == pytest.approx([x, y])
+    edited(page, lambda: page.click("#undo"))
+    assert document(page)["wheel"][0]["position"] == [1, 1]
+    edited(page, lambda: page.click("#redo"))
+    assert document(page)["wheel"][0]["position"] == [x, y]
+
+
+def test_a_rim_is_turned_by_its_handle(page: Page) -> None:
+    page.keyboard.press("n")
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    heading = edited(page, lambda: drag(page, FIRST_RIM, (40, -20)))["wheel"][0]["heading"]
+    assert isinstance(heading, list)
+    settled(page)
+    page.keyboard.down("Shift")
+    straight = edited(page, lambda: drag(page, FIRST_RIM, (0, 60)))["wheel"][0]["heading"]
+    page.keyboard.up("Shift")
+    assert straight.endswith(" deg")
+    assert int(straight.split()[0]) % 15 == 0
+
+
+def test_fields_take_exact_formulas_and_show_their_errors(page: Page) -> None:
+    page.locator("[data-row='1'] button").click()
+    field = page.locator("#wheel-fields").get_by_label("x", exact=True)
+    field.fill("-sqrt(3)/2")
+    assert edited(page, lambda: field.press("Enter"))["wheel"][1]["position"] == ["-sqrt(3)/2", 1]
+    settled(page)
+    field.fill("sqrt(")
+    edited(page, lambda: field.press("Enter"))
+    page.locator("#wheel-fields .field-error:visible").wait_for()
+    assert field.get_attribute("aria-invalid") == "true"
+    assert "wheel" in page.locator("#error").inner_text()
+    page.locator("#drawing").focus()
+    edited(page, lambda: page.keyboard.press("Control+z"))
+    settled(page)
+    assert field.get_attribute("aria-invalid") == "false"
+    assert not page.locator("#error").is_visible()
+
+
+def test_every_button_for_wheels_does_what_it_says(page: Page) -> None:
+    before = document(page)["wheel"]
+
+    def press(name: str) -> list[dict[str, object]]:
+        wheels = edited(page, lambda: page.click(f"[data-action={name}]"))["wheel"]
+        settled(page)
+        found: list[dict[str, object]] = wheels
+        return found
+
+    def undo() -> None:
+        edited(page, lambda: page.click("#undo"))
+        assert document(page)["wheel"] == before
+
+    assert len(press("add")) == 5
+    undo()
+    page.locator("[data-row='0'] button").click()
+    assert len(press("copy")) == 5
+    undo()
+    page.locator("[data-row='0'] button").click()
+    assert press("delete") == before[1:]
+    undo()
+    page.keyboard.press("Escape")  # none selected: all are meant
+    assert press("mirror-x")[0]["position"] == [-1, 1]
+    undo()
+    assert press("mirror-y")[0]["position"] == [1, -1]
+    undo()
+    page.locator("[data-row='0'] button").click()
+    assert press("rotate-left")[0]["position"] != [1, 1]
+    assert press("rotate-right")[0]["position"] == [1, 1]
+    edited(page, lambda: page.click("#undo"))
+    undo()
+    edited(page, lambda: drag(page, FIRST_WHEEL, (17, 13)))
+    page.select_option("#snap", "0.5")
+    assert press("snap")[0]["position"] == [1, 1]
+    page.select_option("#snap", "0")
+
+
+def test_a_grid_holds_dragged_wheels(page: Page) -> None:
+    page.select_option("#snap", "0.25")
+    x, y = edited(page, lambda: drag(page, FIRST_WHEEL, (61, 47)))["wheel"][0]["position"]
+    page.select_option("#snap", "0")
+    assert (4 * x).is_integer() if isinstance(x, float) else True
+    assert [x, y] != [1, 1]
+
+
+def test_the_sliders_change_what_they_name(page: Page) -> None:
+    for name, path in {
+        "mu_side-mu_roll": ["friction", "mu_side"],
+        "checked-radius": ["check", "radius"],
+        "characteristic-length": ["check", "length"],
+    }.items():
+        slider = page.locator(f"#slider-{name}")
+        before = document(page)[path[0]][path[1]]
+        slider.focus()
+        after = edited(page, lambda: page.keyboard.press("ArrowLeft"))[path[0]][path[1]]
+        assert after != before
+        settled(page)
+        assert slider.get_attribute("aria-valuetext") == page.locator(f"output[for=slider-{name}]").inner_text()
+
+
+def test_the_keyboard_reaches_everything_of_a_wheel(page: Page) -> None:
+    page.locator("#drawing").focus()
+    page.keyboard.press("n")
+    assert page.evaluate("() => workbench.store.selection") == [0]
+    x, y = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"][0]["position"]
+    assert x > 1
+    assert y == 1
+    settled(page)
+    assert edited(page, lambda: page.keyboard.press("["))["wheel"][0]["heading"].endswith(" deg")
+    assert len(edited(page, lambda: page.keyboard.press("c"))["wheel"]) == 5
+    assert len(edited(page, lambda: page.keyboard.press("Delete"))["wheel"]) == 4
+    page.keyboard.press("Control+a")
+    assert page.evaluate("() => workbench.store.selection.length") == 4
+    page.keyboard.press("Escape")
+    assert page.evaluate("() => workbench.store.selection") == []
+    page.keyboard.press("?")
+    assert page.locator("#keys tr").count() == 20
+    page.keyboard.press("Escape")
+    assert not page.locator("#help").is_visible()
+
+
+def test_starts_are_followed_dragged_and_played(page: Page) -> None:
+    edited(page, lambda: page.click("#add-start"))
+    settled(page)
+    assert page.locator(".layer-paths path").get_attribute("d")
+    assert page.locator(".layer-events path").count() >= 1
+    first = page.locator(".layer-paths path").get_attribute("d")
+    edited(page, lambda: drag(page, FIRST_START, (-90, 60)))
+    settled(page)
+    assert page.locator(".layer-paths path").get_attribute("d") != first
+    body = page.locator(".layer-bodies .moving-body")
+    begins = body.get_attribute("d")
+    page.click("#play")
+    page.wait_for_timeout(400)
+    assert body.get_attribute("d") != begins
+    page.click("#play")
+    assert page.locator("#clock").inner_text() != "t = 0"
+    theta = page.get_by_label("theta of start 1")
+    theta.fill("0.5")
+    edited(page, lambda: theta.press("Enter"))
+    assert page.evaluate("() => workbench.store.now.starts[0][2]") == 0.5
+    edited(page, lambda: page.get_by_label("Remove start 1").click())
+    assert page.locator(".layer-starts g").count() == 0
+
+
+def test_rules_are_chosen_and_compared(page: Page) -> None:
+    rows = page.locator("#rules-body tr")
+    assert [row.locator("th").inner_text() for row in rows.all()] == ["nearest", "box", "ellipse", "roller"]
+    rows.nth(2).get_by_role("button").click()
+    settled(page)
+    assert document(page)["contact"]["rule"] == "ellipse"
+    assert page.locator("#rule").input_value() == "ellipse"
+    assert page.locator("#how").inner_text() == "motion: sampled in floats"
+    assert page.locator(".layer-cells path").count() == 0
+    assert page.locator(".layer-motions g").count() > 100
+    edited(page, lambda: page.select_option("#rule", "nearest"))
+    settled(page)
+    assert page.locator(".layer-cells path").count() == 8
+
+
+def test_clauses_and_tolerances_are_told(page: Page) -> None:
+    titles = [title.inner_text().lower() for title in page.locator(".clause-title").all()]
+    assert titles == ["equilibrium", "translation", "rotation", "feedback"]
+    assert page.locator("#theorem .verdict").inner_text() == "holds"
+    page.locator("#numbers > summary").click()
+    field = page.locator("[data-path='tolerance.position'] input")
+    field.fill("1/1000")
+    edited(page, lambda: field.press("Enter"))
+    settled(page)
+    assert page.locator("#tolerance .verdict").inner_text() in {"holds", "undecided", "fails", "certified"}
+    assert page.locator("#tolerance dt").count() >= 1
+    page.locator("#numbers > summary").click()
+
+
+def test_a_plain_system_is_a_phase_portrait(page: Page) -> None:
+    page.select_option("#scene", "relay-oscillator-damped")
+    page.locator("body.is-system").wait_for()
+    proved(page)
+    settled(page)
+    assert page.locator(".layer-motions g").count() > 100
+    assert page.locator(".layer-levels path.level").count() >= 3
+    assert page.locator("#edits").is_hidden()
+    page.keyboard.press("o")
+    settled(page)
+    assert len(page.evaluate("() => workbench.store.now.starts[0]")) == 2
+    assert page.locator(".layer-paths path").get_attribute("d")
+    edited(page, lambda: page.click("#undo"))
+    edited(page, lambda: page.click("#undo"))
+    assert not document(page).get("system")
+
+
+def test_files_are_opened_and_saved_byte_for_byte(opened: Opened, page: Page, tmp_path: Path) -> None:
+    edited(page, lambda: drag(page, FIRST_WHEEL, (33, -21)))
+
+    def saved(kind: str) -> Path:
+        page.click("#export")
+        with page.expect_download() as download:
+            page.click(f"[data-export={kind}]")
+        target = tmp_path / f"{kind}-{download.value.suggested_filename}"
+        download.value.save_as(target)
+        return target
+
+    first = saved("toml")
+    assert first.name.endswith("four-wheel.toml")
+    edited(page, lambda: page.click("#undo"))
+    edited(page, lambda: page.set_input_files("#file", first))
+    settled(page)
+    assert saved("toml").read_bytes() == first.read_bytes()
+    assert b'"schema"' in saved("json").read_bytes()
+    assert saved("figure").read_bytes().lstrip().startswith(b"<?xml")
+    broken = tmp_path / "broken.toml"
+    broken.write_text("[[wheel]]\nposition = [1]\n", encoding="utf-8")
+    page.set_input_files("#file", broken)
+    page.locator("#note", has_text="broken.toml").wait_for()
+    assert "required" in page.locator("#note").inner_text()
+    assert [line for line in opened.said if "400 (Bad Request)" in line] == opened.said  # Chromium's own line
+    opened.said.clear()
+
+
+def test_layers_are_hidden_and_the_view_is_moved(page: Page) -> None:
+    page.click("#layers-button")
+    page.click("[data-layer=cells]")
+    page.wait_for_timeout(50)
+    assert page.locator(".layer-cells path").count() == 0
+    page.click("[data-layer=cells]")
+    page.keyboard.press("Escape")
+    scale = "() => workbench.drawing.view.scale"
+    page.click("#fit")
+    before = page.evaluate(scale)
+    page.click("#zoom-in")
+    assert page.evaluate(scale) > before
+    page.click("#zoom-out")
+    page.mouse.move(*[700, 300])
+    middle = page.evaluate("() => workbench.drawing.view.x")
+    drag(page, MIDDLE, (50, 0))
+    assert page.evaluate("() => workbench.drawing.view.x") < middle
+    page.click("#fit")
+    assert page.evaluate(scale) == pytest.approx(before)

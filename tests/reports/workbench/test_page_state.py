@@ -1,0 +1,206 @@
+"""What the workbench's page keeps: undo, the address, two tabs, a server that is killed; and how it looks."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.reports.test_html_browser import CONTRAST, READABLE, STICKING_OUT
+from tests.reports.workbench.workbench_page import (
+    CHROMIUM,
+    NO_CHROMIUM,
+    Opened,
+    chromium,
+    document,
+    edited,
+    proved,
+    running,
+    settled,
+)
+from tests.workbench_server import Workbench
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
+
+EDITS = 50
+KEYS = ("ArrowLeft", "ArrowUp", "Shift+ArrowRight", "Alt+ArrowDown", "[", "]", "{", "c", "a", "r", "M", "Delete", "o")
+REFUSED = 1500  # milliseconds: an edit that Python refuses, such as two wheels at one place, changes nothing
+CHANGED = """(most) => new Promise((ready) => { const began = performance.now(); const look = () => {
+    const moved = JSON.stringify(workbench.store.now) !== window.before;
+    const said = !document.getElementById('note').hidden;
+    if (moved || said || performance.now() - began > most) ready(moved); else setTimeout(look, 5); }; look(); })"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as browser:
+        yield browser
+
+
+def toml(server: Workbench, page: Page) -> bytes:
+    """The scene file of what the page holds."""
+    return server.ask("/api/export", {"document": document(page), "kind": "toml"}).body
+
+
+def random_edit(page: Page, hand: random.Random) -> None:
+    """A key that somebody may press, on a wheel that somebody may have selected; wait for what comes of it."""
+    count = page.evaluate("() => workbench.store.document.wheel.length")
+    page.evaluate("(k) => { workbench.store.select([k]); workbench.store.seal(); }", hand.randrange(count))
+    page.evaluate("""() => { window.before = JSON.stringify(workbench.store.now);
+        document.getElementById('note').hidden = true; }""")
+    key = hand.choice(KEYS[:9] if count < 4 else KEYS)
+    page.keyboard.press(key)
+    page.evaluate(CHANGED, REFUSED)
+
+
+def test_undo_of_50_random_edits_gives_the_same_file_byte_for_byte(browser: Browser, server: Workbench) -> None:
+    opened = Opened(browser, server.address)
+    page = opened.page
+    first = toml(server, page)
+    hand = random.Random(7)
+    while page.evaluate("() => workbench.store.past.length") < EDITS:
+        random_edit(page, hand)
+    last = toml(server, page)
+    assert last != first
+    for _ in range(EDITS):
+        page.keyboard.press("Control+z")
+    assert toml(server, page) == first
+    assert page.locator("#undo").is_disabled()
+    for _ in range(EDITS):
+        page.keyboard.press("Control+Shift+z")
+    assert toml(server, page) == last
+    opened.context.close()
+
+
+def test_a_reload_and_a_link_restore_the_scene(browser: Browser, server: Workbench) -> None:
+    opened = Opened(browser, server.address)
+    page = opened.page
+    page.keyboard.press("n")
+    edited(page, lambda: page.keyboard.press("ArrowRight"))
+    edited(page, lambda: page.click("#add-start"))
+    state = page.evaluate("() => JSON.stringify(workbench.store.now)")
+    page.wait_for_timeout(400)
+    assert len(page.url) < 2000
+    page.reload()
+    proved(page)
+    assert page.evaluate("() => JSON.stringify(workbench.store.now)") == state
+    link = page.url.replace("/#", f"/?token={server.token}#")
+    other = opened.tab(link)
+    assert other.evaluate("() => JSON.stringify(workbench.store.now)") == state
+    assert "token" not in other.url
+    assert opened.said == []
+    opened.context.close()
+
+
+def test_two_tabs_do_not_disturb_each_other(browser: Browser, server: Workbench) -> None:
+    opened = Opened(browser, server.address)
+    first, second = opened.page, opened.tab(server.address)
+    second.select_option("#scene", "mecanum-4")
+    for page in (first, second):
+        page.keyboard.press("n")
+    for _ in range(5):
+        first.keyboard.press("ArrowLeft")
+        second.keyboard.press("ArrowUp")
+    for page, name in ((first, "four-wheel"), (second, "mecanum-4")):
+        settled(page)
+        proved(page)
+        assert document(page)["name"] == name
+        shown, stated = page.evaluate(
+            """() => { const { store, results } = workbench; const wheel = results.geometry.wheels[0];
+            return [[wheel.x, wheel.y], store.document.wheel[0].position]; }"""
+        )
+        assert shown == pytest.approx(stated)
+    assert opened.said == []
+    opened.context.close()
+
+
+def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, tmp_path: Path) -> None:
+    with running(tmp_path) as server:
+        opened = Opened(browser, server.address)
+        page = opened.page
+        page.keyboard.press("n")
+        server.kill()
+        edited(page, lambda: page.keyboard.press("ArrowRight"))
+        page.locator("#banner").wait_for()
+        assert "does not answer" in page.locator("#banner").inner_text()
+        page.keyboard.press("ArrowUp")  # nothing stops the hand
+        assert document(page)["wheel"][0]["position"] != [1, 1]
+        server.start()
+        page.locator("#banner").wait_for(state="hidden")
+        settled(page)
+        shown = page.evaluate("() => workbench.results.geometry.wheels[0].x")
+        assert shown == pytest.approx(document(page)["wheel"][0]["position"][0])
+        opened.context.close()
+
+
+def test_a_page_without_a_token_asks_for_it(browser: Browser, server: Workbench) -> None:
+    context = browser.new_context()
+    page = context.new_page()
+    page.goto(server.address.partition("?")[0])
+    page.locator("#token").fill(server.address)
+    page.get_by_role("button", name="Connect").click()
+    proved(page)
+    assert not page.locator("#banner").is_visible()
+    context.close()
+
+
+def test_nothing_sticks_out_from_a_phone_to_a_wall(browser: Browser, server: Workbench) -> None:
+    opened = Opened(browser, server.address)
+    page = opened.page
+    page.locator("#numbers > summary").click()
+    beyond = STICKING_OUT.replace("'main *, nav *'", "'header *, main > *, .details *'")
+    for scene in ("four-wheel", "carton-on-6x6", "flower"):
+        page.select_option("#scene", scene)
+        page.wait_for_timeout(300)
+        page.evaluate("() => workbench.store.select([0])")
+        for width in (400, 1400, 3840):
+            page.set_viewport_size({"width": width, "height": 900})
+            page.wait_for_timeout(60)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width, (scene, width)
+            assert page.evaluate(beyond) == [], (scene, width)
+            box = page.locator("#drawing").bounding_box()
+            assert box is not None
+            assert box["width"] > 0.5 * width
+    opened.context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_is_readable(browser: Browser, server: Workbench, scheme: Any) -> None:
+    opened = Opened(browser, server.address, color_scheme=scheme)
+    page = opened.page
+    page.keyboard.press("n")
+    edited(page, lambda: page.click("#add-start"))
+    settled(page)
+    places = [
+        "h1", "h1 span", "#scene", "#status", ".answer-title", ".answer-word", ".answer-sentence", "#description",
+        ".slider label", ".slider output", ".field label", ".field input", ".clause .reason", ".clause .verdict",
+        ".wheels td", ".legend li", "#clock", ".start-name", ".layer-grid-labels text:not([visibility=hidden])",
+    ]  # fmt: skip
+    for name in places:
+        for element in page.locator(f"{name}:visible").all()[:4]:
+            assert element.evaluate(CONTRAST) >= READABLE, (name, element.inner_text())
+    dark = page.evaluate("() => getComputedStyle(document.body).colorScheme")
+    page.click("#theme")
+    assert page.evaluate("() => document.documentElement.dataset.theme") == ("light" if scheme == "dark" else "dark")
+    page.click("#theme")
+    assert page.evaluate("() => document.documentElement.dataset.theme ?? ''") == ""
+    assert dark
+    opened.context.close()
+
+
+def test_every_control_has_a_name(browser: Browser, server: Workbench) -> None:
+    opened = Opened(browser, server.address)
+    page = opened.page
+    edited(page, lambda: page.click("#add-start"))
+    unnamed = page.evaluate("""() =>
+        [...document.querySelectorAll('button, input, select, dialog, [role]')].filter((e) => {
+        const labels = e.labels?.length || e.getAttribute('aria-label') || e.getAttribute('aria-labelledby');
+        return !labels && !e.textContent.trim() && !e.title && !['alert', 'status'].includes(e.getAttribute('role'));
+    }).map((e) => e.outerHTML.slice(0, 120))""")
+    assert unnamed == []
+    assert opened.said == []
+    opened.context.close()

@@ -1,0 +1,134 @@
+"""A workbench in a process of its own, and a browser's side of the conversation with it."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+Json = dict[str, Any]
+ANSWERS = 120.0  # seconds in which it must answer: the machine of a test may be busy
+
+
+class Reply(NamedTuple):
+    """What came back."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+    @property
+    def json(self) -> Json:
+        found: Json = json.loads(self.body)
+        return found
+
+
+class Workbench:
+    """A server that runs."""
+
+    def __init__(self, state: Path, scene: str | None = None) -> None:
+        self.state, self.log, self.scene = state, state / "log", scene
+        self.port = 0
+        self.start()
+
+    def start(self) -> None:
+        """Start, on the port of the run before, if there was one."""
+        arguments = [*([self.scene] if self.scene else []), "--no-browser", "--port", str(self.port)]
+        command = [sys.executable, "-m", "nonsmooth.reports.cli", "workbench", *arguments]
+        environment = {**os.environ, "XDG_STATE_HOME": str(self.state)}
+        with self.log.open("ab") as log:
+            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, env=environment, text=True)
+        stdout = self.process.stdout
+        assert stdout is not None
+        self.address = stdout.readline().strip()
+        assert self.address, self.log.read_text()
+        self.port = int(self.address.split(":")[2].split("/")[0])
+        self.token = self.address.partition("token=")[2]
+
+    @property
+    def headers(self) -> dict[str, str]:
+        return {"Authorization": f"Bearer {self.token}", "Content-Type": "application/json"}
+
+    def ask(
+        self, path: str, body: object = None, *, headers: Mapping[str, str] | None = None, method: str | None = None
+    ) -> Reply:
+        """One request on a connection of its own; a body that is no bytes is sent as JSON."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=ANSWERS)
+        try:
+            content = body if body is None or isinstance(body, bytes) else json.dumps(body).encode()
+            verb = method or ("GET" if body is None else "POST")
+            connection.request(verb, path, content, self.headers if headers is None else dict(headers))
+            reply = connection.getresponse()
+            return Reply(reply.status, dict(reply.getheaders()), reply.read())
+        finally:
+            connection.close()
+
+    def document(self, name: str) -> Json:
+        found: Json = self.ask(f"/api/scenes/{name}").json["document"]
+        return found
+
+    def view(self, document: Json, *, tab: str = "tab", sequence: int = 0, **more: object) -> dict[str, Json]:
+        """All stages by their names; asserts that the stream came to its end."""
+        return {stage["stage"]: stage for stage in self.stages(document, tab=tab, sequence=sequence, **more)}
+
+    def stages(self, document: Json, *, tab: str = "tab", sequence: int = 0, **more: object) -> list[Json]:
+        with self.stream(document, tab=tab, sequence=sequence, **more) as lines:
+            found = list(lines)
+        assert found[-1]["stage"] in {"done", "cancelled"}, found[-1]
+        return found
+
+    @contextmanager
+    def stream(self, document: Json, *, tab: str, sequence: int, **more: object) -> Iterator[Iterator[Json]]:
+        """The stages of a view as they come."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=ANSWERS)
+        try:
+            request = {"tab": tab, "sequence": sequence, "document": document, **more}
+            connection.request("POST", "/api/view", json.dumps(request), self.headers)
+            reply = connection.getresponse()
+            assert reply.status == 200, reply.read()
+            yield (json.loads(line) for line in iter(reply.readline, b""))
+        finally:
+            connection.close()
+
+    def workers(self) -> list[int]:
+        """Processes that compute: the children of the server's children."""
+        return [grandchild for child in _children(self.process.pid) for grandchild in _children(child)]
+
+    def kill(self) -> None:
+        """As when the machine kills it."""
+        self.process.send_signal(signal.SIGKILL)
+        self._wait()
+
+    def stop(self) -> int:
+        """As when its user presses Ctrl-C."""
+        self.process.send_signal(signal.SIGINT)
+        return self._wait()
+
+    def _wait(self) -> int:
+        status = self.process.wait(ANSWERS)
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+        return status
+
+
+def _children(pid: int) -> list[int]:
+    found: list[int] = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        found += map(int, task.read_text().split())
+    return found
+
+
+def resident(pids: list[int]) -> int:
+    """Bytes of memory that processes hold, shared pages counted in parts."""
+    total = 0
+    for pid in pids:
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+        total += sum(int(line.split()[1]) for line in lines if line.startswith("Pss:"))
+    return total * 1024
