@@ -92,7 +92,7 @@ def _later_stages(array: Array, result: CheckResult, request: Mapping[str, Any],
         yield {"stage": "equilibria", **equilibria_record(array)}
     if _is_wanted("tolerance", wanted) and array.scene.tolerances is not None:
         announce("tolerances")
-        yield {"stage": "tolerance", **tolerance_record(array.scene)}
+        yield {"stage": "tolerance", **tolerance_record(result)}
     if _is_wanted("comparison", wanted):
         announce("other rules")
         yield {"stage": "comparison", "rules": [_other_record(other) for other in other_rules(standing(array.scene))]}
@@ -257,9 +257,9 @@ def answer_records(answers: Collection[Answer]) -> list[dict[str, Any]]:
     ]
 
 
-def tolerance_record(scene: Scene) -> dict[str, Any]:
+def tolerance_record(result: CheckResult) -> dict[str, Any]:
     """What holds for every array within the tolerances: the disc in which bodies end, and the certified factor."""
-    answer = robust_answer(standing(scene))
+    answer = robust_answer(result.evidence.scene, result.evidence.results)
     if answer is None:
         return {"verdict": None, "sentence": "", "tone": "open"}
     return {
