@@ -36,6 +36,7 @@ WATCH = """() => {
     conversation.addEventListener('asked', ({ detail }) => { seen.sent[detail.sequence] = seen.move; });
     results.addEventListener('change', ({ detail }) => {
         if (detail.stage !== 'fast' && detail.stage !== 'exact') return;
+        if (results.geometry.geometry === 'later') return;
         const row = { stage: detail.stage, moved: seen.sent[results.sequence], took: results.took };
         requestAnimationFrame(() => { const { port1, port2 } = new MessageChannel();
             port1.onmessage = () => { row.shown = performance.now(); seen.rows.push(row); };

@@ -4,6 +4,7 @@
 // May be changed: PATIENCE, and what is wanted while a drag goes on.
 
 const PATIENCE = 60; // milliseconds between the fast stage and a newer request
+const LONG_PATIENCE = 400; // where the cells themselves come later
 // Cells and answers come always; these cost more.
 const ALL = ["paths", "clauses", "equilibria", "comparison", "tolerance"];
 const DURING_DRAG = ["paths"];
@@ -66,7 +67,9 @@ export class Conversation extends EventTarget {
     if (flight !== this.flight) return;
     this.losses = 0;
     this.#tell("stage", { ...line, took: performance.now() - flight.sent });
-    if (line.stage === "fast") flight.timer = setTimeout(() => this.#heard(flight), PATIENCE);
+    clearTimeout(flight.timer);
+    const wait = line.geometry === "later" ? LONG_PATIENCE : PATIENCE;
+    if (line.stage === "fast") flight.timer = setTimeout(() => this.#heard(flight), wait);
     else this.#heard(flight);
   }
 

@@ -96,17 +96,26 @@ async function begin() {
   notices.look();
 }
 
-/** The lists of scenes and rules; asked for again until the server is there. */
+/** The lists of scenes and rules, and the first scene; asked for again while the server is gone, not if it refuses. */
 async function scenes(files, carried) {
   try {
     const opened = await files.load();
-    if (!carried) {
-      const { document } = await api.json(`/api/scenes/${encodeURIComponent(opened ?? FIRST)}`);
-      store.begin({ document, starts: [], until: usualTime(document) });
-    }
+    if (!carried) await first(opened ?? FIRST);
   } catch (error) {
     conversation.dispatchEvent(new CustomEvent("trouble", { detail: { kind: error.kind, message: error.message } }));
-    setTimeout(() => scenes(files, carried), 2000);
+    if (error.kind !== "refused") setTimeout(() => scenes(files, carried), 2000);
+  }
+}
+
+/** The scene of the command line; the usual one, with a word about it, where that cannot be opened. */
+async function first(name) {
+  try {
+    const { document } = await api.json(`/api/scenes/${encodeURIComponent(name)}`);
+    store.begin({ document, starts: [], until: usualTime(document) });
+  } catch (error) {
+    if (error.kind !== "refused" || name === FIRST) throw error;
+    tell(`${name}: ${error.message}`);
+    await first(FIRST);
   }
 }
 

@@ -5,7 +5,7 @@ import { say } from "./dom.js";
 import { isSystem } from "./scene_document.js";
 import { shown } from "./values.js";
 
-const KINDS = { exact: "cells: exact", sampled: "motion: sampled in floats", none: "" };
+const KINDS = { exact: "cells: exact", sampled: "motion: sampled in floats", later: "cells follow …", none: "" };
 
 export function startReadout(line, how, drawing) {
   drawing.results.addEventListener("change", () => {

@@ -27,7 +27,7 @@ export class Results extends EventTarget {
 
   /** What was said about another scene must not stand beside this one. */
   #forget() {
-    Object.assign(this, { checked: null, comparison: null, tolerance: null, paths: [], error: null });
+    Object.assign(this, { checked: null, comparison: null, tolerance: null, paths: [], error: null, foreign: true });
   }
 
   #asked({ sequence }) {
@@ -68,7 +68,8 @@ export class Results extends EventTarget {
     this.error = null;
     this.status = line.stage;
     const { answers, clauses, verdict, reason, ...geometry } = line;
-    if (line.stage === "fast") this.#take("geometry", withSquare(geometry));
+    if (line.geometry === "later") this.#wheelsOnly(geometry);
+    else if (line.stage === "fast") this.#take("geometry", withSquare(geometry));
     else this.geometry = { ...this.geometry, ...geometry, system: { ...this.geometry?.system, ...geometry.system } };
     clearTimeout(this.guess);
     if (!answers) return;
@@ -82,6 +83,13 @@ export class Results extends EventTarget {
     if (sequence !== this.sequence) return;
     this.#take("checked", checked);
     this.#tell("guess");
+  }
+
+  /** Wheels whose cells take longer: the cells of this scene that were shown stay until then. */
+  #wheelsOnly(geometry) {
+    const { cells, edges, field } = this.foreign ? {} : this.geometry ?? {};
+    this.geometry = { ...geometry, cells, edges, field };
+    this.foreign = false;
   }
 
   #error({ message, key, part }) {
@@ -100,6 +108,7 @@ export class Results extends EventTarget {
   }
 
   #take(part, value) {
+    if (part === "geometry") this.foreign = false;
     this[part] = value;
     this.stale.delete(part);
   }

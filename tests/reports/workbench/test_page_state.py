@@ -204,3 +204,17 @@ def test_every_control_has_a_name(browser: Browser, server: Workbench) -> None:
     assert unnamed == []
     assert opened.said == []
     opened.context.close()
+
+
+def test_a_scene_that_is_refused_is_told_once(browser: Browser, server: Workbench) -> None:
+    context = browser.new_context()
+    page = context.new_page()
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    refusal = {"status": 500, "content_type": "application/json", "body": '{"error": "no such luck"}'}
+    page.route("**/api/scenes/*", lambda route: route.fulfill(**refusal))
+    page.goto(server.address)
+    page.locator("#error", has_text="no such luck").wait_for()
+    page.wait_for_timeout(2500)
+    assert len([address for address in asked if "/api/scenes/" in address]) == 1
+    context.close()
