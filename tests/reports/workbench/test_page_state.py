@@ -211,7 +211,7 @@ def test_a_scene_that_is_refused_is_told_once(browser: Browser, server: Workbenc
     page = context.new_page()
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
-    refusal = {"status": 500, "content_type": "application/json", "body": '{"error": "no such luck"}'}
+    refusal: dict[str, Any] = {"status": 500, "content_type": "application/json", "body": '{"error": "no such luck"}'}
     page.route("**/api/scenes/*", lambda route: route.fulfill(**refusal))
     page.goto(server.address)
     page.locator("#error", has_text="no such luck").wait_for()
