@@ -15,6 +15,7 @@ from nonsmooth.analysis.trajectories import whirls
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import keep
 
 STARTS = [((0.1, 0.1, 0.1), 8.0), ((0.1, 0.05, -0.1), 8.8), ((0.05, 0.2, 0.3), 5.9)]
 DRAWN = 5e-4 * 0.5  # of the size of the square: the turns that are drawn as their corner
@@ -26,7 +27,7 @@ def rectangle() -> CellwiseField:
     return feedback_field(build_nearest_partition(load_scene("rectangle")), gradient_law(1.0), Kinematics.EXACT)
 
 
-@pytest.mark.parametrize(("start", "until"), STARTS)
+@pytest.mark.parametrize(("start", "until"), keep(1, STARTS))
 def test_turns_ever_faster_are_followed_in_their_mean(
     rectangle: CellwiseField, monkeypatch: pytest.MonkeyPatch, start: tuple[float, float, float], until: float
 ) -> None:
@@ -42,7 +43,7 @@ def test_turns_ever_faster_are_followed_in_their_mean(
     assert np.abs(mean[:, 2] / literal[:, 2] - 1).max() <= 1e-3  # the mean over turns that last some 1e-2
 
 
-@pytest.mark.parametrize(("start", "until"), STARTS)
+@pytest.mark.parametrize(("start", "until"), keep(1, STARTS))
 def test_turns_end_neither_in_time_nor_at_rest(
     rectangle: CellwiseField, start: tuple[float, float, float], until: float
 ) -> None:

@@ -30,6 +30,7 @@ from nonsmooth.reports.interface.law_result import certified_law_of
 from nonsmooth.reports.law_table import LawKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -106,7 +107,7 @@ def test_a_law_of_another_v_is_exported(arrays: Arrays, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
-@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "ring-8", "conveyor-3", "grid-4x4"])
+@pytest.mark.parametrize("name", keep(3, ["four-wheel", "ring-5", "conveyor-3", "ring-8", "grid-4x4"]))
 def test_under_other_rules_the_program_imposes_the_twist_of_the_clause(name: str, rule: str, tmp_path: Path) -> None:
     """In another unit of length too: the twists are those of the clause in the scene's own."""
     scene = load_scene(name, rule=rule)

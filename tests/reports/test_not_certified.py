@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.thorough import keep
+
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
@@ -27,7 +29,7 @@ radius = "1/10"
 HUGE = re.compile(r"e\+\d\d")  # no length, speed or rate here is above 10
 
 
-@pytest.fixture(params=[INWARD, CARRIED], ids=["inward", "carried"])
+@pytest.fixture(params=keep(1, [INWARD, CARRIED]), ids=["inward", "carried"])
 def scene(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     (tmp_path / "free.toml").write_text(request.param, encoding="utf-8")
     return "free.toml"

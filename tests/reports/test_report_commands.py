@@ -10,6 +10,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from tests.thorough import keep
 
 TABLE = """name = "table"
 [friction]
@@ -27,7 +28,7 @@ DRAWN = re.compile(r"Drawn by `([^`]*)`")
 SECTIONS = "array,cells,derivative,trajectories,rules"
 
 
-@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
+@pytest.mark.parametrize("rule", keep(1, ["nearest", "box", "ellipse"]))
 def test_commands_of_figures_run(
     rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -32,6 +32,7 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system
 from nonsmooth.symbolic.numbers.number import Number
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -46,7 +47,7 @@ def failed(rows: Iterator[ResultRow]) -> list[ResultRow]:
 # ---- whole scenes --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["ring-3", "line-of-equilibria", "relay-oscillator-damped"])
+@pytest.mark.parametrize("name", keep(2, ["ring-3", "line-of-equilibria", "relay-oscillator-damped"]))
 def test_a_built_in_scene_holds(name: str) -> None:
     rows = measure(load_any(name), CASES).rows
     assert len(rows) >= LEAST_ROWS
