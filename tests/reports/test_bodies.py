@@ -121,7 +121,6 @@ def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke
     [
         ("--rule", "nearest", "--kinematics", "leading"),
         ("--rule", "box", "--method", "hysteresis"),
-        ("--rule", "ellipse", "--feedback"),
         ("--rule", "nearest", "--feedback", "--method", "hysteresis"),
         ("--method", "dynamics", "--compare-masses"),
     ],
