@@ -8,6 +8,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.document import Math
 from nonsmooth.reports.prose import with_formulas
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from tests.thorough import keep
 
 
 def plain(text: str) -> str:
@@ -30,7 +31,7 @@ def test_formulas_are_found(text: str, latex: list[str]) -> None:
 
 
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
-@pytest.mark.parametrize("name", builtin_scenes())
+@pytest.mark.parametrize("name", keep(6, builtin_scenes()))
 def test_no_word_is_lost(name: str, rule: str) -> None:
     check = check_theorem4(load_scene(name, rule=rule))
     for reason in (check.reason, *(found.reason for _, found in check.clauses)):
