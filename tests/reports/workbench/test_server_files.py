@@ -60,7 +60,7 @@ def test_what_there_is_not_is_refused(server: Workbench) -> None:
     assert server.ask("/api/export", {"document": saddle, "kind": "certificate"}).status == 400
 
 
-@pytest.mark.parametrize("kind", ["toml", "json", "certificate"])
+@pytest.mark.parametrize("kind", ["toml", "json", "certificate", "report"])
 def test_a_plain_system_is_saved_as(server: Workbench, kind: str) -> None:
     reply = server.ask("/api/export", {"document": server.document("relay-oscillator-damped"), "kind": kind})
     assert reply.status == 200
