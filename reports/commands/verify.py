@@ -43,13 +43,28 @@ def verify(
     status, message = check_file(file)
     if status == BAD_INPUT:
         raise RefusedError(f"{file}: required a certificate, received a file that is {message}")
-    if wanted is not None and status != REJECTED:
-        difference = _difference(file, wanted)
-        if difference:
-            write(f"rejected: required a certificate about {scene}, received another {difference}\n{message}\n")
-            return REJECTED
-        message += f"\nabout {scene}: the same wheels, rule, point and square"
-    write(f"{message}\n")
+    if wanted is None or status == REJECTED:
+        write(f"{message}\n")
+        return status
+    difference = _difference(file, wanted)
+    another = f"another {difference}" if difference else ""
+    return _compared(status, message, scene, another, "wheels, rule, point and square")
+
+
+def _compared(status: int, message: str, scene: str | None, difference: str, same: str) -> int:
+    """Say whether an accepted certificate is about the scene; the exit status.
+
+    Args:
+        status: of the checker.
+        message: of the checker.
+        scene: as typed.
+        difference: what the certificate has instead; empty where it is about the scene.
+        same: what was compared.
+    """
+    if difference:
+        write(f"rejected: required a certificate about {scene}, received {difference}\n{message}\n")
+        return REJECTED
+    write(f"{message}\nabout {scene}: the same {same}\n")
     return status
 
 
@@ -70,7 +85,7 @@ def _is_of_system(file: str) -> bool:
 def _verify_system(file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object) -> int:
     """The certificate of a plain system, and whether it is about the system that is named."""
     from nonsmooth.proofs.system_checker import check_file
-    from nonsmooth.proofs.systems.system_certificate import find_system_difference
+    from nonsmooth.proofs.systems.system_certificate import NoCertificateError, find_system_difference
     from nonsmooth.symbolic.files.system_file import load_system
 
     if rule is not None:
@@ -79,14 +94,15 @@ def _verify_system(file: str, scene: str | None, radius: str | None, at: str | N
         _refuse_without_scene(rule, radius, at)
     wanted = None if scene is None else load_system(scene, radius=radius, at=at)
     status, message = check_file(file)
-    if wanted is not None and status != REJECTED:
+    if wanted is None or status == REJECTED:
+        write(f"{message}\n")
+        return status
+    try:
         difference = find_system_difference(file, wanted)
-        if difference:
-            write(f"rejected: required a certificate about {scene}, received one with {difference}\n{message}\n")
-            return REJECTED
-        message += f"\nabout {scene}: the same states, formulas and point"
-    write(f"{message}\n")
-    return status
+    except NoCertificateError as error:
+        raise RefusedError(f"{wanted.origin}: {error}") from None
+    other = f"one with {difference}" if difference else ""
+    return _compared(status, message, scene, other, "states, formulas and point")
 
 
 def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:

@@ -340,3 +340,11 @@ def test_a_certificate_is_written_verified_and_compared(invoke: Invoke, tmp_path
     )  # fmt: skip
     file.write_text(file.read_text(encoding="utf-8").replace("asymptotically stable", "unstable"), encoding="utf-8")
     assert invoke("verify", str(file)).out.startswith("rejected: required V' below its bound")
+
+
+def test_a_point_that_no_certificate_names_is_one_line(invoke: Invoke, tmp_path: Path) -> None:
+    file = tmp_path / "c.json"
+    assert invoke("check", "flower", "--certificate", str(file)).status == 0
+    refused = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
+    assert refused.status == BAD_INPUT
+    assert "needs rational numbers" in refused.err
