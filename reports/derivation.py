@@ -22,6 +22,7 @@ from nonsmooth.reports.formats.html import render_html
 from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
+from nonsmooth.reports.part import sections_of
 from nonsmooth.reports.parts import PART_NAMES, PARTS
 from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES, system_document, system_subject
 from nonsmooth.reports.records import check_record, partition_record, states_record
@@ -96,12 +97,7 @@ def derive_report(
         RuntimeError: if the evidence of a verdict does not verify.
     """
     subject = Subject(scene, invocation or Invocation(scene.origin), parts, announce)
-    sections = []
-    for part in PARTS:
-        if part.name in parts and not part.lacks(subject):
-            announce(f"section {part.name}")
-            sections.append(part.build(subject))
-    document = Document(f"Derivation report: {one_line(scene.name)}", tuple(sections))
+    document = Document(f"Derivation report: {one_line(scene.name)}", tuple(sections_of(PARTS, subject)))
     return Report(document, lambda: _array_records(subject.result), subject.result)
 
 

@@ -6,8 +6,7 @@ what was left out.  To add a section, write a function ``(subject) -> Section`` 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Collection
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
@@ -16,6 +15,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section, is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import sign_form_section, without_sign_form
+from nonsmooth.reports.part import Part, chosen_names
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section
@@ -35,10 +35,6 @@ from nonsmooth.reports.sections.stability import (
 from nonsmooth.reports.sections.trajectories import trajectories_section
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
-
-
-def _always(subject: Subject) -> str:
-    return ""
 
 
 def _no_cells(subject: Subject) -> str:
@@ -84,21 +80,6 @@ def _continuum(subject: Subject) -> Section:
     return section
 
 
-@dataclass(frozen=True)
-class Part:
-    """A section under its name on the command line.
-
-    Attributes:
-        name: for ``--only`` and ``--without``.
-        build: the section.
-        lacks: why the scene has no such section; empty where it has.
-    """
-
-    name: str
-    build: Callable[[Subject], Section]
-    lacks: Callable[[Subject], str] = _always
-
-
 def _constraints(subject: Subject) -> Section:
     result = subject.result
     held = held_wheels(result) if isinstance(result, CellCheck) else subject.scene.recentred().wheels
@@ -126,7 +107,7 @@ def _left_out(subject: Subject) -> Section:
     return left_out_section(subject.result, omitted + unasked)
 
 
-PARTS = (
+PARTS: tuple[Part[Subject], ...] = (
     Part("answers", answers_section),
     Part("verdict", lambda subject: verdict_section(subject.result)),
     Part("array", array_section),
@@ -160,7 +141,4 @@ def chosen_parts(only: Collection[str], without: Collection[str]) -> tuple[str, 
     Raises:
         ValueError: for a name that is none.
     """
-    unknown = next((name for name in (*only, *without) if name not in PART_NAMES), None)
-    if unknown is not None:
-        raise ValueError(f"required names among {', '.join(PART_NAMES)}, received {unknown[:60]!r}")
-    return tuple(name for name in PART_NAMES if (not only or name in only) and name not in without)
+    return chosen_names(PART_NAMES, only, without)

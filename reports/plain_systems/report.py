@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Collection
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.reports.document import Bullets, Document, Section
+from nonsmooth.reports.part import Part, chosen_names, sections_of
 from nonsmooth.reports.plain_systems.inclusion_sections import borders_section, cells_section, point_section
 from nonsmooth.reports.plain_systems.subject import SystemSubject
 from nonsmooth.reports.plain_systems.system_sections import (
@@ -24,10 +24,6 @@ from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
-def _always(subject: SystemSubject) -> str:
-    return ""
-
-
 def _several_fields(subject: SystemSubject) -> str:
     switches = "the field may switch at any time, and this is about one field in each cell"
     return switches if subject.system.others else ""
@@ -37,21 +33,6 @@ def _no_leading(subject: SystemSubject) -> str:
     return "" if subject.result.leading is not None else "what decides are not the leading terms"
 
 
-@dataclass(frozen=True)
-class SystemPart:
-    """A section under its name on the command line.
-
-    Attributes:
-        name: for ``--only`` and ``--without``.
-        build: the section.
-        lacks: why the system has no such section; empty where it has.
-    """
-
-    name: str
-    build: Callable[[SystemSubject], Section]
-    lacks: Callable[[SystemSubject], str] = _always
-
-
 def _left_out(subject: SystemSubject) -> Section:
     asked = [(part.name, part.lacks(subject)) for part in SYSTEM_PARTS if part.name in subject.parts]
     items = [(f"Section {name}: {why}.",) for name, why in asked if why]
@@ -59,19 +40,19 @@ def _left_out(subject: SystemSubject) -> Section:
     return Section("What was left out, and why", (Bullets(tuple(items)) if items else paragraph("Nothing."),))
 
 
-SYSTEM_PARTS = (
-    SystemPart("verdict", verdict_section),
-    SystemPart("system", system_section),
-    SystemPart("cells", cells_section),
-    SystemPart("borders", borders_section, _several_fields),
-    SystemPart("point", point_section),
-    SystemPart("lyapunov", lyapunov_section),
-    SystemPart("leading-terms", leading_section, _no_leading),
-    SystemPart("portrait", portrait_section, _several_fields),
-    SystemPart("trajectories", paths_section, _several_fields),
-    SystemPart("left-out", _left_out),
-    SystemPart("references", references_section),
-    SystemPart("versions", lambda subject: reproduction_section(subject.invocation)),
+SYSTEM_PARTS: tuple[Part[SystemSubject], ...] = (
+    Part("verdict", verdict_section),
+    Part("system", system_section),
+    Part("cells", cells_section),
+    Part("borders", borders_section, _several_fields),
+    Part("point", point_section),
+    Part("lyapunov", lyapunov_section),
+    Part("leading-terms", leading_section, _no_leading),
+    Part("portrait", portrait_section, _several_fields),
+    Part("trajectories", paths_section, _several_fields),
+    Part("left-out", _left_out),
+    Part("references", references_section),
+    Part("versions", lambda subject: reproduction_section(subject.invocation)),
 )
 SYSTEM_PART_NAMES = tuple(part.name for part in SYSTEM_PARTS)
 
@@ -82,10 +63,7 @@ def chosen_system_parts(only: Collection[str], without: Collection[str]) -> tupl
     Raises:
         ValueError: for a name that is none.
     """
-    unknown = next((name for name in (*only, *without) if name not in SYSTEM_PART_NAMES), None)
-    if unknown is not None:
-        raise ValueError(f"required names among {', '.join(SYSTEM_PART_NAMES)}, received {unknown[:60]!r}")
-    return tuple(name for name in SYSTEM_PART_NAMES if (not only or name in only) and name not in without)
+    return chosen_names(SYSTEM_PART_NAMES, only, without)
 
 
 def system_document(subject: SystemSubject) -> Document:
@@ -98,12 +76,8 @@ def system_document(subject: SystemSubject) -> Document:
         SceneError: for a system in another number of states than two.
         RuntimeError: if the evidence of the verdict does not verify.
     """
-    sections = []
-    for part in SYSTEM_PARTS:
-        if part.name in subject.parts and not part.lacks(subject):
-            subject.announce(f"section {part.name}")
-            sections.append(part.build(subject))
-    return Document(f"Derivation report: {one_line(subject.system.name)}", tuple(sections))
+    sections = tuple(sections_of(SYSTEM_PARTS, subject))
+    return Document(f"Derivation report: {one_line(subject.system.name)}", sections)
 
 
 def system_subject(
