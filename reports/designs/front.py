@@ -14,10 +14,10 @@ from typing import Any
 
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.designs.candidates import Candidates, Told
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES, UNMET, evaluate
-from nonsmooth.reports.designs.search import Told, Wish, evolve
-from nonsmooth.symbolic.files.scene_file import build_scene
+from nonsmooth.reports.designs.search import Wish, evolve
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
@@ -61,40 +61,30 @@ class Front:
     checks: int
 
 
-class _Candidates:
+class _Candidates(Candidates[tuple[FrontPoint | None, float]]):
     """All candidates that were checked, and what each is worth."""
 
     def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
-        self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
-        self._known: dict[str, tuple[FrontPoint | None, float]] = {}
+        super().__init__(base, folder, scene, freedom, wish.checks)
+        self._wish = wish
         self.weight = WEIGHTS[0]
 
     @property
-    def checks(self) -> int:
-        return len(self._known)
-
-    @property
     def points(self) -> list[FrontPoint]:
+        """Of all that have both numbers."""
         return [point for point, _ in self._known.values() if point is not None]
 
     def cost(self, vector: Sequence[float], told: Told) -> float:
         """What the search makes small: less the weighted sum of both logarithms."""
-        document = self._freedom.document(self._base, self._scene, vector)
-        key = repr(document["wheel"])
-        if key not in self._known:
-            self._known[key] = self._judge(document)
-            told(self.checks, self._wish.checks)
-        point, unmet = self._known[key]
+        point, unmet = self.worth(vector, told)
         if point is None:
             return unmet
         return -(self.weight * math.log(point.rate) + (1 - self.weight) * math.log(point.tolerance))
 
-    def _judge(self, document: dict[str, Any]) -> tuple[FrontPoint | None, float]:
-        name = str(document.get("name") or self._scene.name)
-        try:
-            scene = build_scene(document, name, self._folder / f"{name}.toml")
-        except SceneError:
-            return None, float("inf")
+    def _refused(self, error: SceneError) -> tuple[FrontPoint | None, float]:
+        return None, float("inf")
+
+    def _judge(self, scene: Scene, document: dict[str, Any]) -> tuple[FrontPoint | None, float]:
         return judged(scene, document, self._wish)
 
 

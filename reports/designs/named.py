@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.reports.designs.candidates import Told
 from nonsmooth.reports.designs.fewest import find_fewest
 from nonsmooth.reports.designs.freedom import WHEELS, Freedom
-from nonsmooth.reports.designs.search import Design, Told, Wish, find_design
+from nonsmooth.reports.designs.search import Design, Wish, find_design
 from nonsmooth.symbolic.scene import Scene
 
 

@@ -7,7 +7,7 @@ so what is found needs no confirmation; that nothing better exists is not shown.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.answers.answer import Pose
+from nonsmooth.reports.designs.candidates import Candidates, Told
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
-from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
@@ -28,8 +28,6 @@ WIDE = 0.6  # share of the checks that look far and wide
 STEP = 0.06  # of a range: where the search around the best begins
 
 Floats: TypeAlias = NDArray[np.float64]
-
-Told = Callable[[int, int], None]
 
 
 class Costed(Protocol):
@@ -111,32 +109,22 @@ class Design:
         return not self.best.unmet
 
 
-class _Search:
-    """All candidates of one search."""
+class _Search(Candidates[Evaluation]):
+    """All candidates of one search, and the best."""
 
     def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
-        self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
-        self._known: dict[str, Evaluation] = {}
+        super().__init__(base, folder, scene, freedom, wish.checks)
+        self._wish = wish
         self.best: tuple[Evaluation, dict[str, Any], Scene] | None = None
 
-    @property
-    def checks(self) -> int:
-        return len(self._known)
-
     def cost(self, vector: Sequence[float], told: Told) -> float:
-        document = self._freedom.document(self._base, self._scene, vector)
-        key = repr(document["wheel"])
-        if key not in self._known:
-            self._known[key] = self._judge(document)
-            told(self.checks, self._wish.checks)
-        return self._known[key].cost
+        """What the search makes small."""
+        return self.worth(vector, told).cost
 
-    def _judge(self, document: dict[str, Any]) -> Evaluation:
-        name = str(document.get("name") or self._scene.name)
-        try:
-            scene = build_scene(document, name, self._folder / f"{name}.toml")
-        except SceneError as error:
-            return Evaluation((), self._wish.required, None, float("inf"), str(error))
+    def _refused(self, error: SceneError) -> Evaluation:
+        return Evaluation((), self._wish.required, None, float("inf"), str(error))
+
+    def _judge(self, scene: Scene, document: dict[str, Any]) -> Evaluation:
         found = evaluate(scene, self._wish.required, OBJECTIVES[self._wish.maximize])
         if self.best is None or found.cost < self.best[0].cost:
             self.best = found, document, scene
