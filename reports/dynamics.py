@@ -117,13 +117,14 @@ class ShownMasses:
             }
             for row in self.study.rows
         ]
+        limits = self.study.limits
         return {
             "schema": MASSES_SCHEMA,
             "scene": self.scene.name,
             "start": list(self.study.start),
             "until": self.study.until,
             "rows": rows,
-            "limits": [_distance_record(limit) for limit in self.study.limits],
+            "limits": None if limits is None else [_distance_record(limit) for limit in limits],
             "skipped": [{"rule": str(rule), "why": why} for rule, why in self.study.skipped.items()],
         }
 
@@ -131,7 +132,7 @@ class ShownMasses:
         """One line per mass and rule; mass 0 stands for the path of rule ellipse itself."""
         yield ("mass", "rule", "position", "rotation", "until")
         found = [(row.body.mass, distance) for row in self.study.rows for distance in row.distances]
-        for mass, own in [*found, *((0.0, limit) for limit in self.study.limits)]:
+        for mass, own in [*found, *((0.0, limit) for limit in self.study.limits or ())]:
             yield (mass, own.rule, own.position, own.rotation, own.until)
 
     def picture(self, suffix: str) -> bytes:
@@ -152,13 +153,15 @@ class ShownMasses:
         table = header_table("mass", *(f"rule {rule}" for rule in rules))
         for row in study.rows:
             table.add_row(float_text(row.body.mass, 3), *(_pair(row.distance(rule)) for rule in rules))
-        limits = {limit.rule: limit for limit in study.limits}
-        table.add_section()
-        table.add_row("-> 0", *("0, 0" if rule == massless_limit() else _pair(limits[rule]) for rule in rules))
+        if study.limits is not None:
+            limits = {limit.rule: limit for limit in study.limits}
+            table.add_section()
+            table.add_row("-> 0", *("0, 0" if rule == massless_limit() else _pair(limits[rule]) for rule in rules))
         x, y, theta = study.start
         head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
-        note = f"-> 0: the distance of rule ellipse's own path from the others; {UNIT}"
+        limit = "" if study.limits is None else "-> 0: the distance of rule ellipse's own path from the others; "
+        note = limit + UNIT
         return Group(Text(head), Text(what), table, *map(Text, self._notes()), Text(note, "dim"))
 
     def _notes(self) -> Iterable[str]:
@@ -166,6 +169,9 @@ class ShownMasses:
         for own in self.study.rows[0].distances:
             if own.until < self.study.until:
                 yield f"rule {own.rule}: compared until t = {own.until:.6g}, where a path leaves the square or tips"
+        if self.study.limits is None:
+            rule = massless_limit()
+            yield f"rule {rule}: its path slides along an edge, where light bodies move otherwise: no limit is stated"
         for rule, why in self.study.skipped.items():
             yield f"rule {rule}: no path: {one_line(why)}"
 

@@ -8,6 +8,9 @@ narrow strip, and until m is small beside that strip the distance falls like ``s
 wheels in a ring, from (0.2, 0.4), down to m = 1e-7).  The distances to the paths of rules ``nearest`` and ``box`` do
 not go to zero: they go to the distance of these paths from that of ``ellipse``, which is listed as their limit.
 
+A body with an outline may slide along the edge at which a wheel enters and leaves it.  There the swings of a light body
+mix the loads, while the rule's path mixes the motions (Filippov): such a path is no limit, and none is stated.
+
 Distances are the largest over common times: the end of either path, where it leaves the checked square or tips, ends
 the comparison, a rest does not.  Paths are compared at sampled times: a sampled maximum is a lower bound.
 """
@@ -15,8 +18,9 @@ the comparison, a rest does not.  Paths are compared at sampled times: a sampled
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -27,7 +31,7 @@ from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import float_text
@@ -36,6 +40,9 @@ from nonsmooth.symbolic.scene import Scene
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
 BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS})
+
+RulePath: TypeAlias = Callable[[Scene, str, Sequence[float], float], Trajectory]
+BodyPath: TypeAlias = Callable[[Scene, Body, Sequence[float], float], DynamicPath]
 
 
 @dataclass(frozen=True)
@@ -88,7 +95,8 @@ class MassStudy(ShortRepr):
         start: ``(x, y, theta)``, at rest.
         until: last time.
         rows: one per mass, in the order given.
-        limits: distances of the other rules' paths from that of rule ``ellipse``: what their columns tend to.
+        limits: distances of the other rules' paths from that of rule ``ellipse``: what their columns tend to; None
+            where that path slides along an edge of the body's outline.
         seconds: run time of each rule's own path, preparation included.
         skipped: rules without a path, and why.
     """
@@ -96,13 +104,13 @@ class MassStudy(ShortRepr):
     start: tuple[float, float, float]
     until: float
     rows: tuple[MassRow, ...]
-    limits: tuple[PathDistance, ...]
+    limits: tuple[PathDistance, ...] | None
     seconds: Mapping[str, float]
     skipped: Mapping[str, str]
 
     def _repr_html_(self) -> str:
         found = [(float_text(row.body.mass, 3), own) for row in self.rows for own in row.distances]
-        found += [("-> 0", limit) for limit in self.limits]
+        found += [("-> 0", limit) for limit in self.limits or ()]
         rows = [(mass, own.rule, float_text(own.position, 3), float_text(own.rotation, 3)) for mass, own in found]
         head = (
             f"full dynamics from {self.start} at rest, until t = {self.until:g}: largest distance from each rule's path"
@@ -113,49 +121,6 @@ class MassStudy(ShortRepr):
 def mass_ladder(body: Body, count: int = LADDER) -> tuple[Body, ...]:
     """Bodies of one shape, each a tenth as heavy as the one before."""
     return tuple(Body(body.mass / 10**k, body.inertia / 10**k) for k in range(count))
-
-
-def mass_study(scene: Scene, bodies: Sequence[Body], start: Sequence[float], until: float) -> MassStudy:
-    """Follow full dynamics for every body, and every contact rule, from one start.
-
-    Args:
-        scene: the array; its own rule does not matter.
-        bodies: see :func:`mass_ladder`.
-        start: ``(x, y, theta)``.
-        until: last time.
-
-    Raises:
-        ValueError: for a last time that is not positive, or numbers that are not finite.
-        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
-        nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
-    """
-    x, y, theta = (float(value) for value in start)
-    paths: dict[str, Trajectory] = {}
-    seconds: dict[str, float] = {}
-    skipped: dict[str, str] = {}
-    for rule in all_rules():
-        began = time.perf_counter()
-        try:
-            paths[rule.name] = rule_path(scene, rule.name, (x, y, theta), until)
-            seconds[rule.name] = time.perf_counter() - began
-        except (RefusalError, ValueError, TrajectoryError) as error:
-            if rule.is_massless_limit:
-                raise
-            skipped[rule.name] = str(error)
-    rows = tuple(_row(scene, body, (x, y, theta), until, paths) for body in bodies)
-    limit = massless_limit()
-    limits = tuple(path_distance(rule, paths[limit], path, until) for rule, path in paths.items() if rule != limit)
-    return MassStudy((x, y, theta), float(until), rows, limits, seconds, skipped)
-
-
-def massless_limit() -> str:
-    """The name of the rule that full dynamics approach as the mass goes to zero."""
-    return next(rule.name for rule in all_rules() if rule.is_massless_limit)
-
-
-def rules_by_limit() -> tuple[str, ...]:
-    """The names of all rules, the one that full dynamics approach first."""
-    return tuple(rule.name for rule in sorted(all_rules(), key=lambda rule: not rule.is_massless_limit))
 
 
 def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
@@ -173,6 +138,73 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
     return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
 
 
+def body_path(scene: Scene, body: Body, start: Sequence[float], until: float) -> DynamicPath:
+    """Full dynamics of a body that lies on all wheels, from rest."""
+    return simulate_dynamics(contact_model(scene), body, start, until)
+
+
+def mass_study(
+    scene: Scene,
+    bodies: Sequence[Body],
+    start: Sequence[float],
+    until: float,
+    follow_rule: RulePath = rule_path,
+    follow_body: BodyPath = body_path,
+) -> MassStudy:
+    """Follow full dynamics for every body, and every contact rule, from one start.
+
+    Args:
+        scene: the array; its own rule does not matter.
+        bodies: see :func:`mass_ladder`.
+        start: ``(x, y, theta)``.
+        until: last time.
+        follow_rule: gives the path of a contact rule.
+        follow_body: gives the path of a body with mass.
+
+    Raises:
+        ValueError: for a last time that is not positive, or numbers that are not finite.
+        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
+        nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
+    """
+    x, y, theta = (float(value) for value in start)
+    paths: dict[str, Trajectory] = {}
+    seconds: dict[str, float] = {}
+    skipped: dict[str, str] = {}
+    for rule in all_rules():
+        began = time.perf_counter()
+        try:
+            paths[rule.name] = follow_rule(scene, rule.name, (x, y, theta), until)
+            seconds[rule.name] = time.perf_counter() - began
+        except (RefusalError, ValueError, TrajectoryError) as error:
+            if rule.is_massless_limit:
+                raise
+            skipped[rule.name] = str(error)
+    rows = []
+    for body in bodies:
+        began = time.perf_counter()
+        path = follow_body(scene, body, (x, y, theta), until)
+        rows.append(_row(path, until, paths, time.perf_counter() - began))
+    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(paths, until), seconds, skipped)
+
+
+def _limits(paths: Mapping[str, Trajectory], until: float) -> tuple[PathDistance, ...] | None:
+    """What the columns of the other rules tend to; None where the path that should be the limit slides on an edge."""
+    limit = massless_limit()
+    if any(event.kind is EventKind.SLIDE for event in paths[limit].events):
+        return None
+    return tuple(path_distance(rule, paths[limit], path, until) for rule, path in paths.items() if rule != limit)
+
+
+def massless_limit() -> str:
+    """The name of the rule that full dynamics approach as the mass goes to zero."""
+    return next(rule.name for rule in all_rules() if rule.is_massless_limit)
+
+
+def rules_by_limit() -> tuple[str, ...]:
+    """The names of all rules, the one that full dynamics approach first."""
+    return tuple(rule.name for rule in sorted(all_rules(), key=lambda rule: not rule.is_massless_limit))
+
+
 def path_distance(rule: str, path: Trajectory, other: Trajectory, until: float) -> PathDistance:
     """Largest distance up to a time; ``other`` is the path of the rule."""
     last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
@@ -181,11 +213,6 @@ def path_distance(rule: str, path: Trajectory, other: Trajectory, until: float) 
     return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
 
 
-def _row(
-    scene: Scene, body: Body, start: tuple[float, float, float], until: float, paths: Mapping[str, Trajectory]
-) -> MassRow:
-    began = time.perf_counter()
-    path: DynamicPath = simulate_dynamics(contact_model(scene), body, start, until)
-    seconds = time.perf_counter() - began
+def _row(path: DynamicPath, until: float, paths: Mapping[str, Trajectory], seconds: float) -> MassRow:
     distances = tuple(path_distance(rule, path.trajectory, other, until) for rule, other in paths.items())
-    return MassRow(body, distances, path.evaluations, seconds)
+    return MassRow(path.body, distances, path.evaluations, seconds)

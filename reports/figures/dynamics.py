@@ -152,11 +152,12 @@ def build_masses_figure(name: str, study: MassStudy, units: Units) -> Figure:
         if rule not in study.skipped:
             distances = [row.distance(rule).position for row in study.rows]
             axes.plot(masses, distances, color=color, marker=marker, label=f"from rule {rule}")
-    for limit in study.limits:
+    for limit in study.limits or ():
         axes.axhline(limit.position, color=marks[limit.rule][0], linewidth=1, linestyle=":")
-    own = [row.distance(massless_limit()).position for row in study.rows]
-    slope = [own[-1] * mass / masses[-1] for mass in masses]
-    axes.plot(masses, slope, color="0.6", linewidth=1, linestyle="--", zorder=0, label="in proportion to mass")
+    if study.limits is not None:
+        nearest = study.rows[-1].distance(massless_limit()).position
+        slope = [nearest * mass / masses[-1] for mass in masses]
+        axes.plot(masses, slope, color="0.6", linewidth=1, linestyle="--", zorder=0, label="in proportion to mass")
     axes.set(
         xscale="log", yscale="log", xlabel=f"mass per weight, 1/g [{units.time or 'time'}²/{units.length or 'length'}]"
     )

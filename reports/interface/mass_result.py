@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.analysis.bodies.mass_path import MassPath
+from nonsmooth.analysis.bodies.mass_comparison import outline_body_path, outline_mass_study
 from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
 from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
@@ -14,7 +14,7 @@ from nonsmooth.reports.interface.argument_error import ArgumentError
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.interface.shown_result import ShownResult
 from nonsmooth.reports.simulate import PathRun
-from nonsmooth.symbolic.contact_set import require_no_outline, whole
+from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
@@ -50,9 +50,8 @@ def follow_body(scene: Scene, run: PathRun) -> ShownPath:
         model = contact_model(scene)
         return ShownPath(scene, simulate_dynamics(model, _body(scene, model, run), run.start, run.until))
     array = whole(scene)
-    model = contact_model(array)
-    path = MassPath(array, model, _body(array, model, run)).follow(run.start, run.until)
-    return ShownPath(array, path)
+    body = _body(array, contact_model(array), run)
+    return ShownPath(array, outline_body_path(array, body, run.start, run.until))
 
 
 def compare_masses(scene: Scene, run: PathRun) -> MassResult:
@@ -60,16 +59,17 @@ def compare_masses(scene: Scene, run: PathRun) -> MassResult:
 
     Raises:
         ArgumentError: for a mass or an inertia that cannot be used.
-        SceneError: for a body with an outline.
+        SceneError: for a table of loads beside an outline.
         RefusalError: where the motion is not determined.
         TrajectoryError: where a path cannot be followed.
     """
-    require_no_outline(scene)
+    array = scene if scene.body is None else whole(scene)
     try:
-        bodies = mass_ladder(_body(scene, contact_model(scene), run))
+        bodies = mass_ladder(_body(array, contact_model(array), run))
     except ValueError as error:  # the lightest of them
         raise ArgumentError(str(error)) from None
-    return MassResult(ShownMasses(scene, mass_study(scene, bodies, run.start, run.until)))
+    study = mass_study if scene.body is None else outline_mass_study
+    return MassResult(ShownMasses(array, study(array, bodies, run.start, run.until)))
 
 
 def _body(scene: Scene, model: ContactModel, run: PathRun) -> Body:

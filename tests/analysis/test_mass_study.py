@@ -50,6 +50,7 @@ def test_distance_to_rule_ellipse_falls_like_the_mass(study: MassStudy) -> None:
 
 
 def test_distance_to_the_other_rules_tends_to_theirs_from_ellipse(study: MassStudy) -> None:
+    assert study.limits is not None
     limits = {limit.rule: limit for limit in study.limits}
     assert set(limits) == {"nearest", "box", "roller"}
     for row in study.rows:
@@ -77,6 +78,7 @@ def test_rules_without_a_path_are_named() -> None:
     assert set(study.skipped) == {"nearest", "box"}
     assert "required a start inside the domain" in study.skipped["box"]
     assert [own.rule for own in study.rows[0].distances] == ["ellipse", "roller"]
+    assert study.limits is not None
     assert [limit.rule for limit in study.limits] == ["roller"]
 
 

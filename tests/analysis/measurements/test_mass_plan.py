@@ -38,11 +38,13 @@ def test_the_distance_falls_like_the_mass(arrays: Arrays) -> None:
     assert log_slope(MASSES[1:], found[1:]) == pytest.approx(1, abs=WITHIN)
     study = mass_study(scene, [disc(contact_model(scene), MASSES[2] / 2)], (0.2, 0.4, 0), 2.0)
     assert found[2] == pytest.approx(study.rows[0].distance("ellipse").position, rel=SCALED)
+    assert study.limits is not None
     limits = {limit.rule: limit.position for limit in study.limits}
     for rule in ("nearest", "box"):
         assert errors(plan, f"rule {rule}") == pytest.approx([limits[rule]], rel=SCALED)
 
 
+@thorough
 def test_units_do_not_matter(arrays: Arrays) -> None:
     """Lengths times 8 and speeds times 4: the same paths, 8 times as large."""
     scene = arrays.four_wheel((1, Fraction(1, 2)))

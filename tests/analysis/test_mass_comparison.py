@@ -1,0 +1,66 @@
+"""Bodies with mass and an outline beside the paths of the contact rules, as the mass goes to zero."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from nonsmooth.analysis.bodies.mass_comparison import outline_mass_study
+from nonsmooth.analysis.bodies.plate import plate
+from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder
+from nonsmooth.analysis.trajectories.result import EventKind
+from nonsmooth.reports.dynamics import ShownMasses
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from tests.analysis.test_body_path import pushed_back
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
+
+START, UNTIL = (0.2, 0.1, 0.0), 0.5
+SLOPE = 0.15  # of log distance against log mass, where 1 is expected
+
+
+def ladder_study(scene: Scene, mass: float, count: int, start: tuple[float, float, float]) -> MassStudy:
+    assert scene.body is not None
+    return outline_mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, UNTIL)
+
+
+def test_the_distance_from_rule_ellipse_falls_like_the_mass_through_changes_of_the_wheels() -> None:
+    scene = whole(load_scene("carton-on-6x6"))
+    study = ladder_study(scene, 1e-3, 3, (0.3, 0.9, 0.2))
+    for heavy, light in pairwise(study.rows):
+        fall = heavy.distance("ellipse").position / light.distance("ellipse").position
+        assert np.log10(fall) == pytest.approx(1, abs=SLOPE)
+    own = study.rows[-1].distance("ellipse").position
+    assert study.limits is not None
+    assert {limit.rule for limit in study.limits} == {"nearest", "box", "roller"}
+    for limit in study.limits:
+        assert abs(study.rows[-1].distance(limit.rule).position - limit.position) <= own
+
+
+def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) -> None:
+    scene, _ = pushed_back(arrays)
+    study = ladder_study(whole(scene), 1e-2, 2, (0.3, -0.2, 0.0))
+    assert study.limits is None
+    assert min(row.distance("ellipse").position for row in study.rows) > 0.05  # and indeed they do not meet
+    shown = ShownMasses(scene, study)
+    assert shown.record()["limits"] is None
+    console = Console(width=100, record=True)
+    with console.capture() as captured:
+        console.print(shown.view())
+    assert "no limit is stated" in captured.get()
+    assert "-> 0" not in captured.get()
+
+
+def test_the_slide_is_what_the_path_says(arrays: Arrays) -> None:
+    from nonsmooth.analysis.bodies.mass_comparison import outline_rule_path
+
+    scene, _ = pushed_back(arrays)
+    path = outline_rule_path(whole(scene), "ellipse", (0.3, -0.2, 0.0), UNTIL)
+    assert EventKind.SLIDE in {event.kind for event in path.events}
