@@ -18,7 +18,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from tests.four_wheel import CORNERS, ROLL, SIDE
-from tests.thorough import is_further, thorough
+from tests.thorough import mark_further
 
 Rational: TypeAlias = int | Fraction
 Pair: TypeAlias = tuple[Rational, Rational]
@@ -177,14 +177,12 @@ SHARED = ({"derived", "derived_afresh"}, {"tied_array"})
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark further random arrays as thorough, before pytest selects by marks, and sort the tests.
+    """Mark further cases as thorough, before pytest selects by marks, and sort the tests.
 
     The longest single tests come first, so that no worker is left alone with one of them at the end; next the files
     that share what is costly to build, together: mostly one worker then builds it once.
     """
-    for item in items:
-        if is_further(item):
-            item.add_marker(thorough)
+    mark_further(items)
     items.sort(key=place)
 
 

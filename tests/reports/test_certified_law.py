@@ -29,7 +29,7 @@ from nonsmooth.reports.document import Figure, Math, Paragraph, Section, Text
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -243,6 +243,7 @@ def test_without_a_certified_law_one_line_says_why(invoke: Invoke, arguments: tu
     assert outcome.err.count("\n") == 1
 
 
+@thorough
 def test_only_the_papers_array_is_compared_with_its_figures() -> None:
     for name, its_own in (("four-wheel", True), ("outward", False)):
         report = derived(name).document.sections
@@ -251,6 +252,7 @@ def test_only_the_papers_array_is_compared_with_its_figures() -> None:
         assert any(re.search(r"Figure \d", caption) for caption in captions) == its_own
 
 
+@thorough
 def test_a_side_row_away_from_the_point_does_not_stop_the_certified_law(arrays: Arrays) -> None:
     """Another cell of the square leaves one input; the law is certified by the cells at the point."""
     scene = arrays.cocircular(181, (1, Fraction(1, 2))).recentred()

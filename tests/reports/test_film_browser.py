@@ -34,19 +34,28 @@ def browser() -> Iterator[Browser]:
         running.close()
 
 
-@pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The page of each path."""
-    folder = tmp_path_factory.mktemp("films")
-    written = {}
-    for name, (scene, start, options) in PATHS.items():
+class Pages(dict[str, Path]):
+    """The page of each path, written when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def __missing__(self, name: str) -> Path:
+        scene, start, options = PATHS[name]
         path = ns.load(scene).simulate(start, until=3.0, **options)
-        written[name] = path.animate(folder / f"{name}.html")
-    return written
+        self[name] = written = path.animate(self._folder / f"{name}.html")
+        return written
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Pages:
+    """The films that the tests open."""
+    return Pages(tmp_path_factory.mktemp("films"))
 
 
 @pytest.fixture
-def page(browser: Browser, pages: dict[str, Path]) -> Iterator[Page]:
+def page(browser: Browser, pages: Pages) -> Iterator[Page]:
     """The open loop on a desk."""
     seen = opened(browser, pages["open"])
     yield seen.page
@@ -66,7 +75,7 @@ def drawn(page: Page) -> tuple[str, ...]:
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])
 @pytest.mark.parametrize("name", PATHS)
-def test_a_page_opens_quietly_and_fits(browser: Browser, pages: dict[str, Path], name: str, width: int) -> None:
+def test_a_page_opens_quietly_and_fits(browser: Browser, pages: Pages, name: str, width: int) -> None:
     seen = opened(browser, pages[name], width)
     assert seen.said == []
     assert seen.asked == [pages[name].as_uri()]
@@ -78,7 +87,7 @@ def test_a_page_opens_quietly_and_fits(browser: Browser, pages: dict[str, Path],
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_is_readable(browser: Browser, pages: dict[str, Path], scheme: Any) -> None:
+def test_text_is_readable(browser: Browser, pages: Pages, scheme: Any) -> None:
     seen = opened(browser, pages["closed"], color_scheme=scheme)
     for place in ("h1", "main p", "li", "td", "caption", "#play", "#time", "#picture .name", ".pace"):
         assert seen.page.locator(place).first.evaluate(CONTRAST) >= READABLE, place
@@ -137,7 +146,7 @@ def test_events_are_marked_and_lead_to_their_time(page: Page) -> None:
     assert tick["x"] + tick["width"] / 2 == pytest.approx(thumb, abs=2)
 
 
-def test_speeds_of_a_closed_loop_change(browser: Browser, pages: dict[str, Path]) -> None:
+def test_speeds_of_a_closed_loop_change(browser: Browser, pages: Pages) -> None:
     seen = opened(browser, pages["closed"])
     page = seen.page
     arrows = "() => [...document.querySelectorAll('#picture .speed')].map((e) => e.getAttribute('d'))"
@@ -148,7 +157,7 @@ def test_speeds_of_a_closed_loop_change(browser: Browser, pages: dict[str, Path]
     page.context.close()
 
 
-def test_reduced_motion_goes_on_by_steps(browser: Browser, pages: dict[str, Path]) -> None:
+def test_reduced_motion_goes_on_by_steps(browser: Browser, pages: Pages) -> None:
     seen = opened(browser, pages["open"], reduced_motion="reduce")
     button = seen.page.locator("#play")
     assert button.inner_text() == "Next"
@@ -162,7 +171,7 @@ def test_reduced_motion_goes_on_by_steps(browser: Browser, pages: dict[str, Path
     seen.page.context.close()
 
 
-def test_the_page_serves_with_scripts_off(browser: Browser, pages: dict[str, Path]) -> None:
+def test_the_page_serves_with_scripts_off(browser: Browser, pages: Pages) -> None:
     seen = opened(browser, pages["open"], java_script_enabled=False)
     assert not seen.page.locator(".controls").is_visible()
     assert seen.page.locator("#picture .rim").count() == 4

@@ -19,6 +19,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.figures.outline import outline_of, placed
 from nonsmooth.reports.files import OutputError
+from tests.thorough import thorough
 
 START = ("--from", "0.2,0.4,0.1")
 LARGEST_GIF = 3_000_000  # bytes
@@ -54,6 +55,7 @@ def test_a_gif_has_its_frames_and_is_small(tmp_path: Path, capsys: pytest.Captur
     assert file.stat().st_size < LARGEST_GIF
 
 
+@thorough
 def test_equal_input_gives_equal_films(tmp_path: Path) -> None:
     path = ns.load("ring-3").simulate((0.05, 0.02, 0.1), until=0.2)
     first = {s: path.animate(tmp_path / f"a{s}").read_bytes() for s in (".gif", ".html")}
@@ -189,6 +191,7 @@ def test_a_large_array_shows_the_wheels_near_the_path(tmp_path: Path) -> None:
     assert "150 of 256 wheels are drawn" in page
 
 
+@thorough
 def test_a_rule_without_cells_moves_on_the_command_line_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     simulate = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0.1,0.2,0", "--until", "0.3")
     assert run(app, (*simulate, "--json")) == 0

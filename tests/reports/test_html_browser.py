@@ -59,15 +59,23 @@ def browser() -> Iterator[Browser]:
         running.close()
 
 
+class Pages(dict[str, Path]):
+    """The report of each scene as a file, written when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def __missing__(self, name: str) -> Path:
+        path = self[name] = self._folder / f"{name}.html"
+        path.write_text(render_report(derived(name, SCENES[name]), ".html"), encoding="utf-8")
+        return path
+
+
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The report of each scene as a file."""
-    folder = tmp_path_factory.mktemp("reports")
-    written = {}
-    for name, rule in SCENES.items():
-        written[name] = folder / f"{name}.html"
-        written[name].write_text(render_report(derived(name, rule), ".html"), encoding="utf-8")
-    return written
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Pages:
+    """The reports that the tests open."""
+    return Pages(tmp_path_factory.mktemp("reports"))
 
 
 class Opened:
@@ -90,7 +98,7 @@ def opened(browser: Browser, path: Path, width: int = WIDE, **options: Any) -> O
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])
 @pytest.mark.parametrize("name", keep(2, SCENES))
-def test_a_report_opens_quietly_and_fits(browser: Browser, pages: dict[str, Path], name: str, width: int) -> None:
+def test_a_report_opens_quietly_and_fits(browser: Browser, pages: Pages, name: str, width: int) -> None:
     seen = opened(browser, pages[name], width)
     assert seen.said == []
     assert seen.asked == [pages[name].as_uri()]
@@ -104,7 +112,7 @@ def test_a_report_opens_quietly_and_fits(browser: Browser, pages: dict[str, Path
 
 
 @pytest.fixture
-def page(browser: Browser, pages: dict[str, Path]) -> Iterator[Page]:
+def page(browser: Browser, pages: Pages) -> Iterator[Page]:
     """The four-wheel report on a desk."""
     seen = opened(browser, pages["four-wheel"])
     yield seen.page
@@ -204,7 +212,7 @@ def test_the_slider_changes_the_path(page: Page) -> None:
     assert slider.input_value() == "6"
 
 
-def test_the_page_serves_with_scripts_off(browser: Browser, pages: dict[str, Path]) -> None:
+def test_the_page_serves_with_scripts_off(browser: Browser, pages: Pages) -> None:
     seen = opened(browser, pages["four-wheel"], java_script_enabled=False)
     assert not seen.page.locator("#starts .slider").is_visible()
     assert shown_path(seen.page)
@@ -215,7 +223,7 @@ def test_the_page_serves_with_scripts_off(browser: Browser, pages: dict[str, Pat
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_and_figures_are_readable(browser: Browser, pages: dict[str, Path], scheme: Any) -> None:
+def test_text_and_figures_are_readable(browser: Browser, pages: Pages, scheme: Any) -> None:
     seen = opened(browser, pages["four-wheel"], color_scheme=scheme)
     places = ("main p", "main td", "figcaption", "main a", "code", "math mi", "#cell-map svg text, #cell-map svg g use")
     for place in places:

@@ -16,6 +16,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import thorough
 
 DYNAMICS = ("simulate", "four-wheel", "--from", "0.2,0.4,0", "--method", "dynamics")
 PNG = b"\x89PNG"
@@ -55,6 +56,7 @@ def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[s
     assert one == other
 
 
+@thorough
 def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = (*DYNAMICS, "--until", "0.02", "--mass", "0.01", "--compare-masses")
     record = json.loads(invoke(capsys, *arguments, "--json"))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.symbolic.plane import Vector
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -71,6 +72,7 @@ def test_json_is_all_that_check_prints(loud: dict[str, str]) -> None:
     assert looked_at(loud) == ""
 
 
+@thorough
 def test_json_is_all_that_check_of_an_array_prints(loud: dict[str, str], arrays: Arrays, tmp_path: Path) -> None:
     """Of an array whose quadratic V is found by a cone program."""
     scene = arrays.cocircular(3)
@@ -90,6 +92,7 @@ def pair(vector: Vector) -> str:
     return f'["{vector[0]}", "{vector[1]}"]'
 
 
+@thorough
 def test_json_is_all_that_precision_prints(loud: dict[str, str]) -> None:
     study = ("--study", "minimizers-box", "--runs", "1", "--time-limit", "0.1")
     done = run(loud, "-m", "nonsmooth.reports.cli", "precision", "ring-3", "--rule", "box", *study, "--json")
