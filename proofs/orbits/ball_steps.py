@@ -17,9 +17,9 @@ from flint import arb, arb_poly, arb_series, ctx
 
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
-BITS = 256  # of balls
-ORDER = 30  # of a step
-ACCURACY = -110  # binary digits of the last terms of a step, relative to the state
+BITS = 160  # of balls
+ORDER = 20  # of a step
+ACCURACY = -80  # binary digits of the last terms of a step, relative to the state
 ENCLOSURES = 2  # attempts to enclose a step, before it is shortened
 ROOM = 2.0**-16  # by which a box is larger than the solutions from it, relative
 SHORTENINGS = 60  # of a step, before enclosing it is given up
@@ -52,7 +52,7 @@ class BallPolynomial:
 
     def __call__(self, point: Sequence[Any]) -> Any:
         """The value."""
-        total: Any = 0 * point[0]
+        total: Any = 0
         for coefficient, exponents in self.terms:
             term: Any = coefficient
             for value, exponent in zip(point, exponents, strict=True):
@@ -128,20 +128,12 @@ def enclosed_step(rates: Rates, start: Box, longest: Ball) -> EnclosedStep:
 
 def expanded(rates: Rates, start: Box) -> list[tuple[Ball, ...]]:
     """Coefficients 0 ... ORDER of the Taylor series: each iteration makes one more right."""
-    series = [arb_series([x], prec=ORDER + 1) for x in start]
+    known: list[list[Ball]] = [[x] for x in start]
     for order in range(1, ORDER + 1):
-        known = [arb_series(_coefficients(s, order), prec=order) for s in series]
-        following = [_coefficients(rate, order)[order - 1] / order for rate in rates(known)]
-        series = [
-            arb_series([*_coefficients(s, order), c], prec=ORDER + 1) for s, c in zip(series, following, strict=True)
-        ]
-    return [tuple(_coefficients(s, ORDER + 1)) for s in series]
-
-
-def _coefficients(series: Any, count: int) -> list[Ball]:
-    """The first coefficients, zeros where the series is shorter."""
-    known = list(series)[:count] if isinstance(series, arb_series) else [arb(series)]
-    return known + [arb(0)] * (count - len(known))
+        found = rates([arb_series(entry, prec=order) for entry in known])
+        for entry, rate in zip(known, found, strict=True):
+            entry.append(rate[order - 1] / order if isinstance(rate, arb_series) else rate * (order == 1))
+    return [tuple(entry) for entry in known]
 
 
 def _suitable(series: Sequence[Sequence[Ball]], start: Box) -> Ball:

@@ -113,14 +113,14 @@ class _Crossing:
     def advance(self, thin: EnclosedStep, wide: EnclosedStep) -> None:
         """Take a step within the cell."""
         for k in range(len(self.cell.guards)):
-            self.require_positive(k, wide)
+            self.require_positive(k, wide, wide.span)
         states, derivative = thin.at(thin.span), wide.at(wide.span)[2:]
         self.family = _moved(self.family, states, derivative)
         self.time = self.time + thin.span
 
-    def require_positive(self, number: int, step: EnclosedStep) -> None:
-        """Show that a guard is positive all along a step, but for a start at zero."""
-        waiting = [(arb(0), step.span, 0)]
+    def require_positive(self, number: int, step: EnclosedStep, until: Ball) -> None:
+        """Show that a guard is positive all along a step until a time, but for a start at zero."""
+        waiting = [(arb(0), until, 0)]
         guard, known = self.cell.guards[number], self.known[number]
         while waiting:
             low, high, depth = waiting.pop()
@@ -141,10 +141,10 @@ class _Crossing:
             return None
         if not end.slope(wide.hull[:2]) < 0:
             return None
+        when, centre_when = _falls_at(wide, end), _falls_at(thin, end)
         for k in range(len(self.cell.guards)):
             if k != leaves:
-                self.require_positive(k, wide)
-        when, centre_when = _falls_at(wide, end), _falls_at(thin, end)
+                self.require_positive(k, wide, upper(when))
         state = wide.at(when)
         box, derivative = state[:2], state[2:]
         rates, normal = self.cell.rates(box), [slope(box) for slope in end.gradient]

@@ -18,8 +18,9 @@ from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, interva
 from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell
 
 REFINEMENTS = 2  # of the point of a float orbit, each doubles its digits
-THIN = -200  # binary digits of the reach with which the point is refined
-REACHES = range(-4, -96, -4)  # binary digits of the reaches that are tried, relative to the orbit
+THIN = -150  # binary digits of the reach with which the point is refined
+# Binary digits of reaches relative to the orbit: tried until one will do, then larger ones until one will not.
+REACHES, LARGER = (-32, -44, -56), (-24, -16, -12, -8, -6, -4)
 
 
 @dataclass(frozen=True)
@@ -80,8 +81,10 @@ class ReturnMap:
         return bool(abs(self.image) < self.reach)
 
 
-def proved_map(legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: Ball) -> ReturnMap:
-    """The return map on the largest segment tried on which it has one fixed point that attracts or repels.
+def proved_maps(
+    legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: Ball
+) -> tuple[ReturnMap, ReturnMap]:
+    """The return map on a short segment and on the longest tried on which it has one fixed point, decided.
 
     Args:
         legs: of one turn, in order.
@@ -99,23 +102,43 @@ def proved_map(legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: B
         if not move.is_finite():
             raise UnprovedError("the multiplier is not told apart from one")
         point, lasts = [middle(x + d * middle(move)) for x, d in zip(point, direction, strict=True)], thin.lasts
-    refusal = UnprovedError("no segment was tried")
-    for digits in REACHES:
+    short = best = _first_proved(legs, lasts, (point, direction), [extent * arb(2) ** digits for digits in REACHES])
+    for digits in LARGER:
+        reach = extent * arb(2) ** digits
         try:
-            found = return_map(legs, lasts, point, direction, extent * arb(2) ** digits)
+            best = best if reach < best.reach else _decided(return_map(legs, lasts, point, direction, reach))
+        except UnprovedError:
+            break
+    return short, best
+
+
+def _first_proved(
+    legs: Sequence[CrossedLeg], lasts: Sequence[Ball], segment: tuple[Box, Box], reaches: Sequence[Ball]
+) -> ReturnMap:
+    """The return map on the first segment on which it is decided.
+
+    Raises:
+        UnprovedError: where there is none, for the reason of the last.
+    """
+    refusal = UnprovedError("no segment was tried")
+    for reach in reaches:
+        try:
+            return _decided(return_map(legs, lasts, *segment, reach))
         except UnprovedError as error:
             refusal = error
-            continue
-        if found.fixed is not None and not _touches_one(found.slope):
-            return found
-        refusal = UnprovedError(f"the return map is not enclosed well enough: its slope is {found.slope.str(5)}")
     raise refusal
 
 
-def _touches_one(slope: Ball) -> bool:
-    """Whether a ball holds a number of size one."""
-    size = abs(slope)
-    return not (size < 1 or size > 1)
+def _decided(found: ReturnMap) -> ReturnMap:
+    """The return map, if it has one fixed point that attracts or repels.
+
+    Raises:
+        UnprovedError: if that is not shown.
+    """
+    size = abs(found.slope)
+    if found.fixed is None or not (size < 1 or size > 1):
+        raise UnprovedError(f"the return map is not enclosed well enough: its slope is {found.slope.str(5)}")
+    return found
 
 
 def return_map(
