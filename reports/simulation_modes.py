@@ -30,6 +30,7 @@ OF_LOOPS = ("feedback", "law", "gain")
 OF_MAPS = ("grid", "heading")
 OF_BODIES = ("mass", "inertia", "compare_masses")
 OF_SCENES = ("rule", "radius", "at")
+OF_SYSTEMS = ("orbit",)
 
 Refuse: TypeAlias = Callable[[Collection[str], str, str], None]  # parameters, what is required for them, what is given
 
@@ -47,6 +48,7 @@ class Options:
         law: feedback law; None for the open loop.
         gain: of the law.
         mass, inertia, compare_masses: of a body with mass.
+        orbit: whether a periodic orbit of a plain system is looked for.
         refuse: refuses parameters that were given on the command line.
     """
 
@@ -62,6 +64,7 @@ class Options:
     mass: float | None
     inertia: float | None
     compare_masses: bool
+    orbit: bool
     refuse: Refuse
 
     def check(self) -> None:
@@ -128,6 +131,38 @@ class SystemPathMode(SimulationMode):
             raise RefusedError(f"{system.origin}: {error}") from None
 
 
+class SystemOrbitMode(SimulationMode):
+    """A periodic orbit of a plain switched system."""
+
+    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
+        self._load = load
+
+    def refuse_others(self, options: Options) -> None:
+        """All that is for arrays, for maps, and for paths that are followed otherwise than by events."""
+        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
+        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        options.refuse(("grid", "method", "width"), "one path or a map (orbits are found by events)", "--orbit")
+
+    def shown(self, options: Options) -> Shown:
+        """The orbit that the start is near, or that its path approaches."""
+        from nonsmooth.analysis.orbits.orbit_error import OrbitError
+        from nonsmooth.reports.system_orbits import UNTIL as ORBIT_UNTIL
+        from nonsmooth.reports.system_orbits import find_system_orbit
+        from nonsmooth.symbolic.scene_error import SceneError
+
+        system = self._load()
+        start = read_start(options.start, system.states)
+        try:
+            return find_system_orbit(system, start, options.until or ORBIT_UNTIL)
+        except OrbitError as error:
+            required = "--from: required a start from which a periodic orbit is found"
+            raise RefusedError(f"{required}, received {options.start}: {error}") from None
+        except SceneError:
+            raise
+        except ValueError as error:
+            raise RefusedError(f"{system.origin}: {error}") from None
+
+
 class SystemStartsMap(SimulationMode):
     """Where N x N starts of a plain switched system in two states have come to, by events."""
 
@@ -153,6 +188,8 @@ class SystemStartsMap(SimulationMode):
 
 def system_mode(options: Options, load: Callable[[], SwitchedSystem]) -> SimulationMode:
     """The mode for a plain system."""
+    if options.orbit:
+        return SystemOrbitMode(load)
     return SystemPathMode(load) if options.grid is None else SystemStartsMap(load)
 
 
@@ -170,6 +207,7 @@ class StartsMap(ArrayMode):
         """All that is for one path."""
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
         options.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
+        _refuse_system_options(options)
 
     def shown(self, options: Options) -> Shown:
         """The ends of a grid of paths."""
@@ -282,7 +320,12 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
     return value
 
 
+def _refuse_system_options(options: Options) -> None:
+    options.refuse(OF_SYSTEMS, "a plain switched system", "an array of wheels")
+
+
 def _refuse_map_options(options: Options) -> None:
+    _refuse_system_options(options)
     options.refuse(("heading",), "--grid", "none")
     if options.law is None:
         options.refuse(("law", "gain"), "--feedback", "none")

@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.switched_field import FacedField, Vector
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.orbits.variation import monodromy
 from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.result import Trajectory
@@ -28,7 +29,7 @@ class Orbit:
         gap: by how much the computed turn fails to close (largest entry).
     """
 
-    field: FacedField
+    field: SignField
     path: Trajectory
     legs: tuple[Leg, ...]
     gap: float

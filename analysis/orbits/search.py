@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import FacedField, Vector
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.shooting import shoot
@@ -26,7 +27,7 @@ PREFERRED = 4.0  # an earlier return is taken unless a later one is so many time
 STANDS = 1e-9  # relative to the size of the states: the extent of a path that stands still
 
 
-def find_orbit(field: FacedField, start: Sequence[float], until: float) -> Orbit:
+def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
     """The periodic orbit that a start is near, or else the one that its path approaches.
 
     Args:
@@ -56,7 +57,7 @@ def find_orbit(field: FacedField, start: Sequence[float], until: float) -> Orbit
     raise OrbitError(refusals[-1])
 
 
-def _require_motion(field: FacedField, legs: Sequence[Leg]) -> None:
+def _require_motion(field: SignField, legs: Sequence[Leg]) -> None:
     """Refuse a path whose second half stands still."""
     late = [leg for leg in legs if leg.end > legs[-1].end / 2]
     places = np.array([x for leg in late for t, x in zip(leg.stretch.times, leg.stretch.states, strict=True)])

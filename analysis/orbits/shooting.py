@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import FacedField, Vector
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.variation import monodromy
@@ -46,7 +47,7 @@ class Turn:
         return float(np.ptp(self.path.array, axis=0).max())
 
 
-def shoot(field: FacedField, x: Vector, period: float) -> Orbit:
+def shoot(field: SignField, x: Vector, period: float) -> Orbit:
     """The periodic orbit beside a turn that nearly closes.
 
     Args:
@@ -73,14 +74,14 @@ def shoot(field: FacedField, x: Vector, period: float) -> Orbit:
     return Orbit(field, turn.path, turn.legs, largest(turn.gap))
 
 
-def _turn(field: FacedField, x: Vector, period: float) -> Turn:
+def _turn(field: SignField, x: Vector, period: float) -> Turn:
     path, legs = follow_legs(field, tuple(x.tolist()), period)
     if not legs or legs[-1].end < period or sum(leg.end - leg.start for leg in legs) < period * (1 - CLOSED):
         raise OrbitError("the path ends within a turn, or its switches accumulate")
     return Turn(path, legs, legs[-1].last - legs[0].first)
 
 
-def _improved(field: FacedField, turn: Turn) -> Turn:
+def _improved(field: SignField, turn: Turn) -> Turn:
     """After one step of Newton's method, cut to where its derivative can be trusted."""
     first = turn.legs[0]
     x, along = first.first, turn.legs[-1].motion(turn.legs[-1].end, turn.legs[-1].last)

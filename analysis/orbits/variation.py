@@ -76,7 +76,9 @@ def saltation(before: Leg, after: Leg, field: FacedField) -> Vector:
     if largest(new - old) <= JUMPS * scale:
         return identity
     if not before.met:
-        raise OrbitError(f"the field jumps at {x.tolist()} where the path meets no surface: its derivative is not known")
+        raise OrbitError(
+            f"the field jumps at {x.tolist()} where the path meets no surface: its derivative is not known"
+        )
     if _surfaces_at(field, x) > len({*map(id, before.motion.face.keep), *map(id, before.met)}):
         raise OrbitError(f"the path meets several surfaces at once at {x.tolist()}: it has no derivative there")
     normal = before.met[0].gradient(x)

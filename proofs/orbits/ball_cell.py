@@ -1,4 +1,4 @@
-"""A cell of a planar system in balls: its field with the Jacobian, its guards with their derivatives along the field."""
+"""A cell of a planar system in balls: its field and Jacobian, its guards and their derivatives along the field."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A family of solutions through a cell, from where it enters to where it leaves, enclosed by balls.
 
 The family is a curve ``x(s)``, ``|s| <= reach``, with ``x(0)`` in a small box and ``x'(s)`` in another: so
-``x(s) = x(0) + x'(.) s`` by the mean value theorem.  Enclosed are the solution from the middle of the small box, and the
+``x(s) = x(0) + x'(.) s`` by the mean value theorem.  Enclosed are the solution from the middle of the small box and the
 derivative Phi of all solutions by their starts.  On arrival at ``e = 0``, each at its own time, the derivative is
 ``Phi - f (grad e . Phi)/(grad e . f)``, which takes both boxes along.  Shown on the way: every guard of the cell is
 positive between entry and arrival, and ``e`` falls through zero once.

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.trajectories.legs import Leg
@@ -58,8 +57,6 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     """
     if len(system.states) != len(PLANE):
         return OrbitProof(None, "return maps are enclosed for two states only")
-    if not isinstance(orbit.field, SignField):
-        return OrbitProof(None, "return maps are enclosed for plain systems only")
     try:
         with precision():
             return _Prover(system, orbit).proof()
@@ -83,7 +80,7 @@ class _Prover:
     def __init__(self, system: SwitchedSystem, orbit: Orbit) -> None:
         self.system, self.orbit = system, orbit
         self.surfaces: Sequence[Polynomial] = system.surfaces(system.coordinates())
-        self.numbers = {id(s): k for k, s in enumerate(orbit.field.surfaces)}  # type: ignore[attr-defined]
+        self.numbers = {id(s): k for k, s in enumerate(orbit.field.surfaces)}
 
     def proof(self) -> OrbitProof:
         """By the return map, or by the ends of the slides."""
@@ -122,9 +119,9 @@ class _Prover:
             raise UnprovedError("slides are followed on straight surfaces only")
         leaving = self._signs(free[0])
         other = tuple(-side if k == number else side for k, side in enumerate(leaving))
-        cells = [BallCell(self.system, self.surfaces, signs) for signs in (leaving, other)]
+        inside, outside = (BallCell(self.system, self.surfaces, signs) for signs in (leaving, other))
         ends: Box = [arb(float(x)) for x in slide.last]
-        return SlideChain(Slide(self.surfaces[number], number, *cells, ends), tuple(self._crossed(free)))
+        return SlideChain(Slide(self.surfaces[number], number, inside, outside, ends), tuple(self._crossed(free)))
 
     def _crossed(self, legs: Sequence[_Part]) -> list[CrossedLeg]:
         """Legs in cells."""

@@ -81,9 +81,7 @@ class ReturnMap:
         return bool(abs(self.image) < self.reach)
 
 
-def proved_maps(
-    legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: Ball
-) -> tuple[ReturnMap, ReturnMap]:
+def proved_maps(legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: Ball) -> tuple[ReturnMap, ReturnMap]:
     """The return map on a short segment and on the longest tried on which it has one fixed point, decided.
 
     Args:
@@ -141,9 +139,7 @@ def _decided(found: ReturnMap) -> ReturnMap:
     return found
 
 
-def return_map(
-    legs: Sequence[CrossedLeg], lasts: Sequence[Ball], point: Box, direction: Box, reach: Ball
-) -> ReturnMap:
+def return_map(legs: Sequence[CrossedLeg], lasts: Sequence[Ball], point: Box, direction: Box, reach: Ball) -> ReturnMap:
     """Enclose the return map.
 
     Raises:

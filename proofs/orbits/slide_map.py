@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from flint import acb, arb
 
-from nonsmooth.proofs.orbits.ball_cell import BallCell, along, dot
+from nonsmooth.proofs.orbits.ball_cell import BallCell, BallGuard, along, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, BallPolynomial, Box, UnprovedError, interval, middle
 from nonsmooth.proofs.orbits.cell_passage import Family, Passage, pass_cell
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, require_crossing
@@ -177,8 +177,13 @@ def _slid(slide: Slide, begin: Ball) -> Ball:
     _require_positive(lambda s: -sense * slide.drift(s)[0], whole)
     for k, guard in enumerate(slide.leaving.guards):
         if k != slide.number:
-            _require_positive(lambda s, g=guard: g.value(slide.point(s)), whole)
+            _require_positive(partial(_value_on, slide, guard), whole)
     return _duration(slide, begin, end)
+
+
+def _value_on(slide: Slide, guard: BallGuard, place: Ball) -> Ball:
+    """Value of a guard at a place of a slide."""
+    return guard.value(slide.point(place))
 
 
 def _last_part(slide: Slide, begin: Ball, end: Ball, sense: int) -> Ball:

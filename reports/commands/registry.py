@@ -44,7 +44,7 @@ COMMANDS = {  # in the order of the help
         "derive four-wheel -o report.html",
     ),
     "simulate": Entry(
-        "Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.",
+        "Follow a Filippov solution or a body with mass, map where many starts end, or find a periodic orbit.",
         "simulate four-wheel --from 0.2,0.4,0 --until 2 -o path.svg",
     ),
     "precision": Entry(

@@ -16,6 +16,7 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption
 PATH = "One path"
 LOOP = "Closed loop of an array"
 MAP = "Map of many starts of an array"
+ORBIT = "Periodic orbit of a plain system"
 BODY = "A body with mass (--method dynamics)"
 
 From = Annotated[
@@ -107,6 +108,15 @@ CompareMasses = Annotated[
         help="With --method dynamics: its distance from each rule's path, for M, M/10, ..., M/10000.",
     ),
 ]
+OrbitOption = Annotated[
+    bool,
+    typer.Option(
+        "--orbit",
+        rich_help_panel=ORBIT,
+        help="The periodic orbit near --from, or that its path approaches until --until (100 unless given): period, "
+        "Floquet multipliers, stability, and whether that is proved.",
+    ),
+]
 Output = Annotated[
     str | None,
     typer.Option(
@@ -135,6 +145,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     mass: Mass = None,
     inertia: Inertia = None,
     compare_masses: CompareMasses = False,
+    orbit: OrbitOption = False,
     output: Output = None,
     rule: RuleOption = None,
     radius: Radius = None,
@@ -142,7 +153,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
-    """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.
+    """Follow a Filippov solution or a body with mass, map where many starts end, or find a periodic orbit.
 
     Exit status: 0 done, 2 bad input.
     """
@@ -166,6 +177,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         mass=mass,
         inertia=inertia,
         compare_masses=compare_masses,
+        orbit=orbit,
         refuse=partial(refuse_given, context),
     )
     films = () if grid is not None or compare_masses else FILMS

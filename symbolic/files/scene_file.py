@@ -80,6 +80,7 @@ _SYSTEMS = (
     "line-of-equilibria",
     "eq-3",
     "eq-4",
+    "stick-slip",
 )
 _VEHICLES = (
     "lynx-wh05",
