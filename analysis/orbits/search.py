@@ -1,7 +1,8 @@
 """Periodic orbits from a start: the one nearby, or else the one that the path approaches.
 
 A path that returns to a small distance from where it began is improved by shooting, whatever its stability.  If it
-does not, it is followed for half of the given time, and what it has come to then is looked at in the same way.
+does not, it is followed for half of the given time, and what it has come to then is looked at in the same way; at last
+the start itself, however far from the orbit.
 """
 
 from __future__ import annotations
@@ -48,13 +49,13 @@ def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
         raise OrbitError(f"the path ends before t = {until:g}, or its switches accumulate")
     _require_motion(field, legs)
     refusals = []
-    for first, within in ((0.0, NEARBY), (until / 2, math.inf)):
+    for first, within in ((0.0, NEARBY), (until / 2, math.inf), (0.0, math.inf)):
         try:
             x, period = _return_after(legs, first, within)
             return _begun_inside(shoot(field, x, period))
         except (OrbitError, TrajectoryError) as error:
             refusals.append(str(error))
-    raise OrbitError(refusals[-1])
+    raise OrbitError(refusals[1])
 
 
 def _require_motion(field: SignField, legs: Sequence[Leg]) -> None:

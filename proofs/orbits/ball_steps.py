@@ -1,7 +1,7 @@
 """Solutions of polynomial differential equations, enclosed by balls: steps of Taylor series with a proved remainder.
 
 For ``z' = F(z)`` let ``c_k(Z)`` be the Taylor coefficients of the solutions from a box Z.  A box B that holds
-``sum_{k<p} c_k(Z) [0, h]^k + c_p(B) [0, h]^p`` holds all solutions from Z for ``0 <= t <= h``, so this sum encloses them
+``sum_{k<p} c_k(Z) [0, h]^k + c_p(B) [0, h]^p`` holds all solutions from Z for ``0 <= t <= h``: it encloses them
 (Corliss & Rihm 1996, "Validating an a priori enclosure using high-order Taylor series"; Moore 1966).
 """
 
