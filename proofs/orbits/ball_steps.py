@@ -110,20 +110,31 @@ class EnclosedStep:
         return [polynomial(time) for polynomial in self._polynomials]
 
 
-def enclosed_step(rates: Rates, start: Box, longest: Ball) -> EnclosedStep:
-    """A step of a length that suits the order, at most the longest one.
+class Expansion:
+    """The Taylor series of all solutions from a box, from which steps of any length are taken.
 
-    Raises:
-        UnprovedError: where even a short one cannot be enclosed.
+    Args:
+        rates: of the differential equation.
+        start: the box.
     """
-    series = expanded(rates, start)
-    span = min(_suitable(series, start), longest)
-    for _ in range(SHORTENINGS):
-        step = _enclosed(rates, series, span)
-        if step is not None:
-            return step
-        span = middle(span * 3 / 4)
-    raise UnprovedError("no step of the path could be enclosed")
+
+    def __init__(self, rates: Rates, start: Box) -> None:
+        self._rates, self._series = rates, expanded(rates, start)
+        self._suitable = _suitable(self._series, start)
+
+    def step(self, longest: Ball) -> EnclosedStep:
+        """A step of a length that suits the order, at most the longest one.
+
+        Raises:
+            UnprovedError: where even a short one cannot be enclosed.
+        """
+        span = min(self._suitable, longest)
+        for _ in range(SHORTENINGS):
+            step = _enclosed(self._rates, self._series, span)
+            if step is not None:
+                return step
+            span = middle(span * 3 / 4)
+        raise UnprovedError("no step of the path could be enclosed")
 
 
 def expanded(rates: Rates, start: Box) -> list[tuple[Ball, ...]]:

@@ -18,8 +18,8 @@ from nonsmooth.proofs.orbits.ball_steps import (
     Ball,
     Box,
     EnclosedStep,
+    Expansion,
     UnprovedError,
-    enclosed_step,
     interval,
     lower,
     middle,
@@ -28,7 +28,7 @@ from nonsmooth.proofs.orbits.ball_steps import (
 
 MOST_STEPS = 400  # through one cell
 PARTS = 7  # halvings of a step, in search of the sign of a guard on all of it
-APPROACHES = 80  # steps that come nearer to an arrival by three quarters each
+APPROACHES = 40  # steps that come nearer to an arrival by three quarters each
 NEWTON = 8  # steps towards a time of arrival
 
 
@@ -92,7 +92,8 @@ class _Crossing:
     """A family while it passes a cell."""
 
     def __init__(self, cell: BallCell, family: Family, entry: int | None, *, tangent: bool) -> None:
-        self.cell, self.family, self.time, self.middle_time = cell, family, arb(0), arb(0)
+        self.cell, self.family, self.time = cell, family, arb(0)
+        self._series: tuple[Expansion, Expansion] | None = None
         box = family.box
         for k, guard in enumerate(cell.guards):
             if k != entry and not guard.value(box) > 0:
@@ -103,11 +104,17 @@ class _Crossing:
 
     def steps(self, longest: Ball) -> tuple[EnclosedStep, EnclosedStep]:
         """The solution from the centre, and all solutions with their derivatives, over one time."""
-        one, zero = arb(1), arb(0)
-        wide = enclosed_step(self.cell.varied_rates, [*self.family.box, one, zero, zero, one], longest)
-        thin = enclosed_step(self.cell.rates, self.family.centre, wide.span)
+        if self._series is None:
+            one, zero = arb(1), arb(0)
+            varied = Expansion(self.cell.varied_rates, [*self.family.box, one, zero, zero, one])
+            self._series = Expansion(self.cell.rates, self.family.centre), varied
+        centre, whole = self._series
+        thin = centre.step(longest)
+        wide = whole.step(thin.span)
+        if wide.span < thin.span:
+            thin = centre.step(wide.span)
         if thin.span < wide.span:
-            return self.steps(thin.span)
+            raise UnprovedError("no step of the path could be enclosed")
         return thin, wide
 
     def advance(self, thin: EnclosedStep, wide: EnclosedStep) -> None:
@@ -116,7 +123,7 @@ class _Crossing:
             self.require_positive(k, wide, wide.span)
         states, derivative = thin.at(thin.span), wide.at(wide.span)[2:]
         self.family = _moved(self.family, states, derivative)
-        self.time = self.time + thin.span
+        self.time, self._series = self.time + thin.span, None
 
     def require_positive(self, number: int, step: EnclosedStep, until: Ball) -> None:
         """Show that a guard is positive all along a step until a time, but for a start at zero."""
@@ -182,10 +189,10 @@ def pass_cell(
     Raises:
         UnprovedError: for what cannot be shown.
     """
-    way = _Crossing(cell, family, entry, tangent=tangent)
+    way, approaches = _Crossing(cell, family, entry, tangent=tangent), 0
     for _ in range(MOST_STEPS):
         left = middle(lasts - way.time)
-        if not left > 0:
+        if not left > 0 or approaches > APPROACHES or not _is_ahead(end, way, left, lasts):
             break
         thin, wide = way.steps(2 * left)
         if wide.span >= 2 * left:
@@ -193,11 +200,15 @@ def pass_cell(
             if found is not None:
                 return found
         if wide.span > left * 3 / 4:
+            approaches += 1
             thin, wide = way.steps(middle(left * 3 / 4))
         way.advance(thin, wide)
-        if left < lasts * arb(2) ** -APPROACHES:
-            break
     raise UnprovedError("the family of paths does not clearly reach the next surface")
+
+
+def _is_ahead(end: BallGuard, way: _Crossing, left: Ball, lasts: Ball) -> bool:
+    """Whether no path of the family can have arrived; late on the way only, as a section may be crossed before."""
+    return bool(left > lasts / 2 or end.value(way.family.box) > 0)
 
 
 def _moved(family: Family, states: Box, derivative: Box) -> Family:

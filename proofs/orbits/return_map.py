@@ -20,7 +20,7 @@ from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell
 REFINEMENTS = 2  # of the point of a float orbit, each doubles its digits
 THIN = -150  # binary digits of the reach with which the point is refined
 # Binary digits of reaches relative to the orbit: tried until one will do, then larger ones until one will not.
-REACHES, LARGER = (-32, -44, -56), (-24, -16, -12, -8, -6, -4)
+REACHES, LARGER = (-32, -44, -56), (-20, -12, -8, -5)
 
 
 @dataclass(frozen=True)

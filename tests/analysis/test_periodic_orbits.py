@@ -112,9 +112,7 @@ def returned(system: ns.System, x: np.ndarray, along: np.ndarray, point: np.ndar
     ],
     ids=["relay of third order", "jump across a line", "stick-slip with a lag"],
 )
-def test_multipliers_are_slopes_of_the_return_map(
-    states: list[str], rhs: list[str], start: tuple[float, ...]
-) -> None:
+def test_multipliers_are_slopes_of_the_return_map(states: list[str], rhs: list[str], start: tuple[float, ...]) -> None:
     """By central differences of paths from starts beside the orbit, across the flow."""
     system, found = ns.System(states, rhs), orbit(states, rhs, start)
     along = found.legs[0].motion(0.0, found.point)

@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
-from nonsmooth.proofs.orbits.ball_steps import enclosed_step, precision
+from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
 from tests.thorough import keep
@@ -35,7 +35,7 @@ def holds(ball: object, value: object) -> bool:
 
 def test_a_step_encloses_a_rotation() -> None:
     with precision():
-        step = enclosed_step(lambda z: [z[1], -z[0]], [arb(1), arb(0)], arb(1))
+        step = Expansion(lambda z: [z[1], -z[0]], [arb(1), arb(0)]).step(arb(1))
         x, y = step.at(step.span)
         assert x.overlaps(step.span.cos()) and y.overlaps(-step.span.sin())
         assert x.rad() < 1e-20
