@@ -208,7 +208,7 @@ def pass_cell(
 
 def _is_ahead(end: BallGuard, way: _Crossing, left: Ball, lasts: Ball) -> bool:
     """Whether no path of the family can have arrived; late on the way only, as a section may be crossed before."""
-    return bool(left > lasts / 2 or end.value(way.family.box) > 0)
+    return bool(left > lasts / 64 or end.value(way.family.box) > 0)
 
 
 def _moved(family: Family, states: Box, derivative: Box) -> Family:
