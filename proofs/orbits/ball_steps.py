@@ -20,6 +20,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 BITS = 160  # of balls
 ORDER = 20  # of a step
 ACCURACY = -80  # binary digits of the last terms of a step, relative to the state
+LOOSEST = 2.0**-56  # the last terms, enclosed over all of a step, may be much larger than at its start
 ENCLOSURES = 2  # attempts to enclose a step, before it is shortened
 ROOM = 2.0**-16  # by which a box is larger than the solutions from it, relative
 SHORTENINGS = 60  # of a step, before enclosing it is given up
@@ -131,7 +132,7 @@ class Expansion:
         span = min(self._suitable, longest)
         for _ in range(SHORTENINGS):
             step = _enclosed(self._rates, self._series, span)
-            if step is not None:
+            if step is not None and all(abs(entry[ORDER]) * span**ORDER < LOOSEST for entry in step.series):
                 return step
             span = middle(span * 3 / 4)
         raise UnprovedError("no step of the path could be enclosed")

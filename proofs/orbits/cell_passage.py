@@ -93,6 +93,7 @@ class _Crossing:
 
     def __init__(self, cell: BallCell, family: Family, entry: int | None, *, tangent: bool) -> None:
         self.cell, self.family, self.time = cell, family, arb(0)
+        self._recent = arb("inf")  # length of the last step
         self._series: tuple[Expansion, Expansion] | None = None
         box = family.box
         for k, guard in enumerate(cell.guards):
@@ -109,7 +110,7 @@ class _Crossing:
             varied = Expansion(self.cell.varied_rates, [*self.family.box, one, zero, zero, one])
             self._series = Expansion(self.cell.rates, self.family.centre), varied
         centre, whole = self._series
-        thin = centre.step(longest)
+        thin = centre.step(min(longest, self._recent * 4 / 3))
         wide = whole.step(thin.span)
         if wide.span < thin.span:
             thin = centre.step(wide.span)
@@ -123,7 +124,7 @@ class _Crossing:
             self.require_positive(k, wide, wide.span)
         states, derivative = thin.at(thin.span), wide.at(wide.span)[2:]
         self.family = _moved(self.family, states, derivative)
-        self.time, self._series = self.time + thin.span, None
+        self.time, self._series, self._recent = self.time + thin.span, None, thin.span
 
     def require_positive(self, number: int, step: EnclosedStep, until: Ball) -> None:
         """Show that a guard is positive all along a step until a time, but for a start at zero."""

@@ -18,6 +18,7 @@ from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, interva
 from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell
 
 REFINEMENTS = 2  # of the point of a float orbit, each doubles its digits
+REFINED = -44  # binary digits of a move after which the point is as good as the shortest segment needs
 THIN = -150  # binary digits of the reach with which the point is refined
 # Binary digits of reaches relative to the orbit: tried until one will do, then larger ones until one will not.
 REACHES, LARGER = (-32, -44, -56), (-20, -12, -8, -5)
@@ -100,6 +101,8 @@ def proved_maps(legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: 
         if not move.is_finite():
             raise UnprovedError("the multiplier is not told apart from one")
         point, lasts = [middle(x + d * middle(move)) for x, d in zip(point, direction, strict=True)], thin.lasts
+        if abs(move) < extent * arb(2) ** REFINED:
+            break
     short = best = _first_proved(legs, lasts, (point, direction), [extent * arb(2) ** digits for digits in REACHES])
     for digits in LARGER:
         reach = extent * arb(2) ** digits

@@ -18,7 +18,7 @@ from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 
 def proved(rhs: Sequence[str], start: Sequence[float], until: float = 100.0) -> tuple[Orbit, OrbitProof]:
@@ -42,6 +42,16 @@ def test_a_step_encloses_a_rotation() -> None:
         assert x.rad() < 1e-20
 
 
+def test_a_smooth_orbit_is_proved_with_its_closed_form() -> None:
+    """In polar coordinates r' = r (1 - r^2), phi' = -1: the unit circle, with the multiplier exp(-4 pi)."""
+    _, proof = proved(["y + x*(1 - x**2 - y**2)", "-x + y*(1 - x**2 - y**2)"], (0.9, 0.1), 40.0)
+    assert proof.attracts is True
+    with mpmath.workdps(DIGITS):
+        assert holds(proof.period, 2 * mpmath.pi)
+        assert holds(proof.multiplier, mpmath.exp(-4 * mpmath.pi))
+
+
+@thorough
 def test_van_der_pol_is_proved() -> None:
     """Existence, period and attraction; digits as in the float test."""
     _, proof = proved(["y", "(1 - x**2)*y - x"], (0.5, 0.0), 60.0)
