@@ -42,6 +42,7 @@ def test_a_step_encloses_a_rotation() -> None:
         assert x.rad() < 1e-20
 
 
+@thorough
 def test_a_smooth_orbit_is_proved_with_its_closed_form() -> None:
     """In polar coordinates r' = r (1 - r^2), phi' = -1: the unit circle, with the multiplier exp(-4 pi)."""
     _, proof = proved(["y + x*(1 - x**2 - y**2)", "-x + y*(1 - x**2 - y**2)"], (0.9, 0.1), 40.0)
