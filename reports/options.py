@@ -69,7 +69,11 @@ def complete_scene(incomplete: str) -> list[str]:
 
     folder = Path(incomplete).parent if "/" in incomplete else Path()
     files = [str(folder / path.name) for path in sorted(folder.glob("*.toml"))]
-    return [name for name in (*builtin_scenes(), *builtin_systems(), *builtin_modes(), *files) if name.startswith(incomplete)]
+    return [
+        name
+        for name in (*builtin_scenes(), *builtin_systems(), *builtin_modes(), *files)
+        if name.startswith(incomplete)
+    ]
 
 
 def complete_vehicle(incomplete: str) -> list[str]:

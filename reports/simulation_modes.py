@@ -19,6 +19,7 @@ from nonsmooth.reports.console import RefusedError, refusals_named
 if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
     from nonsmooth.reports.simulate import PathRun
+    from nonsmooth.symbolic.mode_system import ModeSystem
     from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -30,7 +31,6 @@ OF_LOOPS = ("feedback", "law", "gain")
 OF_MAPS = ("grid", "heading")
 OF_BODIES = ("mass", "inertia", "compare_masses")
 OF_SCENES = ("rule", "radius", "at")
-OF_SYSTEMS = ("orbit",)
 
 Refuse: TypeAlias = Callable[[Collection[str], str, str], None]  # parameters, what is required for them, what is given
 
@@ -49,6 +49,7 @@ class Options:
         gain: of the law.
         mass, inertia, compare_masses: of a body with mass.
         orbit: whether a periodic orbit of a plain system is looked for.
+        mode: the mode in which a path of a system with modes begins.
         refuse: refuses parameters that were given on the command line.
     """
 
@@ -65,6 +66,7 @@ class Options:
     inertia: float | None
     compare_masses: bool
     orbit: bool
+    mode: str | None
     refuse: Refuse
 
     def check(self) -> None:
@@ -112,6 +114,7 @@ class SystemPathMode(SimulationMode):
         options.refuse(("heading",), "an array of wheels", "a plain switched system")
         of_arrays = ("kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
         options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        _refuse_mode(options)
         if options.method is Method.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
 
@@ -142,6 +145,7 @@ class SystemOrbitMode(SimulationMode):
         of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
         options.refuse(of_arrays, "an array of wheels", "a plain switched system")
         options.refuse(("grid", "method", "width"), "one path or a map (orbits are found by events)", "--orbit")
+        _refuse_mode(options)
 
     def shown(self, options: Options) -> Shown:
         """The orbit that the start is near, or that its path approaches."""
@@ -174,6 +178,7 @@ class SystemStartsMap(SimulationMode):
         of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
         options.refuse(of_arrays, "an array of wheels", "a plain switched system")
         options.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
+        _refuse_mode(options)
 
     def shown(self, options: Options) -> Shown:
         """The last places of a grid of paths."""
@@ -191,6 +196,37 @@ def system_mode(options: Options, load: Callable[[], SwitchedSystem]) -> Simulat
     if options.orbit:
         return SystemOrbitMode(load)
     return SystemPathMode(load) if options.grid is None else SystemStartsMap(load)
+
+
+class ModesPathMode(SimulationMode):
+    """One path of a system with modes."""
+
+    def __init__(self, load: Callable[[], ModeSystem]) -> None:
+        self._load = load
+
+    def refuse_others(self, options: Options) -> None:
+        """All that is for arrays and for plain systems without modes."""
+        others = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
+        options.refuse(others, "an array of wheels", "a system with modes")
+        options.refuse(("grid", "method", "width", "orbit"), "a plain switched system", "a system with modes")
+
+    def shown(self, options: Options) -> Shown:
+        """By events, from mode to mode."""
+        from nonsmooth.analysis.trajectories.result import TrajectoryError
+        from nonsmooth.reports.mode_paths import follow_mode_system
+        from nonsmooth.symbolic.scene_error import SceneError
+
+        system = self._load()
+        start = read_start(options.start, system.states)
+        names = [mode.name for mode in system.modes]
+        if options.mode is not None and options.mode not in names:
+            raise RefusedError(f"--mode: required one of {', '.join(names)}, received {options.mode!r}")
+        try:
+            return follow_mode_system(system, start, options.until or SYSTEM_UNTIL, options.mode)
+        except SceneError:
+            raise
+        except (ValueError, TrajectoryError) as error:
+            raise RefusedError(f"{system.origin}: {error}") from None
 
 
 class ArrayMode(SimulationMode):
@@ -321,7 +357,12 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
 
 
 def _refuse_system_options(options: Options) -> None:
-    options.refuse(OF_SYSTEMS, "a plain switched system", "an array of wheels")
+    options.refuse(("orbit",), "a plain switched system", "an array of wheels")
+    options.refuse(("mode",), "a system with modes", "an array of wheels")
+
+
+def _refuse_mode(options: Options) -> None:
+    options.refuse(("mode",), "a system with modes", "a plain switched system")
 
 
 def _refuse_map_options(options: Options) -> None:
