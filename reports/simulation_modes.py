@@ -1,7 +1,8 @@
 """What ``nonsmooth simulate`` can do: its modes, each with the options that are its own.
 
 A mode reads its options, refuses those of other modes in one line, and returns what is shown.  To add one, write a
-class on :class:`SimulationMode` and name it in :func:`array_mode` or :func:`system_mode`.
+class on :class:`SimulationMode` and name it in :func:`array_mode`, or in
+:func:`nonsmooth.reports.system_simulations.system_mode`.
 """
 
 from __future__ import annotations
@@ -19,12 +20,9 @@ from nonsmooth.reports.console import RefusedError, refusals_named
 if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
     from nonsmooth.reports.simulate import PathRun
-    from nonsmooth.symbolic.mode_system import ModeSystem
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 2.0  # last time of a single path, where none is given
-SYSTEM_UNTIL = 10.0  # and of the paths of a map of a plain system
 
 # Parameters of the command by the mode they belong to.
 OF_LOOPS = ("feedback", "law", "gain")
@@ -101,132 +99,6 @@ class SimulationMode(ABC):
         Raises:
             RefusedError: where the scene or the start does not allow it.
         """
-
-
-class SystemPathMode(SimulationMode):
-    """One path of a plain switched system in any number of states."""
-
-    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays."""
-        options.refuse(("heading",), "an array of wheels", "a plain switched system")
-        of_arrays = ("kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
-        _refuse_mode(options)
-        if options.method is Method.DYNAMICS:
-            raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
-
-    def shown(self, options: Options) -> Shown:
-        """By events, hysteresis or smoothing."""
-        from nonsmooth.analysis.trajectories.result import TrajectoryError
-        from nonsmooth.reports.system_paths import follow_system
-        from nonsmooth.symbolic.scene_error import SceneError
-
-        system = self._load()
-        start = read_start(options.start, system.states)
-        try:
-            return follow_system(system, start, options.until or UNTIL, options.method, options.width)
-        except SceneError:
-            raise
-        except (ValueError, TrajectoryError) as error:
-            raise RefusedError(f"{system.origin}: {error}") from None
-
-
-class SystemOrbitMode(SimulationMode):
-    """A periodic orbit of a plain switched system."""
-
-    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays, for maps, and for paths that are followed otherwise than by events."""
-        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
-        options.refuse(("grid", "method", "width"), "one path or a map (orbits are found by events)", "--orbit")
-        _refuse_mode(options)
-
-    def shown(self, options: Options) -> Shown:
-        """The orbit that the start is near, or that its path approaches."""
-        from nonsmooth.analysis.orbits.orbit_error import OrbitError
-        from nonsmooth.reports.system_orbits import UNTIL as ORBIT_UNTIL
-        from nonsmooth.reports.system_orbits import find_system_orbit
-        from nonsmooth.symbolic.scene_error import SceneError
-
-        system = self._load()
-        start = read_start(options.start, system.states)
-        try:
-            return find_system_orbit(system, start, options.until or ORBIT_UNTIL)
-        except OrbitError as error:
-            required = "--from: required a start from which a periodic orbit is found"
-            raise RefusedError(f"{required}, received {options.start}: {error}") from None
-        except SceneError:
-            raise
-        except ValueError as error:
-            raise RefusedError(f"{system.origin}: {error}") from None
-
-
-class SystemStartsMap(SimulationMode):
-    """Where N x N starts of a plain switched system in two states have come to, by events."""
-
-    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays, and for one path."""
-        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
-        options.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
-        _refuse_mode(options)
-
-    def shown(self, options: Options) -> Shown:
-        """The last places of a grid of paths."""
-        from nonsmooth.reports.interface.argument_error import ArgumentError
-        from nonsmooth.reports.interface.map_result import map_system
-
-        try:
-            return map_system(self._load(), options.grid or 0, options.until or SYSTEM_UNTIL).shown
-        except ArgumentError as error:
-            raise RefusedError(f"--{error}") from None
-
-
-def system_mode(options: Options, load: Callable[[], SwitchedSystem]) -> SimulationMode:
-    """The mode for a plain system."""
-    if options.orbit:
-        return SystemOrbitMode(load)
-    return SystemPathMode(load) if options.grid is None else SystemStartsMap(load)
-
-
-class ModesPathMode(SimulationMode):
-    """One path of a system with modes."""
-
-    def __init__(self, load: Callable[[], ModeSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays and for plain systems without modes."""
-        others = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(others, "an array of wheels", "a system with modes")
-        options.refuse(("grid", "method", "width", "orbit"), "a plain switched system", "a system with modes")
-
-    def shown(self, options: Options) -> Shown:
-        """By events, from mode to mode."""
-        from nonsmooth.analysis.trajectories.result import TrajectoryError
-        from nonsmooth.reports.mode_paths import follow_mode_system
-        from nonsmooth.symbolic.scene_error import SceneError
-
-        system = self._load()
-        start = read_start(options.start, system.states)
-        names = [mode.name for mode in system.modes]
-        if options.mode is not None and options.mode not in names:
-            raise RefusedError(f"--mode: required one of {', '.join(names)}, received {options.mode!r}")
-        try:
-            return follow_mode_system(system, start, options.until or SYSTEM_UNTIL, options.mode)
-        except SceneError:
-            raise
-        except (ValueError, TrajectoryError) as error:
-            raise RefusedError(f"{system.origin}: {error}") from None
 
 
 class ArrayMode(SimulationMode):
@@ -359,10 +231,6 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
 def _refuse_system_options(options: Options) -> None:
     options.refuse(("orbit",), "a plain switched system", "an array of wheels")
     options.refuse(("mode",), "a system with modes", "an array of wheels")
-
-
-def _refuse_mode(options: Options) -> None:
-    options.refuse(("mode",), "a system with modes", "a plain switched system")
 
 
 def _refuse_map_options(options: Options) -> None:

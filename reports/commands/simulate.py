@@ -168,7 +168,8 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     from nonsmooth.reports.animation.output import FILMS, require_film
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.shown import show
-    from nonsmooth.reports.simulation_modes import ModesPathMode, Options, SimulationMode, array_mode, system_mode
+    from nonsmooth.reports.simulation_modes import Options, SimulationMode, array_mode
+    from nonsmooth.reports.system_simulations import ModesPathMode, system_mode
     from nonsmooth.symbolic.files.mode_file import holds_modes, load_modes
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.system_file import holds_system, load_system

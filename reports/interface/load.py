@@ -11,7 +11,7 @@ from nonsmooth.symbolic.files.scene_file import read_document
 
 
 def load(source: str | Path) -> Array | System | Modes:
-    """An array, a plain system or a system with modes from a scene file (TOML) or a built-in name; see ``nonsmooth scenes``.
+    """An array, a plain system or one with modes from a scene file (TOML) or a built-in name (``nonsmooth scenes``).
 
     Raises:
         SceneError: for whatever cannot be used.

@@ -138,15 +138,14 @@ class _Reader:
 
     def _system(self, table: ModeTable, path: Path) -> SwitchedSystem:
         """The right-hand sides as a plain system; what is wrong is said of the mode."""
+        if any(isinstance(part, list) for part in table.rhs):
+            expected = "one list of formulas (under arbitrary switching there are no modes)"
+            raise SceneError(self.file, f"{self.key}.rhs", expected, StatedFact("several"))
         rhs = [with_parameters(text, self.texts) for text in table.rhs]
         try:
-            system = build_system({"system": {"states": list(self.states), "rhs": rhs}}, self.file, path)
+            return build_system({"system": {"states": list(self.states), "rhs": rhs}}, self.file, path)
         except SceneError as error:
             raise SceneError(self.file, error.key.replace("system", self.key, 1), error.expected, error.value) from None
-        if system.others:
-            expected = "one list of formulas (arbitrary switching has no modes)"
-            raise SceneError(self.file, f"{self.key}.rhs", expected, StatedFact("several"))
-        return system
 
     def _exit(self, system: SwitchedSystem, target: str, text: object) -> ModeExit:
         key = f"{self.key}.leave.{target}"
