@@ -83,7 +83,10 @@ COMMANDS = {  # in the order of the help
         "Open the workbench: a local page to drag wheels, turn rims and slide friction, with answers within a blink.",
         "workbench four-wheel",
     ),
-    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems, systems with modes, and vehicles.", "scenes"),
+    "scenes": Entry(
+        "List the built-in scenes: arrays of wheels, then plain switched systems, systems with modes, and vehicles.",
+        "scenes",
+    ),
     "rules": Entry(
         "List the contact rules: what each says, and for which hardware it is a good guess.",
         "rules",

@@ -80,8 +80,9 @@ def test_relay_feedback_of_third_order_has_astroms_period_and_multipliers() -> N
 
 
 def test_stick_slip_on_a_belt_is_a_closed_form() -> None:
-    """The built-in scene: the slip from (1, 1/2) is a linear focus, and sticking lasts until x = 1 at speed 1/2 (x from the
-    spring's own length, 5/6 from the scene's)."""
+    """The built-in scene, with x from the spring's own length, 5/6 from the scene's: the slip from (1, 1/2) is a linear
+    focus, and sticking lasts until x = 1 at speed 1/2.
+    """
     found = find_orbit(system_field(ns.load("stick-slip").system, (2.0, 0.0)), (2.0, 0.0), 100.0)
     with mpmath.workdps(DIGITS):
         third = mpmath.mpf(1) / 3

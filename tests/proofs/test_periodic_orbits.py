@@ -76,8 +76,7 @@ def test_a_repelling_orbit_is_proved_with_its_closed_form(damping: str) -> None:
 
 
 def test_stick_slip_is_proved_with_its_closed_form() -> None:
-    """The slip from (1, 1/2) is a linear focus; sticking lasts until x = 1 at speed 1/2 (x from the
-    spring's own length, 5/6 from the scene's)."""
+    """As in the float test: the slip from (1, 1/2) is a linear focus; sticking lasts until x = 1 at speed 1/2."""
     system = ns.load("stick-slip").system
     proof = prove_orbit(system, find_orbit(system_field(system, (2.0, 0.0)), (2.0, 0.0), 100.0))
     with mpmath.workdps(DIGITS):
