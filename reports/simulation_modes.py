@@ -1,7 +1,8 @@
 """What ``nonsmooth simulate`` can do: its modes, each with the options that are its own.
 
 A mode reads its options, refuses those of other modes in one line, and returns what is shown.  To add one, write a
-class on :class:`SimulationMode` and name it in :func:`array_mode` or :func:`system_mode`.
+class on :class:`SimulationMode` and name it in :func:`array_mode`, or in
+:func:`nonsmooth.reports.system_simulations.system_mode`.
 """
 
 from __future__ import annotations
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
     from nonsmooth.reports.simulate import PathRun
     from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 2.0  # last time of a single path, where none is given
-SYSTEM_UNTIL = 10.0  # and of the paths of a map of a plain system
 
 # Parameters of the command by the mode they belong to.
 OF_LOOPS = ("feedback", "law", "gain")
@@ -47,6 +46,8 @@ class Options:
         law: feedback law; None for the open loop.
         gain: of the law.
         mass, inertia, compare_masses: of a body with mass.
+        orbit: whether a periodic orbit of a plain system is looked for.
+        mode: the mode in which a path of a system with modes begins.
         refuse: refuses parameters that were given on the command line.
     """
 
@@ -62,6 +63,8 @@ class Options:
     mass: float | None
     inertia: float | None
     compare_masses: bool
+    orbit: bool
+    mode: str | None
     refuse: Refuse
 
     def check(self) -> None:
@@ -98,64 +101,6 @@ class SimulationMode(ABC):
         """
 
 
-class SystemPathMode(SimulationMode):
-    """One path of a plain switched system in any number of states."""
-
-    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays."""
-        options.refuse(("heading",), "an array of wheels", "a plain switched system")
-        of_arrays = ("kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
-        if options.method is Method.DYNAMICS:
-            raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
-
-    def shown(self, options: Options) -> Shown:
-        """By events, hysteresis or smoothing."""
-        from nonsmooth.analysis.trajectories.result import TrajectoryError
-        from nonsmooth.reports.system_paths import follow_system
-        from nonsmooth.symbolic.scene_error import SceneError
-
-        system = self._load()
-        start = read_start(options.start, system.states)
-        try:
-            return follow_system(system, start, options.until or UNTIL, options.method, options.width)
-        except SceneError:
-            raise
-        except (ValueError, TrajectoryError) as error:
-            raise RefusedError(f"{system.origin}: {error}") from None
-
-
-class SystemStartsMap(SimulationMode):
-    """Where N x N starts of a plain switched system in two states have come to, by events."""
-
-    def __init__(self, load: Callable[[], SwitchedSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays, and for one path."""
-        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
-        options.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
-
-    def shown(self, options: Options) -> Shown:
-        """The last places of a grid of paths."""
-        from nonsmooth.reports.interface.argument_error import ArgumentError
-        from nonsmooth.reports.interface.map_result import map_system
-
-        try:
-            return map_system(self._load(), options.grid or 0, options.until or SYSTEM_UNTIL).shown
-        except ArgumentError as error:
-            raise RefusedError(f"--{error}") from None
-
-
-def system_mode(options: Options, load: Callable[[], SwitchedSystem]) -> SimulationMode:
-    """The mode for a plain system."""
-    return SystemPathMode(load) if options.grid is None else SystemStartsMap(load)
-
-
 class ArrayMode(SimulationMode):
     """A mode of an array of wheels."""
 
@@ -170,6 +115,7 @@ class StartsMap(ArrayMode):
         """All that is for one path."""
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
         options.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
+        _refuse_system_options(options)
 
     def shown(self, options: Options) -> Shown:
         """The ends of a grid of paths."""
@@ -282,7 +228,13 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
     return value
 
 
+def _refuse_system_options(options: Options) -> None:
+    options.refuse(("orbit",), "a plain switched system", "an array of wheels")
+    options.refuse(("mode",), "a system with modes", "an array of wheels")
+
+
 def _refuse_map_options(options: Options) -> None:
+    _refuse_system_options(options)
     options.refuse(("heading",), "--grid", "none")
     if options.law is None:
         options.refuse(("law", "gain"), "--feedback", "none")

@@ -45,6 +45,18 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
     return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
 
 
+def guarded_field(field: SignField, guards: Sequence[Polynomial]) -> tuple[SignField, tuple[Surface, ...]]:
+    """A field with further surfaces, at which nothing switches, and these surfaces: one for each guard."""
+    own = len(field.surfaces)
+    added = {guard: _surface(guard) for guard in guards}
+    surfaces = (*field.surfaces, *added.values())
+
+    def flow(signs: Signs) -> Velocity:
+        return field.flow(signs[:own])
+
+    return SignField(field.states, surfaces, flow, field.size), tuple(added[guard] for guard in guards)
+
+
 def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantField | None:
     """A planar system on its checked square as constant motions on polygons; None where it is not of that kind."""
     cells = system_cells(system, square_regions(system.check.radius))

@@ -34,6 +34,7 @@ class EventKind(StrEnum):
     NONUNIQUE = "nonunique"
     LIMIT = "limit"
     FREE = "free"
+    SWITCH = "switch"  # of a mode to another
 
 
 class EndReason(StrEnum):

@@ -18,6 +18,7 @@ import numpy as np
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, Vector
 from nonsmooth.analysis.trajectories.face_motion import largest
 from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
+from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.loops import LoopMemory
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import (
@@ -68,11 +69,40 @@ def follow_smooth(
         ValueError: for a start outside the domain.
         TrajectoryError: for a violated Lyapunov bound or a state without continuation.
     """
+    atol = ABSOLUTE_TOLERANCE * field.size if atol is None else atol
+    return _begun(field, start, until, watch, (rtol, atol)).follow(max_events)
+
+
+def follow_legs(
+    field: FacedField, start: Sequence[float], until: float, stops: Sequence[Surface] = ()
+) -> tuple[Trajectory, tuple[Leg, ...]]:
+    """The same solution with the motions of its stretches; limits of accumulating switches are no legs.
+
+    Args:
+        field: the field.
+        start: initial state.
+        until: last time.
+        stops: surfaces at which it ends.
+
+    Raises:
+        ValueError, TrajectoryError: as for :func:`follow_smooth`.
+    """
+    path = _begun(field, start, until, None, (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE * field.size))
+    path.stops = tuple(stops)
+    return path.follow(MAX_EVENTS), tuple(path.legs)
+
+
+def _begun(
+    field: FacedField,
+    start: Sequence[float],
+    until: float,
+    watch: LyapunovWatch | None,
+    tolerances: tuple[float, float],
+) -> _SmoothPath:
     x = np.array([float(value) for value in start])
     if not np.isfinite(x).all() or not field.faces_at(x):
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
-    atol = ABSOLUTE_TOLERANCE * field.size if atol is None else atol
-    return _SmoothPath(field, x, until, watch, (rtol, atol)).follow(max_events)
+    return _SmoothPath(field, x, until, watch, tolerances)
 
 
 class _SmoothPath:
@@ -93,6 +123,9 @@ class _SmoothPath:
         self.stalled = 0
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
+        self.legs: list[Leg] = []
+        self.stops: tuple[Surface, ...] = ()
+        self.stopped = False
         self.unique: bool | None = True
         self.method = EXPLICIT
         self.memory = LoopMemory()
@@ -101,7 +134,7 @@ class _SmoothPath:
     def follow(self, max_events: int) -> Trajectory:
         """Face after face."""
         reason = EndReason.TIME
-        while self.time < self.until:
+        while self.time < self.until and not self.stopped:
             choices = face_choices(self.field, self.faces, self.time, self.x)
             if not choices and not self.field.on_border(self.x):
                 raise TrajectoryError(f"no Filippov continuation found at t = {self.time:.6g}, {self.x.tolist()}")
@@ -128,7 +161,9 @@ class _SmoothPath:
             raise TrajectoryError(f"no progress at t = {self.time:.6g}, {self.x.tolist()}: please report this")
         self._add(_piece(stretch, face))
         self._arrive(float(stretch.times[-1]), stretch.end, [*face.keep, *stretch.met])
-        if stretch.met and not face.keep:
+        self.legs.append(Leg(choice.motion, stretch, self.x))
+        self.stopped = any(surface in self.stops for surface in stretch.met)
+        if stretch.met and not face.keep and not self.stopped:
             self._look_for_limits(face, stretch.met[0])
 
     def _look_for_limits(self, face: Face, surface: Surface) -> None:

@@ -55,11 +55,14 @@ class Stretch:
 
     def state_since_start(self, time: Any) -> tuple[float, ...]:
         """State a time after the start."""
-        t = self.times[0] + float(time)
+        return tuple(self.state_at(self.times[0] + float(time)).tolist())
+
+    def state_at(self, t: float) -> Vector:
+        """State at a time of the path."""
         k = bisect_right(self.times, t) - 1
         if k >= len(self.interpolants):
-            return tuple(self.states[-1].tolist())
-        return tuple(self.states[k].tolist()) if t == self.times[k] else tuple(self.interpolants[k](t).tolist())
+            return self.states[-1]
+        return self.states[k] if t == self.times[k] else self.interpolants[k](t)
 
 
 class _LateInterpolant:

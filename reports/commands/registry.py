@@ -44,7 +44,7 @@ COMMANDS = {  # in the order of the help
         "derive four-wheel -o report.html",
     ),
     "simulate": Entry(
-        "Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.",
+        "Follow a Filippov solution or a body with mass, map where many starts end, or find a periodic orbit.",
         "simulate four-wheel --from 0.2,0.4,0 --until 2 -o path.svg",
     ),
     "precision": Entry(
@@ -83,7 +83,10 @@ COMMANDS = {  # in the order of the help
         "Open the workbench: a local page to drag wheels, turn rims and slide friction, with answers within a blink.",
         "workbench four-wheel",
     ),
-    "scenes": Entry("List the built-in scenes: arrays of wheels, then plain switched systems and vehicles.", "scenes"),
+    "scenes": Entry(
+        "List the built-in scenes: arrays of wheels, then plain switched systems, systems with modes, and vehicles.",
+        "scenes",
+    ),
     "rules": Entry(
         "List the contact rules: what each says, and for which hardware it is a good guess.",
         "rules",

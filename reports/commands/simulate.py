@@ -16,6 +16,8 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption
 PATH = "One path"
 LOOP = "Closed loop of an array"
 MAP = "Map of many starts of an array"
+MODES = "Path of a system with modes"
+ORBIT = "Periodic orbit of a plain system"
 BODY = "A body with mass (--method dynamics)"
 
 From = Annotated[
@@ -107,6 +109,21 @@ CompareMasses = Annotated[
         help="With --method dynamics: its distance from each rule's path, for M, M/10, ..., M/10000.",
     ),
 ]
+OrbitOption = Annotated[
+    bool,
+    typer.Option(
+        "--orbit",
+        rich_help_panel=ORBIT,
+        help="The periodic orbit near --from, or that its path approaches until --until (100 unless given): period, "
+        "Floquet multipliers, stability, and whether that is proved.",
+    ),
+]
+ModeOption = Annotated[
+    str | None,
+    typer.Option(
+        "--mode", rich_help_panel=MODES, metavar="NAME", help="The mode it begins in; the first unless given."
+    ),
+]
 Output = Annotated[
     str | None,
     typer.Option(
@@ -135,6 +152,8 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     mass: Mass = None,
     inertia: Inertia = None,
     compare_masses: CompareMasses = False,
+    orbit: OrbitOption = False,
+    mode: ModeOption = None,
     output: Output = None,
     rule: RuleOption = None,
     radius: Radius = None,
@@ -142,14 +161,16 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
-    """Follow a Filippov solution, or a body with mass, or map where many starts end; say what is not unique.
+    """Follow a Filippov solution or a body with mass, map where many starts end, or find a periodic orbit.
 
     Exit status: 0 done, 2 bad input.
     """
     from nonsmooth.reports.animation.output import FILMS, require_film
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.shown import show
-    from nonsmooth.reports.simulation_modes import Options, SimulationMode, array_mode, system_mode
+    from nonsmooth.reports.simulation_modes import Options, SimulationMode, array_mode
+    from nonsmooth.reports.system_simulations import ModesPathMode, system_mode
+    from nonsmooth.symbolic.files.mode_file import holds_modes, load_modes
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.system_file import holds_system, load_system
 
@@ -166,17 +187,23 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         mass=mass,
         inertia=inertia,
         compare_masses=compare_masses,
+        orbit=orbit,
+        mode=mode,
         refuse=partial(refuse_given, context),
     )
     films = () if grid is not None or compare_masses else FILMS
     path = None if output is None else output_path(output, (".csv", ".json", *PICTURES, *films))
     options.check()
-    if holds_system(scene):
-        mode: SimulationMode = system_mode(options, partial(load_system, scene))
+    plain = holds_system(scene)
+    run: SimulationMode
+    if holds_modes(scene):
+        run = ModesPathMode(partial(load_modes, scene))
+    elif plain:
+        run = system_mode(options, partial(load_system, scene))
     else:
         load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
-        mode = array_mode(options, load)
-    mode.refuse_others(options)
-    require_film(path, is_array=not holds_system(scene))
-    show(mode.shown(options), path, json=json)
+        run = array_mode(options, load)
+    run.refuse_others(options)
+    require_film(path, is_array=not plain)
+    show(run.shown(options), path, json=json)
     return 0

@@ -23,13 +23,15 @@ MESH = 160  # points in a row at which a switching function is evaluated
 MARGIN = 0.15  # of the larger side of the path's box, around it
 
 
-def phase_plane_figure(system: SwitchedSystem, field: SignField, trajectory: Trajectory, suffix: str) -> bytes:
+def phase_plane_figure(
+    system: SwitchedSystem, field: SignField, trajectory: Trajectory, suffix: str, title: str = ""
+) -> bytes:
     """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(system, field, trajectory), suffix)
+    return figure_bytes(lambda: build_figure(system, field, trajectory, title), suffix)
 
 
-def build_figure(system: SwitchedSystem, field: SignField, trajectory: Trajectory) -> Figure:
-    """The picture as a Matplotlib figure."""
+def build_figure(system: SwitchedSystem, field: SignField, trajectory: Trajectory, title: str = "") -> Figure:
+    """The picture as a Matplotlib figure; its title names the method unless one is given."""
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
@@ -43,8 +45,9 @@ def build_figure(system: SwitchedSystem, field: SignField, trajectory: Trajector
     if planar:
         _draw_plane(figure.add_subplot(grid[:, 1]), system, field, trajectory)
         others = [Line2D([], [], color=SURFACE, linestyle="--", label="switching surface")]
-    title = f"{one_line(system.name)}: method {trajectory.method}"
-    figure.suptitle(title, fontsize="medium", parse_math=False)
+    figure.suptitle(
+        title or f"{one_line(system.name)}: method {trajectory.method}", fontsize="medium", parse_math=False
+    )
     explain(figure, trajectory, others if field.surfaces else ())
     return figure
 

@@ -19,6 +19,7 @@ from nonsmooth.reports.choices import Method
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.mode_paths import ShownModePath
 from nonsmooth.reports.shown import file_bytes
 from nonsmooth.reports.simulate import POSE, PathRun, ShownTrajectory, follow, loop_of
 from nonsmooth.reports.smooth_paths import SmoothPath
@@ -52,7 +53,7 @@ class PathResult(Tabular):
 
     name: str
     states: tuple[str, ...]
-    shown: ShownTrajectory | SmoothPath | SystemPath | ShownPath | DrivenPath
+    shown: ShownTrajectory | SmoothPath | SystemPath | ShownModePath | ShownPath | DrivenPath
     scene: Scene | None = None
 
     @property

@@ -12,12 +12,14 @@ from nonsmooth.reports.interface.entries import entry, table
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.map_result import MapResult
+    from nonsmooth.reports.interface.orbit_result import OrbitResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 10.0
+ORBIT_UNTIL = 100.0
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -149,6 +151,23 @@ class System:
         place = tuple(float(value) for value in start)
         path = follow_system(self.system, place, until, Method(method), width)
         return PathResult(self.system.name, tuple(self.system.states), path)
+
+    def orbit(self, start: Sequence[float], until: float = ORBIT_UNTIL) -> OrbitResult:
+        """The periodic orbit that a start is near, or else the one that its path approaches.
+
+        Of two states the orbit and its stability are proved where balls allow; else they are computed only.
+
+        Args:
+            start: one number for each state.
+            until: for how long the path is followed; twice the time of approach and two periods at least.
+
+        Raises:
+            OrbitError: (a ValueError) where no periodic orbit is found, with the reason.
+            SceneError: for arbitrary switching.
+        """
+        from nonsmooth.reports.interface.orbit_result import orbit_of
+
+        return orbit_of(self.system, tuple(float(value) for value in start), until)
 
     def map(self, grid: int = 21, *, until: float = UNTIL) -> MapResult:
         """Where a grid of starts over the checked square has come to, sampled.

@@ -34,6 +34,7 @@ __all__ = [
     "SceneError",
     "build_scene",
     "builtin_descriptions",
+    "builtin_modes",
     "builtin_scenes",
     "builtin_systems",
     "builtin_vehicles",
@@ -80,7 +81,9 @@ _SYSTEMS = (
     "line-of-equilibria",
     "eq-3",
     "eq-4",
+    "stick-slip",
 )
+_MODES = ("thermostat",)
 _VEHICLES = (
     "lynx-wh05",
     "jackal",
@@ -103,6 +106,11 @@ def builtin_scenes() -> tuple[str, ...]:
 def builtin_systems() -> tuple[str, ...]:
     """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.system_file`)."""
     return _SYSTEMS
+
+
+def builtin_modes() -> tuple[str, ...]:
+    """Names of the built-in systems with modes (see :mod:`nonsmooth.symbolic.files.mode_file`)."""
+    return _MODES
 
 
 def builtin_vehicles() -> tuple[str, ...]:
@@ -172,6 +180,8 @@ def _path(source: str | Path) -> Path:
         return _SCENES / f"{source}.toml"
     if isinstance(source, str) and source in _SYSTEMS:
         return _SCENES / "systems" / f"{source}.toml"
+    if isinstance(source, str) and source in _MODES:
+        return _SCENES / "modes" / f"{source}.toml"
     if isinstance(source, str) and source in _VEHICLES:
         return _SCENES / "vehicles" / f"{source}.toml"
     return Path(source)
@@ -192,7 +202,7 @@ def _read_toml(path: Path, file: str) -> dict[str, Any]:
 
 def _wanted(file: str) -> str:
     """What a missing scene should have been."""
-    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS, *_VEHICLES), 2) or _BUILTIN[:2]
+    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS, *_MODES, *_VEHICLES), 2) or _BUILTIN[:2]
     return f"a scene file or a built-in scene such as {' or '.join(close)}"
 
 

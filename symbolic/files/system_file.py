@@ -37,12 +37,12 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem, SystemCheck
 
 MAX_STATES = 8
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
-_RESERVED = {*NUMBERS, *SWITCHES}
+RESERVED = {*NUMBERS, *SWITCHES}
 
 
 def is_state(value: object) -> bool:
     """Whether a value can name a state."""
-    return isinstance(value, str) and _STATE.fullmatch(value) is not None and value not in _RESERVED
+    return isinstance(value, str) and _STATE.fullmatch(value) is not None and value not in RESERVED
 
 
 def read_states(value: object) -> tuple[str, ...]:
@@ -180,9 +180,12 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
     Raises:
         SceneError: for whatever cannot be used.
     """
+    if "mode" in data:
+        expected = "a Filippov system, [system] rhs (verdicts are about such; modes are for simulate)"
+        raise SceneError(file, "mode", expected, StatedFact("modes"))
     document = validate(SystemDocument, data, file)
     states, check = document.system.states, document.check
-    texts = parameter_texts(document.system.parameters, {*states, *_RESERVED}, file)
+    texts = parameter_texts(document.system.parameters, {*states, *RESERVED}, file)
     rhs, *others = _right_hand_sides(document.system.rhs, states, file, texts)
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)

@@ -72,6 +72,17 @@ def test_two_masses_on_a_belt(tmp_path: Path, seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
+def test_three_masses_on_a_belt(tmp_path: Path, seed: int) -> None:
+    """Sliding of codimension three is left on time too."""
+    system, start = random_stick_slip(seed, masses=3)
+    times, end = reference_events(system, start, UNTIL)
+    path = follow(tmp_path, "xvywzu", system.formulas(), [float(v) for v in start], UNTIL)
+    assert event_times(path) == pytest.approx([float(t) for t in times], abs=EVENT_ERROR)
+    assert path.end.state == pytest.approx([float(v) for v in end], abs=EVENT_ERROR)
+    assert path.unique
+
+
+@pytest.mark.parametrize("seed", range(20))
 def test_central_weights_against_a_linear_program(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for _ in range(20):

@@ -33,6 +33,7 @@ LITERAL: dict[str, Callable[[float, float], tuple[float, float]]] = {
         ROOT_HALF * np.sign(x) * (np.sign(y**2 - x**2) - 1),
         -ROOT_HALF * np.sign(y) * (np.sign(y**2 - x**2) + 1),
     ),
+    "stick-slip": lambda x, v: (v, -5 / 6 - x - np.sign(v - 0.5) * (1 - abs(v - 0.5) / 3)),
 }
 
 
@@ -50,7 +51,7 @@ def test_relays_may_ask_for_patterns_without_a_cell() -> None:
         assert np.isfinite(field.flow(signs)(0.0, np.array([0.1, 0.2]))).all()
 
 
-@pytest.mark.parametrize("name", [name for name in builtin_systems() if name != "flower"])
+@pytest.mark.parametrize("name", [name for name in builtin_systems() if name not in {"flower", "stick-slip"}])
 def test_constant_systems_have_closed_forms(name: str) -> None:
     scene = load_system(name)
     smooth, exact = system_field(scene), constant_system(scene, exact=True)

@@ -443,7 +443,7 @@ def test_modes_by_sign_pattern(name: str) -> None:
     """Only patterns that occur are kept, and at random points each gives the field of the formulas."""
     scene = load_system(name)
     surfaces, modes = fields_by_signs(scene)
-    expected = {"eq-3": 8, "eq-4": 8, "flower": 4, "escaping-slide": 2, "line-of-equilibria": 2}
+    expected = {"eq-3": 8, "eq-4": 8, "flower": 4, "escaping-slide": 2, "line-of-equilibria": 2, "stick-slip": 2}
     assert len(modes) == expected.get(name, 4)
     rng = np.random.default_rng(9)
     for x, y in rng.normal(size=(40, 2)):

@@ -1,0 +1,120 @@
+"""Periodic orbits from a start: the one nearby, or else the one that the path approaches.
+
+A path that returns to a small distance from where it began is improved by shooting, whatever its stability.  If it
+does not, it is followed for half of the given time, and what it has come to then is looked at in the same way; at last
+the start itself, however far from the orbit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.orbits.orbit import Orbit
+from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.shooting import shoot
+from nonsmooth.analysis.trajectories.guards import find_root
+from nonsmooth.analysis.trajectories.legs import Leg
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.smooth import follow_legs
+
+NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
+RETURNS = 12  # that are compared: an orbit may pass the section several times in a turn
+PREFERRED = 4.0  # an earlier return is taken unless a later one is so many times nearer
+STANDS = 1e-9  # relative to the size of the states: the extent of a path that stands still
+
+
+def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
+    """The periodic orbit that a start is near, or else the one that its path approaches.
+
+    Args:
+        field: the field.
+        start: initial state.
+        until: time for which the path is followed; twice the time of approach and two periods at least.
+
+    Raises:
+        OrbitError: where none is found, with the reason.
+        ValueError: for a start outside the domain.
+    """
+    try:
+        _, legs = follow_legs(field, start, until)
+    except TrajectoryError as error:
+        raise OrbitError(f"the path cannot be followed: {error}") from None
+    legs = tuple(leg for leg in legs if leg.end > leg.start)
+    if not legs or legs[-1].end < until:
+        raise OrbitError(f"the path ends before t = {until:g}, or its switches accumulate")
+    _require_motion(field, legs)
+    refusals = []
+    for first, within in ((0.0, NEARBY), (until / 2, math.inf), (0.0, math.inf)):
+        try:
+            x, period = _return_after(legs, first, within)
+            return _begun_inside(shoot(field, x, period))
+        except (OrbitError, TrajectoryError) as error:
+            refusals.append(str(error))
+    raise OrbitError(refusals[1])
+
+
+def _require_motion(field: SignField, legs: Sequence[Leg]) -> None:
+    """Refuse a path whose second half stands still."""
+    late = [leg for leg in legs if leg.end > legs[-1].end / 2]
+    places = np.array([x for leg in late for t, x in zip(leg.stretch.times, leg.stretch.states, strict=True)])
+    if float(np.ptp(places[1:], axis=0).max(initial=0.0)) <= STANDS * field.size:
+        raise OrbitError("the path comes to rest, not to a periodic orbit")
+
+
+def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Vector, float]:
+    """A state soon after a time, and when the path returns to it.
+
+    Raises:
+        OrbitError: where it does not, to a part ``within`` of the extent of the path from there on.
+    """
+    later = [leg for leg in legs if leg.end > time]
+    leg = later[0]
+    moment = max(time, leg.start) if time else leg.start
+    x = leg.at(moment)
+    along = leg.motion(moment, x)
+    returns = _returns(later, x, along, moment)
+    extent = float(np.ptp(np.array([other.last for other in later] + [x]), axis=0).max())
+    near = [(t, distance) for t, distance in returns if distance <= within * extent]
+    if not near:
+        raise OrbitError(
+            f"no return to {np.round(x, 6).tolist()} until t = {legs[-1].end:g}: required a start nearer to the orbit, "
+            "or a later --until"
+        )
+    least = min(distance for _, distance in near)
+    return x, next(t for t, distance in near if distance <= PREFERRED * least) - moment
+
+
+def _returns(legs: Sequence[Leg], x: Vector, along: Vector, moment: float) -> list[tuple[float, float]]:
+    """Times at which the path crosses the section ``along . (y - x) = 0`` forward, with the distance from x."""
+    found: list[tuple[float, float]] = []
+    previous: tuple[float, float] | None = None
+    for leg in legs:
+        for t in leg.stretch.times:
+            if t <= (moment if previous is None else previous[0]):
+                continue
+            height = float(along @ (leg.at(t) - x))
+            if previous is not None and previous[1] < 0 <= height:
+                crossed = _crossing(leg, x, along, previous, (t, height))
+                found.append((crossed, float(np.linalg.norm(leg.at(crossed) - x))))
+                if len(found) >= RETURNS:
+                    return found
+            previous = (t, height)
+    return found
+
+
+def _crossing(leg: Leg, x: Vector, along: Vector, before: tuple[float, float], after: tuple[float, float]) -> float:
+    """Time of a crossing between two steps of a leg; heights are turned, as roots are looked for from above."""
+    return find_root(lambda t: -float(along @ (leg.at(t) - x)), (before[0], -before[1]), (after[0], -after[1]))
+
+
+def _begun_inside(orbit: Orbit) -> Orbit:
+    """The same orbit, begun in the middle of its longest leg in a cell, else of its longest leg."""
+    legs = orbit.legs
+    longest = max(legs, key=lambda leg: (not leg.motion.face.keep, leg.end - leg.start))
+    middle = longest.at((longest.start + longest.end) / 2)
+    return shoot(orbit.field, middle, orbit.period)

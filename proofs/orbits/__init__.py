@@ -1,0 +1,1 @@
+"""Periodic orbits of planar systems, proved: return maps enclosed by balls."""

@@ -1,0 +1,222 @@
+"""A periodic orbit that slides, proved by the point in which its slide ends.
+
+A slide along a straight surface ends where the field of one side becomes tangent to it.  That point does not depend on
+where the slide began: if the solution from it comes back to a stretch of the surface along which both sides push, and
+from which one slides to that point again, it is periodic.  Every neighbour reaches the same stretch, so all come onto
+the orbit in finite time: its Floquet multiplier is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+from flint import acb, arb
+
+from nonsmooth.proofs.orbits.ball_cell import BallCell, BallGuard, along, dot
+from nonsmooth.proofs.orbits.ball_steps import Ball, BallPolynomial, Box, UnprovedError, interval, middle
+from nonsmooth.proofs.orbits.cell_passage import Family, Passage, pass_cell
+from nonsmooth.proofs.orbits.return_map import CrossedLeg, require_crossing
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+NEAR_END = range(-40, 0, 2)  # binary digits of the radius in which the end of a slide is looked for
+NEWTON = 8
+PARTS = 12  # halvings of a slide, in search of the sign of a speed on all of it
+LAST_PART = 20  # halvings of a slide, in search of a last part on which a speed rises to zero
+
+OnLine = Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A slide along a straight surface, which ends where one side's field becomes tangent.
+
+    Attributes:
+        surface: the switching function, of degree one.
+        number: its number.
+        leaving: the cell into which the path leaves.
+        other: the cell on the other side.
+        ends: where it ends, nearly.
+    """
+
+    surface: Polynomial
+    number: int
+    leaving: BallCell
+    other: BallCell
+    ends: Box
+
+    @cached_property
+    def normal(self) -> Box:
+        """Gradient of the switching function."""
+        point = [arb(0), arb(0)]
+        return [BallPolynomial(self.surface.derivative(name))(point) for name in self.surface.variables]
+
+    @cached_property
+    def tangent(self) -> Box:
+        """Direction of the line."""
+        return [-self.normal[1], self.normal[0]]
+
+    @cached_property
+    def foot(self) -> Box:
+        """The point of the line nearest to the origin."""
+        share = BallPolynomial(self.surface)([arb(0), arb(0)]) / dot(self.normal, self.normal)
+        return [-share * n for n in self.normal]
+
+    def point(self, place: Any) -> Box:
+        """The point at a place along the line."""
+        return [p + place * e for p, e in zip(self.foot, self.tangent, strict=True)]
+
+    def place(self, point: Box) -> Ball:
+        """Where on the line a point of it lies."""
+        away = [x - p for x, p in zip(point, self.foot, strict=True)]
+        return dot(self.tangent, away) / dot(self.tangent, self.tangent)
+
+    def push(self, cell: BallCell, place: Any) -> Any:
+        """Speed away from the line into a side's own cell: negative where it pushes onto the line."""
+        return cell.guards[self.number].slope(self.point(place))
+
+    @cached_property
+    def bend(self) -> OnLine:
+        """Derivative of the leaving side's push along the line."""
+        guard = self.surface * self.leaving.signs[self.number]
+        push = along(self.leaving.field, guard)
+        slopes = [BallPolynomial(push.derivative(name)) for name in push.variables]
+        return lambda place: dot([slope(self.point(place)) for slope in slopes], self.tangent)
+
+    def drift(self, place: Any) -> tuple[Any, Any]:
+        """Numerator and denominator of the sliding speed along the line, in places per time.
+
+        With pushes p and q of two fields f and g the sliding field is ``(q f + p g)/(p + q)``.
+        """
+        p, q = self.push(self.leaving, place), self.push(self.other, place)
+        point = self.point(place)
+        first, second = (dot(self.tangent, cell.rates(point)) for cell in (self.leaving, self.other))
+        return q * first + p * second, (p + q) * dot(self.tangent, self.tangent)
+
+    @cached_property
+    def end_place(self) -> Ball:
+        """Where along the line the slide ends: a zero of the leaving side's push, enclosed.
+
+        Raises:
+            UnprovedError: where that is not shown.
+        """
+        start = middle(self.place(self.ends))
+        for digits in NEAR_END:
+            place = arb(start, arb(2) ** digits)
+            following = start - self.push(self.leaving, start) / self.bend(place)
+            if following.is_finite() and place.contains_interior(following):
+                for _ in range(NEWTON):
+                    here = middle(following)
+                    following = here - self.push(self.leaving, here) / self.bend(following)
+                return following
+        raise UnprovedError("the end of a slide is not where one field alone becomes tangent to its surface")
+
+
+@dataclass(frozen=True)
+class SlideChain:
+    """A slide and what follows it until the next slide begins.
+
+    Attributes:
+        slide: the slide.
+        legs: the legs in cells after it.
+    """
+
+    slide: Slide
+    legs: tuple[CrossedLeg, ...]
+
+
+def proved_period(chains: Sequence[SlideChain]) -> Ball:
+    """The period of the orbit of some slides that follow each other in a circle.
+
+    Raises:
+        UnprovedError: for what cannot be shown.
+    """
+    period = arb(0)
+    for chain, following in zip(chains, [*chains[1:], *chains[:1]], strict=True):
+        passage, time = _flown(chain)
+        begin = following.slide.place(passage.arrival)
+        period = period + time + _slid(following.slide, begin)
+    return period
+
+
+def _flown(chain: SlideChain) -> tuple[Passage, Ball]:
+    """From the end of a slide to the surface of the next, and how long that takes."""
+    slide = chain.slide
+    exact = slide.point(slide.end_place)
+    centre = [middle(x) for x in exact]
+    nothing = [arb(0), arb(0)]
+    family = Family(centre, [x - c for x, c in zip(exact, centre, strict=True)], nothing, arb(0))
+    time, passage = arb(0), None
+    for k, leg in enumerate(chain.legs):
+        if leg.leaves is None:
+            raise UnprovedError("a leg of the orbit ends on no switching surface")
+        entry = slide.number if leg.entry is None else leg.entry
+        end = leg.cell.guards[leg.leaves]
+        passage = pass_cell(leg.cell, family, end, leg.lasts, entry=entry, leaves=leg.leaves, tangent=not k)
+        family, time = passage.family, time + passage.time
+        if k + 1 < len(chain.legs):
+            require_crossing(leg.cell, chain.legs[k + 1].cell, leg.leaves, passage.arrival)
+    if passage is None:
+        raise UnprovedError("a slide is followed by another at once")
+    return passage, time
+
+
+def _slid(slide: Slide, begin: Ball) -> Ball:
+    """Time of a slide from a place to its end, with all that makes it one."""
+    end = slide.end_place
+    sense = 1 if end > begin else -1
+    if not sense * (end - begin) > 0:
+        raise UnprovedError("a slide may begin where it ends")
+    whole = interval(begin, end)
+    last = _last_part(slide, begin, end, sense)
+    _require_positive(lambda s: -slide.push(slide.leaving, s), interval(begin, last))
+    _require_positive(lambda s: -slide.push(slide.other, s), whole)
+    # both pushes are negative, and so are numerator and denominator of a drift towards larger places
+    _require_positive(lambda s: -sense * slide.drift(s)[0], whole)
+    for k, guard in enumerate(slide.leaving.guards):
+        if k != slide.number:
+            _require_positive(partial(_value_on, slide, guard), whole)
+    return _duration(slide, begin, end)
+
+
+def _value_on(slide: Slide, guard: BallGuard, place: Ball) -> Ball:
+    """Value of a guard at a place of a slide."""
+    return guard.value(slide.point(place))
+
+
+def _last_part(slide: Slide, begin: Ball, end: Ball, sense: int) -> Ball:
+    """A place from which on the leaving side's push rises to its zero at the end."""
+    for k in range(1, LAST_PART):
+        place = middle(end + (begin - end) * arb(2) ** -k)
+        if sense * slide.bend(interval(place, end)) > 0:
+            return place
+    raise UnprovedError("it is not clear how a slide ends")
+
+
+def _require_positive(value: OnLine, whole: Ball) -> None:
+    """Show that a function is positive on an interval.
+
+    Raises:
+        UnprovedError: where that is not clear.
+    """
+    waiting = [(arb(whole.lower()), arb(whole.upper()), 0)]
+    while waiting:
+        low, high, depth = waiting.pop()
+        if value(interval(low, high)) > 0:
+            continue
+        if depth >= PARTS:
+            raise UnprovedError("it is not clear that both sides push onto the surface all along a slide")
+        half = middle((low + high) / 2)
+        waiting += [(low, half, depth + 1), (half, high, depth + 1)]
+
+
+def _duration(slide: Slide, begin: Ball, end: Ball) -> Ball:
+    """``int ds / drift``."""
+
+    def per_place(place: Any, _: bool) -> Any:
+        speed, scale = slide.drift(place)
+        return scale / speed
+
+    return arb(acb.integral(per_place, acb(begin), acb(end)).real)

@@ -1,0 +1,156 @@
+"""The command ``simulate --orbit``: a periodic orbit of a plain switched system, its multipliers and what is proved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.orbits.orbit import Orbit
+from nonsmooth.analysis.orbits.search import find_orbit
+from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
+from nonsmooth.reports.simulate import sample_lines
+from nonsmooth.reports.terminal import two_columns
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+SCHEMA = "nonsmooth-orbit/1"
+UNTIL = 100.0  # for how long a path is followed in search of an orbit
+DIGITS = 15  # of enclosures
+NOTHING = 1e-9  # a multiplier below, which is what rounding leaves of zero, is shown as zero
+
+
+@dataclass(frozen=True)
+class SystemOrbit:
+    """A periodic orbit of a plain system.
+
+    Attributes:
+        system: the system.
+        orbit: found by floats.
+        proof: what balls have shown of it.
+    """
+
+    system: SwitchedSystem
+    orbit: Orbit
+    proof: OrbitProof
+
+    @property
+    def stability(self) -> str:
+        """``attracting``, ``repelling``, ``saddle`` or ``neutral``: proved, or by the multipliers as computed."""
+        if self.proof.is_proved:
+            return "attracting" if self.proof.attracts else "repelling"
+        return self.orbit.stability
+
+    @property
+    def multipliers(self) -> list[complex]:
+        """The Floquet multipliers beside the one along the orbit, what rounding leaves of zero as zero."""
+        return [complex(value) if abs(value) > NOTHING else 0j for value in self.orbit.multipliers]
+
+    def record(self) -> dict[str, Any]:
+        """JSON with stable keys."""
+        path, proof = self.orbit.path.record(), self.proof
+        entry = {
+            "schema": SCHEMA,
+            "scene": self.system.name,
+            "states": list(self.system.states),
+            "period": self.orbit.period,
+            "multipliers": [[value.real, value.imag] for value in self.multipliers],
+            "stability": self.stability,
+            "proved": proof.is_proved,
+            "reason": proof.reason,
+            "segment": self._segment(),
+            "slides": self.orbit.slides,
+            "gap": self.orbit.gap,
+            "unique": path["unique"],
+            **{key: path[key] for key in ("t", "state", "events", "pieces")},
+        }
+        if proof.is_proved:
+            entry["exact"] = {"period": _ball(proof.period), "multipliers": [_ball(proof.multiplier)]}
+        return entry
+
+    def _segment(self) -> dict[str, Any] | None:
+        """The segment of a return map that was enclosed."""
+        found = self.proof.segment
+        if found is None:
+            return None
+        return {
+            "point": [float(x) for x in found.point],
+            "direction": [float(x) for x in found.direction],
+            "half_width": float(found.reach.mid()),
+            "into_itself": found.into_itself,
+        }
+
+    def lines(self) -> Iterable[Iterable[Any]]:
+        """Time and states of every sample of one turn."""
+        return sample_lines(self.orbit.path, self.system.states)
+
+    def picture(self, suffix: str) -> bytes:
+        """One turn: the states over time, and of two states the orbit over the switching surfaces."""
+        from nonsmooth.reports.figures.phase_plane import phase_plane_figure
+
+        title = f"{one_line(self.system.name)}: {self.summary()}"
+        return phase_plane_figure(self.system, self.orbit.field, self.orbit.path, suffix, title)
+
+    def summary(self) -> str:
+        """Period and stability."""
+        said = "proved" if self.proof.is_proved else "computed, not proved"
+        return f"periodic orbit, period {float_text(self.orbit.period)}, {self.stability} ({said})"
+
+    def view(self) -> RenderableType:
+        """What a terminal shows."""
+        rows = two_columns()
+        for name, text in self.words():
+            rows.add_row(Text(name), Text(text))
+        return Group(Text(f"{one_line(self.system.name)}: periodic orbit of {', '.join(self.system.states)}"), rows)
+
+    def words(self) -> list[tuple[str, str]]:
+        """What is said, by name."""
+        orbit, proof = self.orbit, self.proof
+        point = ", ".join(f"{s} = {x:.10g}" for s, x in zip(self.system.states, orbit.point, strict=True))
+        pieces = [f"{p.place or 'everywhere'} for {float(p.end - p.start):.6g}" for p in orbit.path.pieces]
+        multipliers = ", ".join(map(_complex_text, self.multipliers))
+        enclosed = proof.is_proved
+        said = "proved" if enclosed else "computed, not proved"
+        rows = [
+            ("period", f"{orbit.period:.12g}" + (f", proved {_ball(proof.period)}" if enclosed else "")),
+            ("multipliers", multipliers + (f", proved {_ball(proof.multiplier)}" if enclosed else "")),
+            ("stability", f"{self.stability}, {said}: {proof.reason}"),
+            ("through", point),
+            ("turn", "; ".join(pieces)),
+        ]
+        if orbit.path.unique is not True:
+            rows.append(("not unique", "other solutions may branch off along the turn"))
+        return rows
+
+
+def find_system_orbit(system: SwitchedSystem, start: tuple[float, ...], until: float) -> SystemOrbit:
+    """Find a periodic orbit and try to prove it.
+
+    Args:
+        system: without arbitrary switching.
+        start: near the orbit, or such that its path approaches the orbit.
+        until: for how long that path is followed.
+
+    Raises:
+        OrbitError: where no periodic orbit is found.
+        ValueError: for a switching function without a gradient where it vanishes.
+        SceneError: for formulas that are no polynomials where the solution goes.
+    """
+    orbit = find_orbit(system_field(system, start), start, until)
+    _ = orbit.multipliers  # refused at once where they do not exist
+    return SystemOrbit(system, orbit, prove_orbit(system, orbit))
+
+
+def _ball(ball: Any) -> str:
+    return str(ball.str(DIGITS))
+
+
+def _complex_text(value: complex) -> str:
+    if not value.imag:
+        return f"{value.real:.10g}"
+    return f"{value.real:.10g} {'+' if value.imag > 0 else '-'} {abs(value.imag):.10g}i"

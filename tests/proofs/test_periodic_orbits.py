@@ -1,0 +1,140 @@
+"""Proofs of periodic orbits, against closed forms at 40 digits and paths of random systems."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb
+
+import nonsmooth as ns
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.orbits.orbit import Orbit
+from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.search import find_orbit
+from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
+from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
+from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
+from tests.thorough import keep, thorough
+
+
+def proved(rhs: Sequence[str], start: Sequence[float], until: float = 100.0) -> tuple[Orbit, OrbitProof]:
+    system = ns.System(["x", "y"], rhs).system
+    orbit = find_orbit(system_field(system, start), start, until)
+    return orbit, prove_orbit(system, orbit)
+
+
+def holds(ball: object, value: object) -> bool:
+    """Whether a ball holds a number of 40 digits, up to the digits of that number."""
+    text = mpmath.nstr(value, 35)
+    return bool(arb(text, 1e-30).overlaps(ball))
+
+
+def test_a_step_encloses_a_rotation() -> None:
+    with precision():
+        step = Expansion(lambda z: [z[1], -z[0]], [arb(1), arb(0)]).step(arb(1))
+        x, y = step.at(step.span)
+        assert x.overlaps(step.span.cos())
+        assert y.overlaps(-step.span.sin())
+        assert x.rad() < 1e-20
+
+
+@thorough
+def test_a_smooth_orbit_is_proved_with_its_closed_form() -> None:
+    """In polar coordinates r' = r (1 - r^2), phi' = -1: the unit circle, with the multiplier exp(-4 pi)."""
+    _, proof = proved(["y + x*(1 - x**2 - y**2)", "-x + y*(1 - x**2 - y**2)"], (0.9, 0.1), 40.0)
+    assert proof.attracts is True
+    with mpmath.workdps(DIGITS):
+        assert holds(proof.period, 2 * mpmath.pi)
+        assert holds(proof.multiplier, mpmath.exp(-4 * mpmath.pi))
+
+
+@thorough
+def test_van_der_pol_is_proved() -> None:
+    """Existence, period and attraction; digits as in the float test."""
+    _, proof = proved(["y", "(1 - x**2)*y - x"], (0.5, 0.0), 60.0)
+    assert proof.attracts is True
+    assert proof.segment is not None
+    assert proof.segment.into_itself
+    assert holds(proof.period, mpmath.mpf("6.6632868593231301896996820305"))
+
+
+@pytest.mark.parametrize("damping", ["1/10", "1/5"])
+def test_a_repelling_orbit_is_proved_with_its_closed_form(damping: str) -> None:
+    """Period 2 pi/w and multiplier exp(pi d/w), see the float test."""
+    _, proof = proved(["y", f"-x + {damping}*y - {damping}*sign(y)"], (2.5, 0.0), 12.0)
+    with mpmath.workdps(DIGITS):
+        d = mpmath.mpf(1) / int(damping.removeprefix("1/"))
+        w = mpmath.sqrt(1 - d * d / 4)
+        period, multiplier = 2 * mpmath.pi / w, mpmath.exp(mpmath.pi * d / w)
+    assert proof.attracts is False
+    assert holds(proof.period, period)
+    assert holds(proof.multiplier, multiplier)
+
+
+def test_stick_slip_is_proved_with_its_closed_form() -> None:
+    """As in the float test: the slip from (1, 1/2) is a linear focus; sticking lasts until x = 1 at speed 1/2."""
+    system = ns.load("stick-slip").system
+    proof = prove_orbit(system, find_orbit(system_field(system, (2.0, 0.0)), (2.0, 0.0), 100.0))
+    with mpmath.workdps(DIGITS):
+        third, half = mpmath.mpf(1) / 3, mpmath.mpf(1) / 2
+        slip = Motion([[0, 1], [-1, third]], [0, 1 - third / 2])
+        time, back = arrival(slip, mpmath.matrix([1, half]), (0, 1), half, 5)
+        period = time + (1 - back[0]) * 2
+    assert proof.attracts is True
+    assert holds(proof.period, period)
+    assert proof.period.rad() < 1e-13
+
+
+def test_what_cannot_be_proved_is_left_open() -> None:
+    _, neutral = proved(["sign(y)", "-sign(x)"], (0.5, 0.3), 20.0)
+    assert not neutral.is_proved
+    assert "one" in neutral.reason
+    system = ns.System(["x", "y", "z"], ["y", "z", "-2*y - 2*z - sign(x)"]).system
+    spatial = prove_orbit(system, find_orbit(system_field(system, (0.5, 0, 0)), (0.5, 0, 0), 100.0))
+    assert not spatial.is_proved
+    assert "two states" in spatial.reason
+
+
+def random_system(seed: int) -> list[str]:
+    """Two foci on either side of a line, one or both expanding, with a relay: many have an orbit."""
+    rng = np.random.default_rng(seed)
+    a, b = (int(v) for v in rng.integers(-3, 4, 2))
+    c, d = (int(v) for v in rng.integers(1, 5, 2))
+    return [
+        f"y + {a}/20*x + {int(rng.integers(-2, 3))}/10*sign(x)",
+        f"-x*{c}/2 + {b}/20*y - y*Abs(x)*{d}/40 + {int(rng.integers(-3, 4))}/10*sign(y)",
+    ]
+
+
+@pytest.mark.parametrize("seed", keep(8, range(60)))
+def test_random_proofs_agree_with_paths(seed: int) -> None:
+    """A start beside a proved orbit is nearer after a turn where it attracts, and farther where it repels; and the
+    slope of the return map by two such starts lies by the enclosed one.
+    """
+    rhs = random_system(seed)
+    try:
+        orbit, proof = proved(rhs, (1.0, 0.3), 60.0)
+    except OrbitError:
+        return
+    if not proof.is_proved:
+        return
+    assert holds(proof.period, mpmath.mpf(orbit.period)) or abs(float(proof.period.mid()) - orbit.period) < 1e-9
+    system = ns.System(["x", "y"], rhs)
+    along = orbit.legs[0].motion(0.0, orbit.point)
+    normal = np.array([-along[1], along[0]]) / math.hypot(*along)
+    step, ends = 1e-5, []
+    for sense in (1, -1):
+        path = system.simulate((orbit.point + sense * step * normal).tolist(), 1.1 * orbit.period).trajectory
+        low, high = 0.9 * orbit.period, 1.1 * orbit.period
+        for _ in range(70):
+            middle = (low + high) / 2
+            beyond = along @ (np.array(path.at(middle)) - orbit.point) >= 0
+            low, high = (low, middle) if beyond else (middle, high)
+        ends.append(float(normal @ (np.array(path.at(high)) - orbit.point)))
+    slope = (ends[0] - ends[1]) / (2 * step)
+    assert (abs(slope) < 1) == proof.attracts
+    assert slope == pytest.approx(float(proof.multiplier.mid()), abs=1e-3)
