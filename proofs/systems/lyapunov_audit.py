@@ -24,6 +24,7 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import domains
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
@@ -136,7 +137,12 @@ def _result(scene: Scene | SwitchedSystem, lyapunov: str, result: LyapunovResult
         Decrease.REFUTED: (AuditVerdict.INVALID, None),
         Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
     }[result.verdict]
-    return AuditResult(scene, lyapunov, verdict, proves, result.reason, _named(result.witness), result)
+    reason = result.reason
+    if result.verdict is Decrease.WEAK and isinstance(scene, SwitchedSystem):
+        staying = decide_staying(result.cells)
+        reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
+        proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
+    return AuditResult(scene, lyapunov, verdict, proves, reason, _named(result.witness), result)
 
 
 def _named(witness: Refutation | None) -> Refutation | None:

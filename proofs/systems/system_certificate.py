@@ -12,9 +12,10 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -9,12 +9,13 @@ from collections.abc import Iterator
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line

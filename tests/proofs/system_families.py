@@ -90,6 +90,13 @@ def friction_and_saturation() -> Iterator[Known]:
     yield Known("saturated double integrator", ("y", f"-{saturated('x + y')}"), ATTRACTS, "linear near the point")
     yield Known("saturation of low level", ("y", f"-{saturated('x + y', '1/10')}"), ATTRACTS, "linear near the point")
     yield Known("saturated, positive feedback", ("y", saturated("x + y")), LEAVES, "linear near the point")
+    yield Known("cubic friction", ("y", "-x - y**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("relay and cubic friction", ("y", "-sign(x) - y**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("relay and drag", ("y", "-sign(x) - y*Abs(y)"), ATTRACTS, "energy, LaSalle")
+    yield Known("hard spring and cubic friction", ("y", "-x**3 - y**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("cubic friction at one side", ("y", "-x - Max(y, 0)**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("friction beyond a dead zone", ("y", "-x - Max(y - 1/8, 0)"), STAYS, "closed orbits within")
+    yield Known("weak Coulomb friction", ("y", "-x/2 - sign(y)/100"), STAYS, "an interval of rest")
     yield Known("anti-windup", (f"-x + {saturated('y')}", "-x"), ATTRACTS, "linear near the point")
 
 

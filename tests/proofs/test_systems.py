@@ -17,11 +17,12 @@ from hypothesis import strategies as st
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.cells.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
 from nonsmooth.proofs.inequalities.ladder import Interval
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.lyapunov_audit import audit
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult, system_check
+from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
