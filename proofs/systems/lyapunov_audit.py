@@ -22,6 +22,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 )
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import domains
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
@@ -119,6 +120,7 @@ def audited_cells(scene: Scene | SwitchedSystem, lyapunov: str) -> tuple[Lyapuno
 
 def _field_cells(scene: Scene | SwitchedSystem, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
     if isinstance(scene, SwitchedSystem):
+        require_denominators(scene)
         return system_cells(scene, domains(scene, lyapunov)[0])
     if not isinstance(rule_of(scene), CellRule):
         return None

@@ -33,6 +33,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.conclusion import Method, conclude
 from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
+from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
@@ -157,7 +158,7 @@ class SystemResult(ShortRepr):
 
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
         """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
-        found = _rays(cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
+        found = _rays(self.scene, cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
         fan = self.fan is None or self.fan.fan.recompute()
         leading = self.leading is None or self.leading == decide_leading_terms(self.scene)
         return fan and leading and found == (self.rays, self.equilibrium, self.everywhere)
@@ -177,10 +178,11 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     """Decide the stability of a plain system's equilibrium.
 
     Raises:
-        SceneError: for formulas that cannot be used on some cell.
+        SceneError: for formulas that cannot be used on some cell, and for denominators that may vanish.
     """
+    require_denominators(scene)
     cells = plane_cells(scene)
-    rays = _rays(cells)
+    rays = _rays(scene, cells)
     holds = decide_equilibrium(cells)
     regions = domains(scene, scene.check.lyapunov)
     reported = examine(scene_cells(scene, regions[0]))
@@ -238,7 +240,7 @@ def _reach(
     if searched is None and domain.radius != scene.check.radius:
         region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
     region = region or largest_sublevel(certificate.cells, domain.radius)
-    return region, decay_rate(certificate.cells)
+    return region, None if scene.scale else decay_rate(certificate.cells)  # a scaled field has another rate
 
 
 def _cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
@@ -330,8 +332,13 @@ def _examined(
         yield examine(scene_cells(scene, regions))
 
 
-def _rays(cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
-    """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other."""
+def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
+    """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other.
+
+    Right-hand sides that only enclose the field show none: what one of them allows, the field need not.
+    """
+    if scene.waves:
+        return ()
     near = conic_germ(cells)
     return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(cells))
 
