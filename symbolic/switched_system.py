@@ -174,7 +174,9 @@ def require_plane(system: SwitchedSystem) -> None:
         SceneError: for such a system.
     """
     if len(system.states) != len(PLANE):
-        expected = "two states (stability is decided for planar systems only)"
+        expected = "two states"
+        if len(system.states) > len(PLANE):
+            expected += " (stability is decided in one or two)"
         raise SceneError(system.origin, "system.states", expected, list(system.states))
 
 
@@ -186,6 +188,8 @@ def require_single(system: SwitchedSystem) -> None:
     """
     if system.others:
         expected = "one right-hand side (under arbitrary switching only stability is decided)"
+        if system.waves:
+            expected = "formulas without sin and cos of states (with them stability is decided and solutions followed)"
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
 
 
