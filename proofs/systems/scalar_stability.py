@@ -235,7 +235,7 @@ def _is_positive(scene: SwitchedSystem, formula: PiecewiseExpression, turn: int)
     blank = (formula,)
     asked = SwitchedSystem(scene.name, scene.field, scene.states, blank, scene.check, scene.source)
     marks = _marks(asked, turn)
-    ends = [scene.check.radius, Fraction(0), *(m.low for m in marks), *(m.high for m in marks)]
+    ends: list[Number | Fraction] = [scene.check.radius, Fraction(0), *(m.low for m in marks), *(m.high for m in marks)]
     pieces = [(place, asked.velocity(_sign_at_or_one(place), [_distance(asked, turn)])[0]) for place in ends]
     return all(_value(p, place).sign() > 0 for place, p in pieces) and not any(
         not m.sign_of(_dense(p)) for m in marks for _, p in pieces

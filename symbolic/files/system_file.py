@@ -7,7 +7,7 @@ Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -16,9 +16,11 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
+from nonsmooth.symbolic.enclosures import has_waves
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import split_intervals
 from nonsmooth.symbolic.files.parameters import parameter_texts, read_parameters, with_parameters
+from nonsmooth.symbolic.files.region_tables import RegionTable, regions_as_formulas
 from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
@@ -85,10 +87,10 @@ def read_numbers(value: object) -> tuple[Exact, ...]:
 
 
 class SystemTable(Table):
-    """``[system]``: the states, one right-hand side for each, and numbers that stand in them by name."""
+    """``[system]``: the states, one right-hand side for each (or ``[[region]]`` tables), and named numbers in them."""
 
     states: Annotated[tuple[str, ...], PlainValidator(read_states)]
-    rhs: Annotated[tuple[object, ...], PlainValidator(read_formulas)]
+    rhs: Annotated[tuple[object, ...] | None, PlainValidator(read_formulas)] = None
     parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
 
 
@@ -106,6 +108,7 @@ class SystemDocument(Table):
     name: Name = None
     description: Name = None
     system: SystemTable
+    region: tuple[RegionTable, ...] = ()
     check: SystemCheckTable = SystemCheckTable()
 
 
@@ -188,8 +191,8 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
     states, check = document.system.states, document.check
     single, intervals = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *_RESERVED}, file)
-    parameter_texts({name: ends[0] for name, ends in intervals.items()}, {*states, *_RESERVED}, file)
-    stated = _stated(document.system.rhs, states, file)
+    ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *_RESERVED}, file)
+    stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
     clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
@@ -214,6 +217,27 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         for side in (1, -1):
             _try_pieces(member, side)
     return system
+
+
+def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:
+    """The right-hand sides, or what the region tables say.
+
+    Raises:
+        SceneError: for neither, for both, and for tables that cannot be used.
+    """
+    states, rhs = document.system.states, document.system.rhs
+    if (rhs is None) is not bool(document.region):
+        received = StatedFact("both" if document.region else "neither")
+        raise SceneError(file, "system.rhs", "formulas, or [[region]] tables", received)
+    if rhs is not None:
+        return rhs
+
+    def check(formula: object, key: str) -> None:
+        complete = with_parameters(formula, texts)
+        if not has_waves(complete):
+            parse_lyapunov(complete, states, file, key)
+
+    return regions_as_formulas(document.region, states, check, file)
 
 
 def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> dict[str, tuple[object, ...]]:
