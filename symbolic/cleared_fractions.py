@@ -86,8 +86,12 @@ class Clearing:
         )
 
     def _moves(self, node: ast.AST) -> bool:
-        """Whether a part holds a state."""
-        return any(isinstance(part, ast.Name) and part.id in self.states for part in ast.walk(node))
+        """Whether a part holds a state outside of ``sign``: elsewhere it is a number on each cell."""
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SIGNS:
+            return False
+        if isinstance(node, ast.Name):
+            return node.id in self.states
+        return any(map(self._moves, ast.iter_child_nodes(node)))
 
     def _fraction(self, node: ast.expr, text: str) -> Fraction:
         if not any(isinstance(n, ast.BinOp) and isinstance(n.op, ast.Div) and self._moves(n) for n in ast.walk(node)):

@@ -77,7 +77,7 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         system: in two states.
         turn: what is done to the cells first: nothing, or time reversed.
     """
-    curved = has_curves(system)
+    curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
     budget = Budget(WORK // 2 if curved else WORK)
     for scale in SCALES[:2] if curved else SCALES:
         radius = system.check.radius * scale
@@ -97,7 +97,7 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
     first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
     yield quadratic
-    if system.others:
+    if system.others and not system.waves:  # what encloses one field needs no more than that
         yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
     if lines:
         yield first

@@ -86,9 +86,22 @@ def _cleared(
     try:
         cleared = clearing.clear(every)
     except ExpressionError as error:
-        raise SceneError(file, lists[0][0], requirement(error), StatedFact(_received(error))) from None
+        raise SceneError(
+            file, _refused_key(lists, clearing), requirement(error), StatedFact(_received(error))
+        ) from None
     rest = iter(cleared.formulas)
     return [(key, tuple(next(rest) for _ in side)) for key, side in lists], cleared.denominators, cleared.scale
+
+
+def _refused_key(lists: Sequence[tuple[str, tuple[object, ...]]], clearing: Clearing) -> str:
+    """The key of the first formula that cannot be cleared."""
+    for key, formulas in lists:
+        for j, formula in enumerate(formulas, 1):
+            try:
+                clearing.clear((formula,))
+            except ExpressionError:
+                return f"{key}[{j}]"
+    return lists[0][0]
 
 
 def _received(error: ExpressionError) -> str:

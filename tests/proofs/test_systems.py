@@ -259,7 +259,7 @@ MALFORMED = [
     ('system = 3', "system", "a table"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "z"]', "system.rhs[2]", "required"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", true]', "system.rhs[2]", "formula"),
-    ('[system]\nstates = ["x", "y"]\nrhs = ["x/y", "y"]', "system.rhs[1]", "no division by a state"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x/y", "y"]', "system.rhs[1]", "denominators that are not zero"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["1/(1 + sign(x))", "y"]', "system.rhs[1]", "finite"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x**9*y**9", "y"]', "system.rhs[1]", "degree"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nlyapunov = "x**2 + z"', "check.lyapunov", "required"),
