@@ -12,6 +12,7 @@ from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.systems.scalar_stability import ScalarResult
     from nonsmooth.proofs.systems.system_stability import SystemResult
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
@@ -86,7 +87,7 @@ def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
 
 
-def write_system_certificate(result: SystemResult, path: Path) -> None:
+def write_system_certificate(result: SystemResult | ScalarResult, path: Path) -> None:
     """The certificate of a plain system.
 
     Raises:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answers import answers_of, exit_status, full_answers
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.decision import decide_system
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.console import BAD_INPUT, UNDECIDED
@@ -95,7 +95,7 @@ def _array_line(scene: Scene, required: Sequence[str], *, prune: bool, records: 
 
 
 def _system_line(scene: SwitchedSystem) -> Line:
-    result = verified(system_check(scene))
+    result = verified(decide_system(scene))
     return Line(scene.origin, NONE, (str(result.verdict),), NONE, "", result.exit_status, system_record(result))
 
 

@@ -10,6 +10,8 @@ from rich.text import Text
 
 from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
+from nonsmooth.proofs.systems.scalar_facts import scalar_facts
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import audit_facts, system_facts
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.reports.exact_record import Record, with_exact
@@ -22,12 +24,17 @@ from nonsmooth.symbolic.scene_error import one_line
 AUDIT_SCHEMA = "nonsmooth-audit/1"
 
 
-def system_record(result: SystemResult) -> Record:
+def facts_of(result: SystemResult | ScalarResult) -> Iterable[Fact]:
+    """The facts of a verdict in one state or in two."""
+    return scalar_facts(result) if isinstance(result, ScalarResult) else system_facts(result)
+
+
+def system_record(result: SystemResult | ScalarResult) -> Record:
     """The verdict on a plain system."""
     scene = result.scene
     head = {"schema": CHECK_SCHEMA, "scene": scene.name, "states": list(scene.states)}
     radius = with_exact({"radius": scene.check.radius})
-    return {**head, **radius, **fact_record(system_facts(result)), "notes": list(angle_notes(scene.field))}
+    return {**head, **radius, **fact_record(facts_of(result)), "notes": list(angle_notes(scene.field))}
 
 
 def audit_record(result: AuditResult) -> Record:
@@ -35,11 +42,11 @@ def audit_record(result: AuditResult) -> Record:
     return {"schema": AUDIT_SCHEMA, "scene": result.scene.name, **fact_record(audit_facts(result))}
 
 
-def system_view(result: SystemResult) -> RenderableType:
+def system_view(result: SystemResult | ScalarResult) -> RenderableType:
     """The verdict with the V that proves it, or else what the scene's V shows, and the ladder of derivatives."""
     scene = result.scene
     head = f"{one_line(scene.name)}: plain switched system in {', '.join(scene.states)}"
-    return Group(Text(head), _rows(system_facts(result)), *notes_lines(scene.field))
+    return Group(Text(head), _rows(facts_of(result)), *notes_lines(scene.field))
 
 
 def audit_view(result: AuditResult) -> RenderableType:

@@ -81,3 +81,15 @@ def _lines(factor: Polynomial) -> tuple[int, list[Polynomial]]:
     if not root:
         return a.sign(), []
     return a.sign(), [x - y * ((-b + root) / (2 * a)), x - y * ((-b - root) / (2 * a))]
+
+
+def divides(factor: Polynomial, polynomial: Polynomial) -> bool | None:
+    """Whether a polynomial over Q is a multiple of a factor over Q; None for irrational coefficients."""
+    context = fmpq_mpoly_ctx.get(polynomial.variables, Ordering.lex)
+    exact = []
+    for part in (factor, polynomial):
+        known = {e: c.as_rational() for e, c in part.terms.items()}
+        if any(q is None for q in known.values()):
+            return None
+        exact.append(context.from_dict({e: q for e, q in known.items() if q is not None}))
+    return not exact[1] % exact[0]

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 
+from nonsmooth.symbolic.enclosures import Wave
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
@@ -63,6 +64,11 @@ class SwitchedSystem(ShortRepr):
         check: what is checked.
         source: where it came from (a file or a built-in name).
         others: further right-hand sides; the field is any of them, or any mixture, at any time (arbitrary switching).
+        written: the formulas as they were stated, where the right-hand sides are not these but scaled (fractions) or
+            enclose them (sines and cosines of states); empty otherwise.
+        waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
+        denominators: formulas that must be positive on the checked square.
+        scale: the positive factor by which the stated fields were multiplied; None without fractions.
     """
 
     name: str
@@ -72,11 +78,15 @@ class SwitchedSystem(ShortRepr):
     check: SystemCheck
     source: str = ""
     others: tuple[tuple[PiecewiseExpression, ...], ...] = ()
+    written: tuple[tuple[str, ...], ...] = ()
+    waves: tuple[Wave, ...] = ()
+    denominators: tuple[PiecewiseExpression, ...] = ()
+    scale: PiecewiseExpression | None = None
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
         """One system for each right-hand side."""
-        return tuple(replace(self, rhs=rhs, others=()) for rhs in (self.rhs, *self.others))
+        return tuple(replace(self, rhs=rhs, others=(), waves=()) for rhs in (self.rhs, *self.others))
 
     @property
     def origin(self) -> str:
@@ -164,7 +174,9 @@ def require_plane(system: SwitchedSystem) -> None:
         SceneError: for such a system.
     """
     if len(system.states) != len(PLANE):
-        expected = "two states (stability is decided for planar systems only)"
+        expected = "two states"
+        if len(system.states) > len(PLANE):
+            expected += " (stability is decided in one or two)"
         raise SceneError(system.origin, "system.states", expected, list(system.states))
 
 
@@ -176,6 +188,8 @@ def require_single(system: SwitchedSystem) -> None:
     """
     if system.others:
         expected = "one right-hand side (under arbitrary switching only stability is decided)"
+        if system.waves:
+            expected = "formulas without sin and cos of states (with them stability is decided and solutions followed)"
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
 
 

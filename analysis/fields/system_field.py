@@ -13,6 +13,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_co
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single, signs_by_factors
 
 
@@ -31,13 +32,16 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         SceneError: for formulas with too many switching surfaces, or that are no polynomials, and for arbitrary
             switching.
     """
-    require_single(system)
+    if len(system.written) != 1:
+        require_single(system)
     states = system.displaced(system.states) if centred else system.coordinates()
     surfaces = system.surfaces(states)
 
     @cache
     def flow(signs: Signs) -> Velocity:
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        if system.written:
+            return _as_stated(system, sign_of, states)
         value = _Polynomials(system.velocity(sign_of, states))
         return lambda t, x: value(x)
 
@@ -55,6 +59,29 @@ def guarded_field(field: SignField, guards: Sequence[Polynomial]) -> tuple[SignF
         return field.flow(signs[:own])
 
     return SignField(field.states, surfaces, flow, field.size), tuple(added[guard] for guard in guards)
+
+
+def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Velocity:
+    """The stated field from right-hand sides that are scaled, or enclose it.
+
+    With enclosed sines it is their mixture with the weights that give each sine its value.
+    """
+    named = dict(zip(system.states, states, strict=True))
+    members = _Polynomials([part for member in system.members for part in member.velocity(sign_of, states)])
+    arguments = [parse_piecewise(w.argument, system.states).polynomial(named, sign_of) for w in system.waves]
+    inner = _Polynomials(arguments) if arguments else None
+    scale = _Polynomials([system.scale.polynomial(named, sign_of)]) if system.scale is not None else None
+    shape = len(system.members), len(system.states)
+
+    def velocity(t: float, x: Vector) -> Vector:
+        weights: Vector = np.ones(1)
+        for wave, v in zip(system.waves, inner(x) if inner is not None else (), strict=True):
+            e = wave.weight(float(v))
+            weights = np.asarray(np.kron(weights, [1.0 - e, e]), dtype=float)
+        value = weights @ members(x).reshape(shape)
+        return np.asarray(value if scale is None else value / scale(x)[0])
+
+    return velocity
 
 
 def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantField | None:

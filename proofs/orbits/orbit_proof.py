@@ -57,6 +57,8 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     """
     if len(system.states) != len(PLANE):
         return OrbitProof(None, "return maps are enclosed for two states only")
+    if system.written:
+        return OrbitProof(None, "return maps are enclosed for polynomial right-hand sides only")
     try:
         with precision():
             return _Prover(system, orbit).proof()

@@ -55,20 +55,20 @@ class BorderPart:
 def border_parts(cells: Sequence[FieldCell]) -> Iterator[BorderPart]:
     """All parts of straight borders across which the field changes."""
     for first, second in combinations(cells, 2):
-        if first.velocities == second.velocities or _are_parted(first, second):
+        if first.velocities == second.velocities or are_parted(first, second):
             continue
         for edge in common_edges(first.region, second.region):
             yield from _parts(first, second, edge)
 
 
-def _are_parted(first: FieldCell, second: FieldCell) -> bool:
+def are_parted(first: FieldCell, second: FieldCell) -> bool:
     """Whether two cells lie on two sides of a curve."""
     return any(not g + h for g in first.region.guards for h in second.region.guards)
 
 
 def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[BorderPart]:
     a, b, _ = outer(*edge)  # positive inside the first cell
-    normal = [[_along(f * a + g * b, edge) for f, g in cell.velocities] for cell in (first, second)]
+    normal = [[along_edge(f * a + g * b, edge) for f, g in cell.velocities] for cell in (first, second)]
     curves = [curve for side in normal for curve in side if curve]
     roots = separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
     ends: list[tuple[Point, bool]] = [(_end(edge[0]), True), *(_root_point(r, edge) for r in roots)]
@@ -108,7 +108,7 @@ def _kind(first: set[int], second: set[int]) -> BorderKind:
     return BorderKind.CROSSING
 
 
-def _along(polynomial: Polynomial, edge: Segment) -> Coefficients:
+def along_edge(polynomial: Polynomial, edge: Segment) -> Coefficients:
     """A polynomial at ``g + t h``, times a positive power of w; ascending in t."""
     terms, top = in_generators(polynomial.homogenized().terms, list(edge)), polynomial.degree
     return trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)])

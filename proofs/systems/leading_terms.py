@@ -45,6 +45,7 @@ from nonsmooth.proofs.systems.tangent_fan import (
 from nonsmooth.proofs.systems.turn_growth import TurnGrowth, turn_growth
 from nonsmooth.proofs.systems.worst_turn import WorstTurn, worst_turn
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.enclosures import LEAST_ORDER
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -124,6 +125,8 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
 
     The equilibrium must hold 0 in its Filippov set.
     """
+    if system.waves and len(system.written) == 1:
+        return _of_enclosed(system)
     if system.others:
         worst = worst_turn(system)
         return None if worst is None or not worst.sign else _by_turn(axes_frame(system), UNWEIGHTED, worst)
@@ -133,6 +136,14 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
         if found is not None:
             return found
     return _by_fused_focus(system)
+
+
+def _of_enclosed(system: SwitchedSystem) -> LeadingTerms | None:
+    """Of sines and cosines that are enclosed: all members agree below the order of what the enclosures add."""
+    fan = build_tangent_fan(system.members[0])
+    if fan is None or fan.degree >= LEAST_ORDER:
+        return None
+    return decide_fan_of_leading_terms(fan)
 
 
 def _by_fused_focus(system: SwitchedSystem) -> LeadingTerms | None:

@@ -22,8 +22,10 @@ from nonsmooth.analysis.cells.switched_cells import (
 )
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import domains
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
@@ -118,6 +120,7 @@ def audited_cells(scene: Scene | SwitchedSystem, lyapunov: str) -> tuple[Lyapuno
 
 def _field_cells(scene: Scene | SwitchedSystem, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
     if isinstance(scene, SwitchedSystem):
+        require_denominators(scene)
         return system_cells(scene, domains(scene, lyapunov)[0])
     if not isinstance(rule_of(scene), CellRule):
         return None
@@ -136,7 +139,12 @@ def _result(scene: Scene | SwitchedSystem, lyapunov: str, result: LyapunovResult
         Decrease.REFUTED: (AuditVerdict.INVALID, None),
         Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
     }[result.verdict]
-    return AuditResult(scene, lyapunov, verdict, proves, result.reason, _named(result.witness), result)
+    reason = result.reason
+    if result.verdict is Decrease.WEAK and isinstance(scene, SwitchedSystem):
+        staying = decide_staying(result.cells)
+        reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
+        proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
+    return AuditResult(scene, lyapunov, verdict, proves, reason, _named(result.witness), result)
 
 
 def _named(witness: Refutation | None) -> Refutation | None:

@@ -67,6 +67,16 @@ def build_rows(sides: Sequence[Sides]) -> Floats:
     return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
 
 
+def build_weak_rows(sides: Sequence[Sides]) -> tuple[Floats, Floats]:
+    """Rows with the conditions ``r . c > 0`` of V, and those of its derivative, which may vanish too."""
+    blocks = [rows for side in sides for rows in _cell_rows(side, sample_points(side.cell.region))]
+    positive, falling = blocks[::2], blocks[1::2]
+    for first, second in combinations(sides, 2):
+        for edge in common_edges(first.cell.region, second.cell.region):
+            falling += _slide_rows(first, second, edge)
+    return normalized(np.vstack(positive)), normalized(np.vstack(falling))
+
+
 def rows_at(sides: Sequence[Sides], points: Sequence[Point]) -> Floats:
     """Rows at given points and at points on the way from them to the equilibrium, for all cells that hold them."""
     blocks: list[Floats] = []

@@ -77,7 +77,7 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         system: in two states.
         turn: what is done to the cells first: nothing, or time reversed.
     """
-    curved = _has_curves(system)
+    curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
     budget = Budget(WORK // 2 if curved else WORK)
     for scale in SCALES[:2] if curved else SCALES:
         radius = system.check.radius * scale
@@ -97,12 +97,12 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
     first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
     yield quadratic
-    if system.others:
+    if system.others and not system.waves:  # what encloses one field needs no more than that
         yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
     if lines:
         yield first
         yield (*first, *quadratic)
-    if _has_curves(system):
+    if has_curves(system):
         return
     if lines:
         yield (*second, *quadratic)
@@ -115,7 +115,7 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     yield (*first, *second, *bent_functions(field, lines, 3), *quadratic, *higher)
 
 
-def _has_curves(system: SwitchedSystem) -> bool:
+def has_curves(system: SwitchedSystem) -> bool:
     """Whether a switching surface is no line: audits beside curves take long."""
     return any(surface.degree > 1 for surface in system.surfaces(system.displaced(PLANE)))
 

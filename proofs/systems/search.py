@@ -26,6 +26,7 @@ from nonsmooth.proofs.systems.piecewise_quadratic import (
     restricted,
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones
+from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
@@ -87,6 +88,12 @@ def search_lyapunov(
         if found is not None:
             return SearchedLyapunov(found, Domain(radius), None, grows)
     return None
+
+
+def search_weak_lyapunov(system: SwitchedSystem) -> SearchedLyapunov | None:
+    """A V that does not increase, if possible one that shows asymptotic stability; None where none is found."""
+    found = find_weak_lyapunov(system)
+    return None if found is None else SearchedLyapunov(found.result, Domain(found.radius), found.formula, False)
 
 
 def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:

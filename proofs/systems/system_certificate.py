@@ -12,9 +12,11 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -24,7 +26,7 @@ class NoCertificateError(ValueError):
     """A verdict that has no certificate, in one line."""
 
 
-def build_system_certificate(result: SystemResult) -> dict[str, Any]:
+def build_system_certificate(result: SystemResult | ScalarResult) -> dict[str, Any]:
     """The certificate of a verdict, accepted by the stand-alone checker.
 
     Args:
@@ -34,6 +36,8 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
         NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
             does not show all of it within its limits.
     """
+    if isinstance(result, ScalarResult):
+        raise NoCertificateError("a certificate needs two states, received one")
     if result.proving is None or result.domain is None or result.method not in (Method.LYAPUNOV, Method.GROWTH):
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"

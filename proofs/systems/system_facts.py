@@ -9,15 +9,17 @@ from collections.abc import Iterator
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DERIVATIVES = {
     "naive": "naive",
@@ -31,6 +33,8 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
     proving, check, states = result.proving, result.scene.check, result.scene.states
     holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
     yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
+    if result.scene.written:
+        yield row_fact("field", rewriting_words(result.scene))
     if proving is not result.lyapunov:
         reason = f"{result.lyapunov.reason} (on {result.reported_domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
@@ -43,6 +47,17 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact("region", region_words(result.region, states))
     if result.rate is not None:
         yield row_fact("rate", str(result.rate))
+
+
+def rewriting_words(system: SwitchedSystem) -> str:
+    """What was done to the stated formulas, in words."""
+    said = []
+    if system.scale is not None:
+        said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
+    if system.waves:
+        count = len(system.members)
+        said.append(f"sin and cos of states lie between polynomials: between {count} right-hand sides")
+    return f"{'; '.join(said)}."
 
 
 def _stability(result: SystemResult) -> Iterator[Fact]:

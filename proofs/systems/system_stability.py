@@ -9,7 +9,9 @@
 5. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
    where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
 6. In systems of cones a ray of escape is unstable.
-7. A V that does not increase: stable, and not asymptotically where a ray of equilibria shows it.
+7. A V that does not increase, the scene's or a searched one: asymptotically stable where no other solution stays
+   where V' = 0 (LaSalle, :mod:`nonsmooth.proofs.systems.invariance`).
+8. Otherwise such a V shows stability alone, and not asymptotic where a ray of equilibria shows it.
 
 ``stable`` says that every solution stays near; whether it attracts is then refuted or left open, as the reason tells.
 """
@@ -18,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
+from typing import TypeAlias
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
@@ -29,14 +31,17 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.conclusion import Method, conclude
 from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
+from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.domain import Domain, domain_names, domains, plane_cells
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
+from nonsmooth.proofs.systems.lyapunov_search import has_curves
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
-    RayKind,
     RayMove,
     are_cones,
     constant_cones,
@@ -44,23 +49,11 @@ from nonsmooth.proofs.systems.ray_moves import (
     ray_moves,
     resting_edges,
 )
-from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov
+from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov, search_weak_lyapunov
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-
-
-class Method(StrEnum):
-    """What decided."""
-
-    EQUILIBRIUM = "no equilibrium"
-    LYAPUNOV = "Lyapunov function"
-    FAN = "fan of cones"
-    RAY = "ray of escape"
-    GROWTH = "function that grows"
-    LEADING = "leading terms"
-    NONE = "nothing"
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,6 +77,7 @@ class SystemResult(ShortRepr):
         leading: the decision by leading terms, where the scene's V and the constant fan leave it open and they decide.
         region: starts that are certified to reach the equilibrium, of a V on a square.
         rate: how fast that V falls, where that is proved.
+        staying: of a V that does not increase, what stays where V' = 0; None where that was not asked.
     """
 
     scene: SwitchedSystem
@@ -102,6 +96,7 @@ class SystemResult(ShortRepr):
     leading: LeadingTerms | None
     region: SublevelRegion | None = None
     rate: DecayRate | None = None
+    staying: Staying | None = None
 
     def _repr_html_(self) -> str:
         rows = [(self.verdict, self.method, self.reason)]
@@ -125,7 +120,8 @@ class SystemResult(ShortRepr):
     @property
     def proving(self) -> LyapunovResult | None:
         """The V that decided; None where something else did, or nothing."""
-        return {Method.LYAPUNOV: self.certificate, Method.GROWTH: self.growth}.get(self.method)
+        falling = {Method.LYAPUNOV: self.certificate, Method.INVARIANCE: self.certificate}
+        return {**falling, Method.GROWTH: self.growth}.get(self.method)
 
     def check(self) -> bool:
         """Verify the evidence, that it speaks of this system's cells, and the conclusion; decide the rest again."""
@@ -140,7 +136,9 @@ class SystemResult(ShortRepr):
             genuine = genuine and self.fan.fan.cones == constant_cones(cells) and self.fan.check()
         genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
         genuine = genuine and self._region_is_genuine()
-        concluded = conclude(self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading)
+        evidence = self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading
+        concluded = conclude(*evidence, self.staying)
+        genuine = genuine and (self.staying is None or self.staying is _staying(self.certificate))
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
 
     def _region_is_genuine(self) -> bool:
@@ -160,7 +158,7 @@ class SystemResult(ShortRepr):
 
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
         """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
-        found = _rays(cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
+        found = _rays(self.scene, cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
         fan = self.fan is None or self.fan.fan.recompute()
         leading = self.leading is None or self.leading == decide_leading_terms(self.scene)
         return fan and leading and found == (self.rays, self.equilibrium, self.everywhere)
@@ -180,17 +178,20 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     """Decide the stability of a plain system's equilibrium.
 
     Raises:
-        SceneError: for formulas that cannot be used on some cell.
+        SceneError: for formulas that cannot be used on some cell, and for denominators that may vanish.
     """
+    require_denominators(scene)
     cells = plane_cells(scene)
-    rays = _rays(cells)
+    rays = _rays(scene, cells)
     holds = decide_equilibrium(cells)
     regions = domains(scene, scene.check.lyapunov)
     reported = examine(scene_cells(scene, regions[0]))
     others = regions[1:] if holds is not Equilibrium.FAILS else []
     certificate, domain = _certificate(scene, reported, others)
-    fan, growth, searched, leading = None, None, None, None
-    if certificate is None or certificate.verdict is not Decrease.STRICT:
+    fan, growth, searched, leading, staying = None, None, None, None, None
+    if has_curves(scene) and not (scene.check.is_default or rays):
+        staying = _staying(certificate)  # of the V that the scene names: beside curves a search takes long
+    if staying is not Staying.NONE and (certificate is None or certificate.verdict is not Decrease.STRICT):
         fan = decide_constant_fan(cells)
         if holds is Equilibrium.HOLDS and fan is None:
             leading = decide_leading_terms(scene)
@@ -199,12 +200,30 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         if searched is not None:
             domain = searched.domain
             certificate, growth = (certificate, searched.result) if searched.grows else (searched.result, growth)
-    verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading)
+    if staying is not Staying.NONE:
+        concluded = conclude(holds, certificate, growth, fan, rays, leading)
+        known = certificate, domain, searched
+        certificate, domain, searched, staying = _by_invariance(scene, rays, concluded, known)
+    verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading, staying)
     everywhere = _everywhere(verdict, cells)
     region, rate = None, None
-    if method is Method.LYAPUNOV and verdict is Translation.ASYMPTOTICALLY_STABLE:
+    if method in (Method.LYAPUNOV, Method.INVARIANCE) and verdict is Translation.ASYMPTOTICALLY_STABLE:
         region, rate = _reach(scene, certificate, domain, searched)
-    evidence = holds, everywhere, reported, certificate, growth, fan, rays, domain, searched, leading, region, rate
+    evidence = (
+        holds,
+        everywhere,
+        reported,
+        certificate,
+        growth,
+        fan,
+        rays,
+        domain,
+        searched,
+        leading,
+        region,
+        rate,
+        staying,
+    )
     return SystemResult(scene, verdict, reason, method, *evidence)
 
 
@@ -221,7 +240,7 @@ def _reach(
     if searched is None and domain.radius != scene.check.radius:
         region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
     region = region or largest_sublevel(certificate.cells, domain.radius)
-    return region, decay_rate(certificate.cells)
+    return region, None if scene.scale else decay_rate(certificate.cells)  # a scaled field has another rate
 
 
 def _cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
@@ -251,42 +270,39 @@ def _searched(
     return found
 
 
-def conclude(
-    equilibrium: Equilibrium,
-    certificate: LyapunovResult | None,
-    growth: LyapunovResult | None,
-    fan: ConstantFan | None,
-    rays: Sequence[RayMove],
-    leading: LeadingTerms | None,
-) -> tuple[Translation, str, Method]:
-    """Verdict, reason and what decided, from the evidence."""
-    if equilibrium is Equilibrium.FAILS:
-        more = f"; {fan.reason}" if fan is not None and fan.verdict is Translation.UNSTABLE else ""
-        return Translation.UNSTABLE, f"0 is not in F there, so every solution leaves it{more}", Method.EQUILIBRIUM
-    if certificate is not None and certificate.verdict is Decrease.STRICT:
-        return Translation.ASYMPTOTICALLY_STABLE, certificate.reason, Method.LYAPUNOV
-    if fan is not None and fan.verdict is not Translation.UNDECIDED:
-        return fan.verdict, fan.reason, Method.FAN
-    for escape in _of_kind(rays, RayKind.ESCAPE):
-        return Translation.UNSTABLE, str(escape), Method.RAY
-    if growth is not None and growth.verdict is Decrease.STRICT:
-        return Translation.UNSTABLE, "a positive V grows along every solution", Method.GROWTH
-    if leading is not None:
-        return leading.verdict, leading.reason, Method.LEADING
-    return _by_weak_evidence(equilibrium, certificate, rays)
+Known: TypeAlias = tuple[LyapunovResult | None, Domain | None, SearchedLyapunov | None]
 
 
-def _by_weak_evidence(
-    equilibrium: Equilibrium, certificate: LyapunovResult | None, rays: Sequence[RayMove]
-) -> tuple[Translation, str, Method]:
-    """What is said where nothing decides whether solutions attract."""
-    if certificate is not None:
-        rests = _of_kind(rays, RayKind.REST)
-        why = f"not asymptotically: {rests[0]}" if rests else "whether the equilibrium attracts is not decided by it"
-        return Translation.STABLE, f"{certificate.reason}; {why}", Method.LYAPUNOV
-    if equilibrium is Equilibrium.UNDECIDED:
-        return Translation.UNDECIDED, "whether 0 is in F there hangs on a cell whose germ is not decided", Method.NONE
-    return Translation.UNDECIDED, "no Lyapunov function was found, and no solution that leaves", Method.NONE
+def _by_invariance(
+    scene: SwitchedSystem, rays: Sequence[RayMove], concluded: tuple[Translation, str, Method], known: Known
+) -> tuple[LyapunovResult | None, Domain | None, SearchedLyapunov | None, Staying | None]:
+    """What LaSalle's principle adds where nothing else decides whether solutions attract.
+
+    The scene's V is asked on the checked square and on the smaller one; then a V that does not increase is searched.
+    """
+    verdict, _, method = concluded
+    weak = method is Method.LYAPUNOV and verdict is Translation.STABLE
+    if not (weak or method is Method.NONE) or (weak and rays) or scene.others:
+        return *known, None
+    staying = _staying(known[0])
+    if staying is Staying.NONE:
+        return *known, staying
+    if weak and known[1] is not None and known[1].radius == scene.check.radius:
+        smaller = Domain(scene.check.radius * SHRINKING)
+        result = examine(scene_cells(scene, square_regions(smaller.radius or scene.check.radius)))
+        if result.verdict is Decrease.WEAK and _staying(result) is Staying.NONE:
+            return result, smaller, None, Staying.NONE
+    found = search_weak_lyapunov(scene)
+    if found is None:
+        return *known, staying
+    own = None if rays else _staying(found.result)
+    return (*known, staying) if weak and own is not Staying.NONE else (found.result, found.domain, found, own)
+
+
+def _staying(certificate: LyapunovResult | None) -> Staying | None:
+    """What stays where V' = 0, of a V that does not increase; None for any other."""
+    weak = certificate is not None and certificate.verdict is Decrease.WEAK
+    return decide_staying(certificate.cells) if certificate is not None and weak else None
 
 
 def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
@@ -316,14 +332,15 @@ def _examined(
         yield examine(scene_cells(scene, regions))
 
 
-def _rays(cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
-    """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other."""
+def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
+    """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other.
+
+    Right-hand sides that only enclose the field show none: what one of them allows, the field need not.
+    """
+    if scene.waves:
+        return ()
     near = conic_germ(cells)
     return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(cells))
-
-
-def _of_kind(rays: Sequence[RayMove], kind: RayKind) -> list[RayMove]:
-    return [ray for ray in rays if ray.kind is kind]
 
 
 def _everywhere(verdict: Translation, cells: Sequence[FieldCell]) -> bool:

@@ -210,12 +210,12 @@ def _require_array(scene: SwitchedSystem, asked: dict[str, bool]) -> None:
 
 def _check_system(scene: SwitchedSystem, certificate: Path | None, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
-    from nonsmooth.proofs.systems.system_stability import system_check
+    from nonsmooth.proofs.systems.decision import decide_system
     from nonsmooth.proofs.verified import verified
     from nonsmooth.reports.progress import steps
 
     with steps("stability") as announce:
-        result = system_check(scene)
+        result = decide_system(scene)
         announce("verification of the evidence")
         verified(result)
     if certificate is not None:

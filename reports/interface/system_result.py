@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.systems.system_facts import proving_text, system_facts
-from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
+from nonsmooth.proofs.systems.decision import decide_system
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
+from nonsmooth.proofs.systems.system_facts import proving_text
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.facts import fact_rows
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
-from nonsmooth.reports.system_views import system_record
+from nonsmooth.reports.system_views import facts_of, system_record
 from nonsmooth.symbolic.notebook import html_table
 
 if TYPE_CHECKING:
@@ -26,7 +28,7 @@ class SystemCheckResult(Tabular):
         evidence: everything that was proved; ``evidence.check()`` verifies it again.
     """
 
-    evidence: SystemResult
+    evidence: SystemResult | ScalarResult
 
     @property
     def verdict(self) -> str:
@@ -41,7 +43,9 @@ class SystemCheckResult(Tabular):
     @property
     def lyapunov(self) -> str | None:
         """The function that shows stability, as text; None where none does."""
-        return None if self.evidence.certificate is None else proving_text(self.evidence)
+        if isinstance(self.evidence, ScalarResult) or self.evidence.certificate is None:
+            return None
+        return proving_text(self.evidence)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON record of ``nonsmooth check --json``."""
@@ -49,7 +53,7 @@ class SystemCheckResult(Tabular):
 
     def rows(self) -> list[dict[str, str]]:
         """One row for each thing that is said."""
-        return [{"what": name, "found": text} for name, text in fact_rows(system_facts(self.evidence))]
+        return [{"what": name, "found": text} for name, text in fact_rows(facts_of(self.evidence))]
 
     def __repr__(self) -> str:
         head = f"{self.evidence.scene.name}: {self.verdict}"
@@ -62,4 +66,4 @@ class SystemCheckResult(Tabular):
 
 def check_system(system: SwitchedSystem) -> SystemCheckResult:
     """Check a plain system; its evidence is verified before it is handed out."""
-    return SystemCheckResult(verified(system_check(system)))
+    return SystemCheckResult(verified(decide_system(system)))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
-from nonsmooth.proofs.systems.system_facts import system_facts
+from nonsmooth.proofs.systems.system_facts import rewriting_words, system_facts
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.choices import Method
@@ -68,12 +70,18 @@ def system_section(subject: SystemSubject) -> Section:
     )
     blocks: list[Block] = []
     members = system.members
+    if system.written:
+        blocks += [_formulas(system.states, formulas) for formulas in system.written]
+        blocks.append(paragraph("{} What is proved of the following is proved of that.", rewriting_words(system)))
     if system.others:
         blocks.append(paragraph("The field is any of these {}, or a mixture, at any time:", str(len(members))))
-    for member in members:
-        formulas = zip(system.states, member.rhs, strict=True)
-        blocks.append(Listing("\n".join(f"{name}' = {one_line(rhs.text)}" for name, rhs in formulas)))
+    blocks += [_formulas(system.states, [rhs.text for rhs in member.rhs]) for member in members]
     return Section("The system", (*blocks, where))
+
+
+def _formulas(states: Sequence[str], formulas: Sequence[str]) -> Listing:
+    lines = (f"{name}' = {one_line(text)}" for name, text in zip(states, formulas, strict=True))
+    return Listing("\n".join(lines))
 
 
 def portrait_section(subject: SystemSubject) -> Section:

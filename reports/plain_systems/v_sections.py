@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.derivatives import LyapunovResult
 from nonsmooth.proofs.systems.system_facts import DERIVATIVES, proving_text, region_words
-from nonsmooth.proofs.systems.system_stability import Method
 from nonsmooth.reports.document import Block, Code, Entry, Section, number, point, table
 from nonsmooth.reports.plain_systems.formulas import polynomial_math
 from nonsmooth.reports.plain_systems.subject import SystemSubject

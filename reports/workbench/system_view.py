@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
@@ -90,7 +91,7 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
     }
     facts = [{"label": row["what"], "text": row["found"]} for row in result.rows()]
     shown: dict[str, Any] = {"V": result.lyapunov, "level_sets": [], "region": []}
-    if is_planar(evidence.scene):
+    if not isinstance(evidence, ScalarResult) and is_planar(evidence.scene):
         shown |= _level_sets(evidence)
     return {
         "answers": [answer],

@@ -7,15 +7,21 @@ Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
+from nonsmooth.symbolic.cleared_fractions import Clearing
+from nonsmooth.symbolic.enclosures import has_waves
 from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.interval_parameters import split_intervals
 from nonsmooth.symbolic.files.parameters import parameter_texts, read_parameters, with_parameters
+from nonsmooth.symbolic.files.region_tables import RegionTable, regions_as_formulas
+from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
@@ -81,10 +87,10 @@ def read_numbers(value: object) -> tuple[Exact, ...]:
 
 
 class SystemTable(Table):
-    """``[system]``: the states, one right-hand side for each, and numbers that stand in them by name."""
+    """``[system]``: the states, one right-hand side for each (or ``[[region]]`` tables), and named numbers in them."""
 
     states: Annotated[tuple[str, ...], PlainValidator(read_states)]
-    rhs: Annotated[tuple[object, ...], PlainValidator(read_formulas)]
+    rhs: Annotated[tuple[object, ...] | None, PlainValidator(read_formulas)] = None
     parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
 
 
@@ -102,6 +108,7 @@ class SystemDocument(Table):
     name: Name = None
     description: Name = None
     system: SystemTable
+    region: tuple[RegionTable, ...] = ()
     check: SystemCheckTable = SystemCheckTable()
 
 
@@ -185,8 +192,13 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         raise SceneError(file, "mode", expected, StatedFact("modes"))
     document = validate(SystemDocument, data, file)
     states, check = document.system.states, document.check
-    texts = parameter_texts(document.system.parameters, {*states, *RESERVED}, file)
-    rhs, *others = _right_hand_sides(document.system.rhs, states, file, texts)
+    single, intervals = split_intervals(document.system.parameters, file)
+    texts = parameter_texts(single, {*states, *RESERVED}, file)
+    ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
+    stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
+    clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
+    sides = read_right_hand_sides(stated, texts, intervals, clearing, file)
+    rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
     lyapunov = parse_lyapunov(chosen, states, file, "check.lyapunov")
@@ -199,26 +211,82 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         lyapunov,
         check.lyapunov is None,
     )
-    system = SwitchedSystem(document.name or path.stem, numbers.field, states, rhs, checked, file, tuple(others))
+    name = document.name or path.stem
+    system = SwitchedSystem(name, numbers.field, states, rhs, checked, file, tuple(others), sides.written, sides.waves)
+    scale = _parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None
+    system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
+    _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):
             _try_pieces(member, side)
     return system
 
 
-def _right_hand_sides(
-    value: tuple[object, ...], states: tuple[str, ...], file: str, texts: Mapping[str, str]
-) -> list[tuple[PiecewiseExpression, ...]]:
-    """One list of formulas, or several of them."""
+def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:
+    """The right-hand sides, or what the region tables say.
+
+    Raises:
+        SceneError: for neither, for both, and for tables that cannot be used.
+    """
+    states, rhs = document.system.states, document.system.rhs
+    if (rhs is None) is not bool(document.region):
+        received = StatedFact("both" if document.region else "neither")
+        raise SceneError(file, "system.rhs", "formulas, or [[region]] tables", received)
+    if rhs is not None:
+        return rhs
+
+    def check(formula: object, key: str) -> None:
+        complete = with_parameters(formula, texts)
+        if not has_waves(complete):
+            parse_lyapunov(complete, states, file, key)
+
+    return regions_as_formulas(document.region, states, check, file)
+
+
+def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> dict[str, tuple[object, ...]]:
+    """One list of formulas, or several of them, by key."""
     nested = bool(value) and all(isinstance(part, list) for part in value)
-    found = []
+    found = {}
     for k, side in enumerate(value if nested else (value,), 1):
         key = f"system.rhs[{k}]" if nested else "system.rhs"
-        formulas = tuple(side) if isinstance(side, list | tuple) else ()
-        _require_one_each(states, formulas, file, key, "formulas")
-        complete = [with_parameters(text, texts) for text in formulas]
-        found.append(tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(complete, 1)))
+        found[key] = tuple(side) if isinstance(side, list | tuple) else ()
+        _require_one_each(states, found[key], file, key, "formulas")
     return found
+
+
+def _parsed(
+    formulas: Sequence[object], states: tuple[str, ...], file: str, key: str
+) -> tuple[PiecewiseExpression, ...]:
+    return tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(formulas, 1))
+
+
+def _float_point(states: tuple[str, ...], values: Sequence[Exact] | None, file: str) -> dict[str, float]:
+    try:
+        return float_point(states, values)
+    except ExpressionError as error:
+        raise SceneError(file, "check.equilibrium", requirement(error), StatedFact("another")) from None
+
+
+def _require_zero_arguments(system: SwitchedSystem) -> None:
+    """Refuse sines and cosines of what does not vanish at the checked point.
+
+    Raises:
+        SceneError: for such an argument.
+    """
+    values = dict(zip(system.states, system.displaced(system.states), strict=True))
+    for wave in system.waves:
+        try:
+            argument = parse_piecewise(wave.argument, system.states).polynomial(values, _no_sign)
+        except ExpressionError:
+            expected = "sin and cos of polynomials in the states"
+            raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
+        if (0,) * len(system.states) in argument.terms:
+            expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
+            raise SceneError(system.source, "system.rhs", expected, wave.argument)
+
+
+def _no_sign(expression: Polynomial) -> int:
+    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from tests.proofs.plain_ties import Oracle
 

@@ -45,6 +45,8 @@ def families() -> Iterator[Known]:
     yield from relu_loops()
     yield from conewise_linear()
     yield from smooth_with_higher_terms()
+    yield from pendulums()
+    yield from fractions()
 
 
 def relays() -> Iterator[Known]:
@@ -90,6 +92,13 @@ def friction_and_saturation() -> Iterator[Known]:
     yield Known("saturated double integrator", ("y", f"-{saturated('x + y')}"), ATTRACTS, "linear near the point")
     yield Known("saturation of low level", ("y", f"-{saturated('x + y', '1/10')}"), ATTRACTS, "linear near the point")
     yield Known("saturated, positive feedback", ("y", saturated("x + y")), LEAVES, "linear near the point")
+    yield Known("cubic friction", ("y", "-x - y**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("relay and cubic friction", ("y", "-sign(x) - y**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("relay and drag", ("y", "-sign(x) - y*Abs(y)"), ATTRACTS, "energy, LaSalle")
+    yield Known("hard spring and cubic friction", ("y", "-x**3 - y**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("cubic friction at one side", ("y", "-x - Max(y, 0)**3"), ATTRACTS, "energy, LaSalle")
+    yield Known("friction beyond a dead zone", ("y", "-x - Max(y - 1/8, 0)"), STAYS, "closed orbits within")
+    yield Known("weak Coulomb friction", ("y", "-x/2 - sign(y)/100"), STAYS, "an interval of rest")
     yield Known("anti-windup", (f"-x + {saturated('y')}", "-x"), ATTRACTS, "linear near the point")
 
 
@@ -162,3 +171,40 @@ def smooth_with_higher_terms() -> Iterator[Known]:
     yield Known("van der Pol, reversed", ("-y", "x - y + x**2*y"), ATTRACTS, source)
     yield Known("van der Pol", ("y", "-x + y - x**2*y"), LEAVES, source)
     yield Known("pendulum, upper position", ("y", "x - x**3/6 - y"), LEAVES, source)
+
+
+def pendulums() -> Iterator[Known]:
+    """With sines of states; pi is added where the pendulum stands."""
+    source = "linearization"
+    yield Known("pendulum that hangs, viscous", ("y", "-sin(x) - y/2"), ATTRACTS, source)
+    yield Known("pendulum that stands", ("y", "-sin(x + pi) - y/2"), LEAVES, source)
+    yield Known("pendulum, anti-damped", ("y", "-sin(x) + y/4"), LEAVES, source)
+    yield Known("standing pendulum, linear control", ("y", "-sin(x + pi) - 3*x - y"), ATTRACTS, source)
+    yield Known("standing pendulum, too weak control", ("y", "-sin(x + pi) - x/2 - y"), LEAVES, source)
+    yield Known("standing pendulum, sliding control", ("y", "-sin(x + pi) - 2*sign(x + y)"), ATTRACTS, "Utkin 1992")
+    yield Known("pendulum, dry friction", ("y", "-sin(x) - sign(y)"), STAYS, "an interval of rest")
+    yield Known("pendulum and relay", ("y", "-sin(x) - sign(x) - y"), ATTRACTS, "energy, LaSalle")
+    yield Known("phase-locked loop", ("y", "-sin(x) - y*cos(x)"), ATTRACTS, source)
+    yield Known("two coupled phases", ("-sin(x) + sin(y - x)/2", "-sin(y) + sin(x - y)/2"), ATTRACTS, source)
+    yield Known("two repelling phases", ("sin(x)/4 + sin(y - x)", "-sin(y)/4 + sin(x - y)"), LEAVES, source)
+
+
+def fractions() -> Iterator[Known]:
+    """With states in denominators: Stribeck friction, and genes with Hill functions."""
+    force = "(1 + 1/(1 + (y - 1)**2))"
+    belt = {"equilibrium": ["3/2", 0], "radius": "1/2"}
+    stribeck = "slope of the friction law: Armstrong, Dupont and Canudas de Wit 1994"
+    yield Known("block on a belt, Stribeck friction", ("y", f"-x - sign(y - 1)*{force}"), LEAVES, stribeck, belt)
+    yield Known("the same, viscous", ("y", f"-x - y - sign(y - 1)*{force}"), ATTRACTS, stribeck, belt)
+    dry = "(1 + 1/(1 + 4*y**2))/2"
+    yield Known("Stribeck friction at rest", ("y", f"-x - sign(y)*{dry}"), STAYS, "an interval of rest")
+    at = {"equilibrium": [1, 1], "radius": "1/4"}
+    genes = "linearization: Gardner, Cantor and Collins 2000"
+    loop = ("1/(1 + y**2) - x/2", "x**2/(1 + x**2) - y/2")
+    toggle = ("2/(1 + y**3) - x", "2/(1 + x**3) - y")
+    yield Known("negative loop, Hill functions", loop, ATTRACTS, genes, at)
+    yield Known("toggle switch, Hill functions", toggle, LEAVES, genes, at)
+    soft = ("y", "-x/(1 + x**2) - y/(2 + x)")
+    yield Known("softening spring", soft, ATTRACTS, "linearization")
+    yield Known("softening spring and relay", ("y", "-x/(1 + x**2) - 2*sign(x + y)/(1 + y**2)"), ATTRACTS, "Utkin 1992")
+    yield Known("pull of a magnet", ("y", "x/(1 - x**2) - y"), LEAVES, "linearization")

@@ -12,9 +12,10 @@ import pytest
 
 from nonsmooth.analysis.cells.region import quadrants
 from nonsmooth.proofs.inequalities.germs import Adherence, Extent, adherence, extent, ray_adherence
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
-from nonsmooth.proofs.systems.system_stability import Method, system_check
+from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

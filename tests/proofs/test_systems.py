@@ -17,11 +17,12 @@ from hypothesis import strategies as st
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.analysis.cells.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
 from nonsmooth.proofs.inequalities.ladder import Interval
+from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.lyapunov_audit import audit
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
-from nonsmooth.proofs.systems.system_stability import Method, SystemResult, system_check
+from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
@@ -258,7 +259,7 @@ MALFORMED = [
     ('system = 3', "system", "a table"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "z"]', "system.rhs[2]", "required"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", true]', "system.rhs[2]", "formula"),
-    ('[system]\nstates = ["x", "y"]\nrhs = ["x/y", "y"]', "system.rhs[1]", "no division by a state"),
+    ('[system]\nstates = ["x", "y"]\nrhs = ["x/y", "y"]', "system.rhs[1]", "denominators that are not zero"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["1/(1 + sign(x))", "y"]', "system.rhs[1]", "finite"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x**9*y**9", "y"]', "system.rhs[1]", "degree"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\n[check]\nlyapunov = "x**2 + z"', "check.lyapunov", "required"),

@@ -1,0 +1,246 @@
+"""Stability of a system in one state: the signs of the field on either side of the point decide, exactly.
+
+Near the point the field is one polynomial on either side.  With s and t the signs of the fields just right and just
+left of it: an outward sign (s > 0 or t < 0) is a solution that leaves; s < 0 < t attracts; where one is zero that side
+rests.  The point is an equilibrium iff 0 lies between the values that the fields tend to.  Under arbitrary switching
+every member counts.  The region of attraction reaches to the first point at which some field does not lead inward:
+roots of polynomials in one variable, isolated exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+LINE = ("x",)  # the displacement of one state, measured away from the point on either side
+METHOD = "signs on either side"
+
+
+@dataclass(frozen=True)
+class Side:
+    """The fields on one side of the point.
+
+    Attributes:
+        outward: of each member, the sign of its speed away from the point, near the point.
+        values: the limits of these speeds at the point.
+        reach: every start nearer than this goes to the point; None where not even near ones do.
+        ends_at_radius: whether that is the half-width of the checked interval, and not where it ends by itself.
+    """
+
+    outward: tuple[int, ...]
+    values: tuple[Number, ...]
+    reach: Number | Fraction | None
+    ends_at_radius: bool
+
+
+@dataclass(frozen=True, repr=False)
+class ScalarResult(ShortRepr):
+    """Stability of an equilibrium in one state.
+
+    Attributes:
+        scene: the system.
+        verdict: strong stability.
+        reason: one sentence for people.
+        equilibrium: whether 0 is in F.
+        right: where the state is larger.
+        left: where it is smaller.
+    """
+
+    scene: SwitchedSystem
+    verdict: Translation
+    reason: str
+    equilibrium: Equilibrium
+    right: Side
+    left: Side
+
+    def _repr_html_(self) -> str:
+        rows = [(self.verdict, METHOD, self.reason)]
+        return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
+
+    @property
+    def exit_status(self) -> int:
+        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
+        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
+
+    def check(self) -> bool:
+        """Decide again, and evaluate the fields between the point and the ends of the region."""
+        if decide_scalar(self.scene) != self:
+            return False
+        return all(
+            _leads_inward(self.scene, side, side.reach * Fraction(k, 8), turn)
+            for side, turn in ((self.right, 1), (self.left, -1))
+            if side.reach is not None
+            for k in range(1, 8)
+        )
+
+
+def decide_scalar(scene: SwitchedSystem) -> ScalarResult:
+    """Decide the stability of the checked point of a system in one state.
+
+    Raises:
+        SceneError: for formulas that cannot be used, and for denominators that may vanish.
+    """
+    for formula in scene.denominators:
+        if not all(_is_positive(scene, formula, turn) for turn in (1, -1)):
+            expected = "a denominator that does not vanish on the checked interval (a smaller check.radius?)"
+            raise SceneError(scene.origin, "system.rhs", expected, formula.text)
+    right, left = (_side(scene, turn) for turn in (1, -1))
+    holds = _equilibrium(right, left)
+    return ScalarResult(scene, *_conclude(scene, holds, right, left), holds, right, left)
+
+
+def _equilibrium(right: Side, left: Side) -> Equilibrium:
+    """Whether 0 lies between the limits; those on the left are measured to the left."""
+    signs = {v.sign() for v in right.values} | {-v.sign() for v in left.values}
+    return Equilibrium.HOLDS if 0 in signs or {1, -1} <= signs else Equilibrium.FAILS
+
+
+def _conclude(scene: SwitchedSystem, holds: Equilibrium, right: Side, left: Side) -> tuple[Translation, str]:
+    if holds is Equilibrium.FAILS:
+        return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it"
+    sides = (("right", right), ("left", left))
+    for name, side in sides:
+        if scene.waves and len(set(side.outward)) > 1:
+            return Translation.UNDECIDED, f"the enclosed field has no sure sign on the {name}"
+    for name, side in sides:
+        if max(side.outward) > 0:
+            return Translation.UNSTABLE, f"a solution leaves to the {name}"
+    for name, side in sides:
+        if max(side.outward) == 0:
+            return Translation.STABLE, f"not asymptotically: it rests everywhere near on the {name}"
+    return Translation.ASYMPTOTICALLY_STABLE, "the field leads back on both sides"
+
+
+def _side(scene: SwitchedSystem, turn: int) -> Side:
+    """The fields on one side, as polynomials in the distance from the point."""
+    near = [_outward(member, turn, _germ_sign) for member in scene.members]
+    signs = tuple(_germ_sign(p) if p else 0 for p in near)
+    values = tuple(p.terms.get((0,), scene.field.zero) for p in near)
+    if max(signs) >= 0:
+        return Side(signs, values, None, ends_at_radius=False)
+    first = _first_stop(scene, turn)
+    if first is None:
+        return Side(signs, values, scene.check.radius, ends_at_radius=True)
+    exact = first.exact()
+    return Side(signs, values, first.low if exact is None else exact, ends_at_radius=False)
+
+
+def _germ_sign(polynomial: Polynomial) -> int:
+    """The sign at small distances."""
+    return polynomial.terms[min(polynomial.terms)].sign()
+
+
+def _distance(scene: SwitchedSystem, turn: int) -> Polynomial:
+    """The state as a polynomial in the distance to one side."""
+    return Polynomial.variable(scene.field, LINE, LINE[0]) * turn + scene.check.equilibrium[0]
+
+
+def _outward(member: SwitchedSystem, turn: int, sign_of: SignOf) -> Polynomial:
+    """The speed away from the point, on one side."""
+    return member.velocity(sign_of, [_distance(member, turn)])[0] * turn
+
+
+def _first_stop(scene: SwitchedSystem, turn: int) -> RealRoot | None:
+    """The nearest point within the checked interval at which some field does not lead inward; None without one."""
+    marks = _marks(scene, turn)
+    for mark in marks:
+        for member in scene.members:
+            before, after = (_outward(member, turn, _sign_at(place)) for place in (mark.low, mark.high))
+            at_mark = [mark.sign_of(_dense(field)) for field in (before, after)]
+            if max(at_mark) >= 0 or _value(after, mark.high).sign() >= 0:
+                return mark
+    return None
+
+
+def _marks(scene: SwitchedSystem, turn: int) -> list[RealRoot]:
+    """Where a field may switch or vanish, inside the checked interval, ascending."""
+    surfaces = [s for s in scene.surfaces([_distance(scene, turn)]) if s.degree]
+    switching = _inside(scene, surfaces)
+    places = [Fraction(0), *(mark.high for mark in switching)]
+    starts = [switching[0].low, *places[1:]] if switching else [_inner(scene)]
+    fields = [_outward(member, turn, _sign_at(place)) for place in starts for member in scene.members]
+    return _inside(scene, [*surfaces, *(f for f in fields if f.degree)])
+
+
+def _inner(scene: SwitchedSystem) -> Fraction:
+    """A rational point inside the checked interval."""
+    small = Fraction(1)
+    while not scene.check.radius > small:
+        small /= 2
+    return small
+
+
+def _inside(scene: SwitchedSystem, polynomials: Sequence[Polynomial]) -> list[RealRoot]:
+    """Distinct positive roots below the half-width, with bounds below it."""
+    roots = separated(root for p in polynomials for root in positive_roots(_dense(p)))
+    radius = scene.check.radius
+    one = scene.field.one
+    found = []
+    for root in roots:
+        if root.sign_of([-radius, one]) <= 0:
+            found.append(_below(root, radius))
+    return found
+
+
+def _below(root: RealRoot, radius: Number) -> RealRoot:
+    """The same root with bounds below the half-width, unless it is that."""
+    while root.sign_of([-radius, radius.field.one]) < 0 and not radius > root.high:
+        root = root.halved()
+    return root
+
+
+def _sign_at(place: Fraction) -> SignOf:
+    return lambda polynomial: _value(polynomial, place).sign()
+
+
+def _value(polynomial: Polynomial, place: Number | Fraction) -> Number:
+    return polynomial.field(polynomial((place,))) if polynomial else polynomial.field.zero
+
+
+def _dense(polynomial: Polynomial) -> Coefficients:
+    """Coefficients, ascending."""
+    zero = polynomial.field.zero
+    return [polynomial.terms.get((k,), zero) for k in range(polynomial.degree + 1)] if polynomial else []
+
+
+def _leads_inward(scene: SwitchedSystem, side: Side, place: Number | Fraction, turn: int) -> bool:
+    """Whether every member leads inward at a distance, or it lies on a surface."""
+    try:
+        fields = [_outward(member, turn, lambda p: _known(p, place)) for member in scene.members]
+    except ZeroDivisionError:
+        return True
+    return all(_value(f, place).sign() < 0 for f in fields)
+
+
+def _known(polynomial: Polynomial, place: Number | Fraction) -> int:
+    found = _value(polynomial, place).sign()
+    if not found:
+        raise ZeroDivisionError
+    return found
+
+
+def _is_positive(scene: SwitchedSystem, formula: PiecewiseExpression, turn: int) -> bool:
+    """Whether a denominator is positive from the point to the end of the checked interval."""
+    blank = (formula,)
+    asked = SwitchedSystem(scene.name, scene.field, scene.states, blank, scene.check, scene.source)
+    marks = _marks(asked, turn)
+    ends: list[Number | Fraction] = [scene.check.radius, Fraction(0), *(m.low for m in marks), *(m.high for m in marks)]
+    pieces = [(place, asked.velocity(_sign_at_or_one(place), [_distance(asked, turn)])[0]) for place in ends]
+    return all(_value(p, place).sign() > 0 for place, p in pieces) and not any(
+        not m.sign_of(_dense(p)) for m in marks for _, p in pieces
+    )
+
+
+def _sign_at_or_one(place: Number | Fraction) -> SignOf:
+    return lambda polynomial: _value(polynomial, place).sign() or 1

@@ -1,0 +1,195 @@
+"""Sines and cosines of states between polynomials: a formula as the hull of several without them.
+
+For every real v the alternating series enclose, with some e between 0 and 1 that depends on v,
+
+    sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720.
+
+(For v >= 0 integrate ``cos <= 1`` again and again from 0; sin is odd, cos is even.)  A formula of sums and products in
+which every sine and cosine stands alone is affine in each e, so its value lies in the hull of its values with all e at
+0 or 1.  Equal sines that are multiplied get an e each.  A system becomes one under arbitrary switching, whose solutions
+hold those of the system: what is proved of all of them is proved of these.  Multiples of pi may be added to v.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import product
+from math import cos, sin
+
+from nonsmooth.symbolic.expression import ExpressionError, parse_tree, turn_of
+from nonsmooth.symbolic.piecewise import MAX_TEXT
+from nonsmooth.symbolic.scene_error import shown
+
+WAVES = ("sin", "cos")
+LEAST_ORDER = 5  # of what an e multiplies: lower terms of the formula are known
+SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
+MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
+_OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+_NUMBERS = {"pi", "sqrt", *WAVES}
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A sine or cosine that is enclosed.
+
+    Attributes:
+        kind: which of the two.
+        argument: v, which must vanish at the checked point.
+    """
+
+    kind: str
+    argument: str
+
+    def weight(self, v: float) -> float:
+        """The e with which the enclosure has the value of the wave; near v = 0 by its series."""
+        if abs(v) < SERIES_BELOW:
+            first, second = (42, 3024) if self.kind == "sin" else (56, 5040)
+            return 1 - v * v / first + v**4 / second
+        if self.kind == "sin":
+            return float((sin(v) - v + v**3 / 6) * 120 / v**5)
+        return float((1 - v * v / 2 + v**4 / 24 - cos(v)) * 720 / v**6)
+
+
+@dataclass
+class Template:
+    """Formulas in which sines and cosines of states are written as polynomials with a place for each e.
+
+    Attributes:
+        waves: one for each e.
+    """
+
+    waves: list[Wave] = field(default_factory=list)
+
+    def sine(self, v: str) -> str:
+        """``sin v`` with a new e."""
+        return f"({v} - {v}**3/6 + {self._place('sin', v)}*{v}**5/120)"
+
+    def cosine(self, v: str) -> str:
+        """``cos v`` with a new e."""
+        return f"(1 - {v}**2/2 + {v}**4/24 - {self._place('cos', v)}*{v}**6/720)"
+
+    def _place(self, kind: str, v: str) -> str:
+        self.waves.append(Wave(kind, v))
+        return f"<{len(self.waves) - 1}>"
+
+
+def has_waves(formula: object) -> bool:
+    """Whether a text holds a sine or cosine of something with a name."""
+    if not isinstance(formula, str):
+        return False
+    try:
+        tree = parse_tree(formula, MAX_TEXT, "a formula")[1]
+    except ExpressionError:
+        return False
+    return any(map(_is_wave, ast.walk(tree)))
+
+
+def enclosing_formulas(formulas: Sequence[object]) -> tuple[list[tuple[object, ...]], tuple[Wave, ...]]:
+    """Lists of formulas without sines and cosines of states, whose hull holds the given one, and what is enclosed.
+
+    The lists are in the order of the values of all e, 0 before 1, the last one fastest.
+
+    Raises:
+        ExpressionError: for a sine or cosine of states that does not stand in sums and products only, for one inside
+            another, and for too many of them.
+    """
+    template = Template()
+    written = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
+    count = len(template.waves)
+    if count > MAX_WAVES:
+        raise ExpressionError(f"required at most {MAX_WAVES} sines and cosines of states, received {count}")
+    return [tuple(_filled(w, e) for w in written) for e in product("01", repeat=count)], tuple(template.waves)
+
+
+def _filled(formula: object, values: Sequence[str]) -> object:
+    if not isinstance(formula, str):
+        return formula
+    for k, value in enumerate(values):
+        formula = formula.replace(f"<{k}>", value)
+    return formula
+
+
+def _template(formula: object, template: Template) -> str:
+    text, tree = parse_tree(formula, MAX_TEXT, "a formula")
+    return _written(tree, text, template)
+
+
+def _written(node: ast.expr, text: str, template: Template) -> str:
+    """A part of a formula as text; parts without waves as they were."""
+    if not any(map(_is_wave, ast.walk(node))):
+        return f"({ast.get_source_segment(text, node)})"
+    match node:
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+            return f"({'-' if isinstance(node.op, ast.USub) else ''}{_written(node.operand, text, template)})"
+        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(count))) if 1 <= count <= MAX_WAVES:
+            return "(" + "*".join(_written(node.left, text, template) for _ in range(count)) + ")"
+        case ast.BinOp() if type(node.op) in _OPERATORS and not _divides_by_wave(node):
+            left, right = (_written(side, text, template) for side in (node.left, node.right))
+            return f"({left} {_OPERATORS[type(node.op)]} {right})"
+        case ast.Call(func=ast.Name(id=name), args=[argument]) if name in WAVES:
+            if any(map(_is_wave, ast.walk(argument))):
+                raise ExpressionError(f"required no sine or cosine inside another, received {shown(text)}")
+            return _wave(name, argument, text, template)
+    raise ExpressionError(f"required sin and cos of states in sums and products only, received {shown(text)}")
+
+
+def _wave(name: str, argument: ast.expr, text: str, template: Template) -> str:
+    """``sin(v + t pi)`` or ``cos(v + t pi)`` by the addition theorem; parts with coefficient zero are left out."""
+    parts, turn = _parts(argument, text)
+    v = f"({' '.join(parts)})"
+    turn = turn if name == "sin" else turn + Fraction(1, 2)  # cos u = sin(u + pi/2)
+    exact = {Fraction(0): (1, 0), Fraction(1, 2): (0, 1), Fraction(1): (-1, 0), Fraction(3, 2): (0, -1)}
+    along: object
+    across: object
+    if turn % 2 in exact:
+        along, across = exact[turn % 2]
+    else:
+        along, across = (f"{f}({turn.numerator}*pi/{turn.denominator})" for f in ("cos", "sin"))
+    terms = [f"{c}*{wave}" for c, wave in _waves(v, along, across, template)]
+    return f"({' + '.join(terms)})"
+
+
+def _waves(v: str, along: object, across: object, template: Template) -> list[tuple[object, str]]:
+    found = []
+    if along:
+        found.append((along, template.sine(v)))
+    if across:
+        found.append((across, template.cosine(v)))
+    return found
+
+
+def _parts(node: ast.expr, text: str, side: str = "+") -> tuple[list[str], Fraction]:
+    """The terms of a sum that hold states, with signs, and the multiple of pi of the others."""
+    other = "-" if side == "+" else "+"
+    match node:
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            left = _parts(node.left, text, side)
+            right = _parts(node.right, text, side if isinstance(node.op, ast.Add) else other)
+            return left[0] + right[0], left[1] + right[1]
+        case ast.UnaryOp(op=ast.USub()):
+            return _parts(node.operand, text, other)
+    if _names(node):
+        return [f"{side} ({ast.get_source_segment(text, node)})"], Fraction(0)
+    turn = turn_of(node, text) if not _is_zero(node) else Fraction(0)
+    return [], turn if side == "+" else -turn
+
+
+def _is_zero(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and node.value == 0
+
+
+def _is_wave(node: ast.AST) -> bool:
+    """Whether a part is a sine or cosine of something with a name."""
+    named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in WAVES
+    return named and isinstance(node, ast.Call) and any(_names(argument) for argument in node.args)
+
+
+def _names(node: ast.expr) -> bool:
+    return any(isinstance(part, ast.Name) and part.id not in _NUMBERS for part in ast.walk(node))
+
+
+def _divides_by_wave(node: ast.BinOp) -> bool:
+    return isinstance(node.op, ast.Div) and any(map(_is_wave, ast.walk(node.right)))

@@ -1,0 +1,165 @@
+"""LaSalle's principle: against systems that are known to keep solutions, and against paths of random oscillators."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
+from nonsmooth.proofs.systems.rest_points import Rests, find_rests
+from nonsmooth.proofs.systems.system_stability import scene_cells, system_check
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.files.system_file import parse_lyapunov
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from tests.proofs.conftest import Load
+
+ENERGIES = {  # force: potential
+    "x": "x**2/2",
+    "sign(x)": "Abs(x)",
+    "x**3": "x**4/4",
+    "x + Abs(x)/2": "x**2/2 + x*Abs(x)/4",
+    "x - 4*x**3": "x**2/2 - x**4",
+}
+
+
+def with_v(system: SwitchedSystem, lyapunov: str) -> SwitchedSystem:
+    parsed = parse_lyapunov(lyapunov, system.states, "t", "lyapunov")
+    return replace(system, check=replace(system.check, lyapunov=parsed, is_default=False))
+
+
+@pytest.mark.parametrize(
+    ("friction", "potential", "staying"),
+    [
+        ("x + y**3", "x**2/2", Staying.NONE),
+        ("sign(x) + y", "Abs(x)", Staying.NONE),
+        ("sign(x) + sign(y)*y**2", "Abs(x)", Staying.NONE),
+        ("x + relu(y)**3", "x**2/2", Staying.NONE),  # a quarter without friction, which solutions cross
+        ("x + relu(x)*y", "x**2/2", Staying.NONE),
+        ("x + sign(y)", "x**2/2", Staying.RESTS),  # Coulomb: a segment of rest
+        ("x - 4*x**3 + y", "x**2/2 - x**4", Staying.RESTS),  # the pendulum's other equilibrium on the border
+        ("x + relu(y - 1/8)", "x**2/2", Staying.CELLS),  # closed orbits below the dead zone
+        ("x + y*(x**2 + y**2 - 1/16)**2", "x**2/2", Staying.ARC),  # a limit cycle on the circle where V' = 0
+        ("x + y*(1 + sign(x**2 + y**2 - 1/16))", "x**2/2", Staying.CELLS),
+    ],
+)
+def test_what_stays(load: Load, friction: str, potential: str, staying: Staying) -> None:
+    system = with_v(load("y", f"-({friction})"), f"y**2/2 + {potential}")
+    assert decide_staying(scene_cells(system, square_regions(system.check.radius))) is staying
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("y", "-sign(x) - y**3"),
+        ("y", "-x**3 - y**3"),
+        ("y", "-x*Abs(x) - y**3"),
+        ("y", "-2*x - Abs(x) - y**3"),
+    ],
+)
+def test_an_energy_is_found(load: Load, first: str, second: str) -> None:
+    result = system_check(load(first, second))
+    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
+    assert result.check()
+    assert not replace(result, staying=Staying.RESTS).check()
+    assert result.searched is not None
+    assert result.searched.formula is not None
+    judged = audit(load(first, second), result.searched.formula.text)
+    assert (judged.verdict, judged.proves) == (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE)
+    assert judged.check()
+
+
+def test_a_named_energy_decides_with_its_region(load: Load) -> None:
+    system = with_v(load("y", "-sign(x) - y**3"), "y**2/2 + Abs(x)")
+    result = system_check(system)
+    assert result.method is Method.INVARIANCE
+    assert result.certificate is not None
+    assert result.region is not None
+    assert str(result.region) == "V < 1/8"  # y^2/2 at the border
+    assert result.check()
+
+
+def test_coulomb_friction_is_not_asymptotically_stable(load: Load) -> None:
+    for second in ("-x - sign(y)", "-x - sign(y) - y**3", "-x/2 - sign(y)/100"):
+        assert system_check(load("y", second)).verdict is Translation.STABLE
+
+
+def test_shrinking_avoids_a_far_equilibrium(load: Load) -> None:
+    system = with_v(load("y", "-x + 4*x**3 - y**3"), "y**2/2 + x**2/2 - x**4")
+    result = system_check(system)
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.domain is not None
+    assert result.domain.radius is not None
+    assert result.domain.radius < system.check.radius
+    assert result.check()
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "rests"),
+    [
+        ("y", "-x - sign(y)", Rests.SOME),
+        ("y", "-x**3 - y**3", Rests.NONE),
+        ("-sign(x) + 2*sign(y)", "-2*sign(x) - sign(y)", Rests.NONE),
+        ("1/4 - x", "-y", Rests.SOME),
+        ("1 - 4*sign(x)*x", "-y", Rests.SOME),
+        ("y - x**2", "-x", Rests.NONE),
+        ("-sign(x - 1/4)", "-y", Rests.SOME),
+        ("y + sign(x - 1/4)", "-y - 1", Rests.NONE),
+    ],
+)
+def test_rests(load: Load, first: str, second: str, rests: Rests) -> None:
+    system = load(first, second)
+    assert find_rests(scene_cells(system, square_regions(system.check.radius))) is rests
+
+
+FRICTIONS = (
+    *("y", "y**3", "sign(y)", "relu(y)", "relu(y)**3", "relu(y - 1/8)", "relu(x)*y", "relu(x - 1/8)*y", "x**2*y"),
+    *("y*Abs(y)", "sign(y)*Abs(x)", "y*(x - 1/4)**2", "relu(-x)*relu(y)", "y*(1 + sign(x - 1/4))"),
+)
+STEP, STEPS = 1 / 512, 16_384
+
+
+def energy_lost(force: str, friction: str, potential: str, level: float) -> tuple[float, float]:
+    """The share of the energy that a symplectic polygon loses from a start on a level, at least over several starts,
+    and the least distance covered in its last quarter: nothing moves at a rest.
+    """
+    names = {"sign": np.sign, "Abs": np.abs, "relu": lambda a: np.maximum(a, 0.0)}
+    slope = compile(f"-({force}) - ({friction})", "slope", "eval")
+    energy = compile(f"y**2/2 + {potential}", "energy", "eval")
+    angles = np.linspace(0.2, 6.2, 7)
+    x, y = 0.2 * np.cos(angles), 0.2 * np.sin(angles)
+    for _ in range(80):
+        high = eval(energy, names, {"x": x, "y": y}) > level  # noqa: S307 - formulas of this file
+        x, y = np.where(high, 0.9 * x, x), np.where(high, 0.9 * y, y)
+    first = eval(energy, names, {"x": x, "y": y})  # noqa: S307
+    covered = np.zeros_like(x)
+    for step in range(STEPS):
+        y = y + STEP * eval(slope, names, {"x": x, "y": y})  # noqa: S307
+        x = x + STEP * y
+        covered += np.abs(STEP * y) * (step > 3 * STEPS // 4)
+    last = eval(energy, names, {"x": x, "y": y})  # noqa: S307
+    at_rest = (covered < 1e-4) & (np.abs(x) > 0.01)
+    return float(np.min(1 - last / first)), float(np.min(np.where(at_rest, 0.0, 1.0)))
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_random_oscillators_against_paths(load: Load, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    force = list(ENERGIES)[rng.integers(len(ENERGIES))]
+    friction = FRICTIONS[rng.integers(len(FRICTIONS))]
+    system = with_v(load("y", f"-({force}) - ({friction})"), f"y**2/2 + {ENERGIES[force]}")
+    cells = scene_cells(system, square_regions(system.check.radius / 2))
+    found = decide_staying(cells)
+    lost, moving = energy_lost(force, friction, ENERGIES[force], 2e-2)
+    if found is Staying.NONE:
+        assert lost > 1e-4
+        assert moving
+    if lost < 1e-6 or not moving:
+        assert found is not Staying.NONE

@@ -1,0 +1,114 @@
+"""Verdicts on systems with fractions, sines of states and interval parameters: known truths, and polygons."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
+from nonsmooth.proofs.systems.system_facts import rewriting_words
+from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+ATTRACTS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE
+NAMES = {"sin": np.sin, "cos": np.cos, "pi": math.pi, "Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
+
+
+def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
+    system: dict[str, Any] = {"states": ["x", "y"], "rhs": rhs, **({"parameters": parameters} if parameters else {})}
+    return build_system({"system": system, "check": check}, "t", Path("t.toml"))
+
+
+def ends(rhs: tuple[str, str], radius: float, until: float = 60.0, step: float = 2e-3) -> float:
+    """The largest of the distances that semi-implicit polygons from a small circle end with, over the radius."""
+    angles = np.linspace(0.1, 6.2, 12)
+    x, y = radius * np.cos(angles), radius * np.sin(angles)
+    for _ in range(int(until / step)):
+        y = np.clip(y + step * eval(rhs[1], dict(NAMES), {"x": x, "y": y}), -9, 9)  # noqa: S307 - this file's
+        x = np.clip(x + step * eval(rhs[0], dict(NAMES), {"x": x, "y": y}), -9, 9)  # noqa: S307
+    return float(np.max(np.hypot(x, y)) / radius)
+
+
+KNOWN = [
+    (("y", "-sin(x) - y"), ATTRACTS),  # the pendulum that hangs
+    (("y", "-sin(x + pi) - y"), LEAVES),  # and the one that stands
+    (("y", "-sin(x + pi) - 3*sin(x) - y"), ATTRACTS),
+    (("y", "-sin(x) - sgn(x) - y"), ATTRACTS),
+    (("y", "-sin(x) - y*cos(x)"), ATTRACTS),
+    (("y", "-sin(x) + y*cos(x)/3"), LEAVES),
+    (("y", "-x/(1 + x**2) - y"), ATTRACTS),
+    (("y", "x/(1 + x**2) - y"), LEAVES),
+    (("y", "-sgn(x/(1 + Abs(y))) - y/(2 + x)"), ATTRACTS),
+    (("y", "-2*sgn(x + y)/(1 + y**2)"), ATTRACTS),
+    (("y/(x**2 + 1)", "-sin(x)/(1 + y**2) - y"), ATTRACTS),
+    (("-x/(1 - x)", "-y/(2 - x)"), ATTRACTS),
+]
+
+
+@pytest.mark.parametrize(("rhs", "truth"), KNOWN)
+def test_known_systems(rhs: tuple[str, str], truth: Translation) -> None:
+    result = system_check(built(list(rhs)))
+    assert result.verdict is truth
+    assert result.check()
+    assert not result.everywhere
+    assert (result.rate is None) or not result.scene.scale
+    assert rewriting_words(result.scene)
+    last = ends(rhs, 0.05)
+    assert last < 0.7 if truth is ATTRACTS else last > 3
+
+
+def test_a_weak_spiral_of_a_fraction_agrees_with_its_polygon() -> None:
+    result = system_check(built(["y", "1 - x/(y + 1) - y"], equilibrium=[1, 0]))
+    assert result.verdict is LEAVES
+    x, y, sizes = 1.2, 0.0, []
+    for k in range(400_000):  # semi-implicit midpoint steps, of second order
+        f = 1 - x / (y + 1) - y
+        mx, my = x + 1e-3 * y / 2, y + 1e-3 * f / 2
+        x, y = x + 1e-3 * my, y + 1e-3 * (1 - mx / (my + 1) - my)
+        if k % 50_000 == 0:
+            sizes.append(math.hypot(x - 1, y))
+    assert math.isfinite(x)
+    assert max(sizes[-3:]) > max(sizes[:3])
+
+
+def test_what_only_encloses_claims_no_rays() -> None:
+    result = system_check(built(["y", "-sin(x) - sgn(y)"]))  # a segment of rest, which the enclosure shows too
+    assert result.rays == ()
+    assert result.verdict in (Translation.STABLE, Translation.UNDECIDED)
+
+
+def test_interval_parameters_hold_for_all_values() -> None:
+    result = system_check(built(["y", "-k*x - c*y"], {"k": [1, 2], "c": ["1/2", 1]}))
+    assert result.verdict is ATTRACTS
+    assert result.check()
+    rng = np.random.default_rng(0)
+    x = np.array([0.1, 0.0])
+    for _ in range(20_000):  # values drawn anew at every step
+        k, c = rng.uniform(1, 2), rng.uniform(0.5, 1)
+        x = x + 1e-3 * np.array([x[1], -k * x[0] - c * x[1]])
+    assert np.hypot(*x) < 0.01
+
+
+def test_an_interval_that_holds_an_unstable_value_is_not_stable() -> None:
+    result = system_check(built(["y", "-x - c*y"], {"c": ["-1/4", 1]}))
+    assert result.verdict in (LEAVES, Translation.UNDECIDED)
+
+
+def test_denominators_must_not_vanish_on_the_square() -> None:
+    with pytest.raises(SceneError, match="a smaller check"):
+        system_check(built(["y", "-x/(x + 1/4) - y"]))
+    with pytest.raises(SceneError, match="a smaller check"):
+        audit(built(["y", "-x/(x + 1/4) - y"]), "x**2 + y**2")
+    assert system_check(built(["y", "-x/(x + 1/4) - y"], radius="1/8")).verdict is ATTRACTS
+
+
+def test_an_audit_speaks_of_the_stated_field() -> None:
+    assert audit(built(["y", "-sin(x) - y"]), "x**2 + x*y/2 + y**2").verdict is AuditVerdict.VALID
+    assert audit(built(["y", "-sin(x) - y"]), "x**2 - x*y + y**2").verdict is AuditVerdict.INVALID

@@ -1,0 +1,98 @@
+"""Region tables: the field inside each against the table that a reader would pick, and verdicts of equal systems."""
+
+from __future__ import annotations
+
+import operator
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.proofs.systems.decision import decide_system
+from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+TABLES: list[list[dict[str, Any]]] = [
+    [{"where": ["x > 0"], "rhs": ["y", "-1 - y"]}, {"rhs": ["y", "1 - y"]}],
+    [
+        {"where": ["x > 0", "y >= x"], "rhs": ["-1", "-2"]},
+        {"where": "x**2 + y**2 <= 1", "rhs": ["x - y", "x"]},
+        {"where": ["y < 1/2", "x < -y"], "rhs": ["0", "x*y"]},
+        {"rhs": ["1", "sgn(y)"]},
+    ],
+]
+
+
+def built(tables: list[dict[str, Any]], states: tuple[str, ...] = ("x", "y"), **system: Any) -> SwitchedSystem:
+    document = {"system": {"states": list(states), **system}, "region": tables}
+    return build_system(document, "t", Path("t.toml"))
+
+
+def picked(tables: list[dict[str, Any]], named: dict[str, float]) -> list[float]:
+    """The right-hand side of the first table whose guards hold."""
+
+    def holds(guard: str) -> bool:
+        left, sign, right = re.split(r"(<=|>=|<|>)", guard)
+        return bool(COMPARISONS[sign](eval(left, {}, named), eval(right, {}, named)))  # noqa: S307 - of this file
+
+    def guards(table: dict[str, Any]) -> list[str]:
+        where = table.get("where", [])
+        return [where] if isinstance(where, str) else where
+
+    table = next(t for t in tables if all(map(holds, guards(t))))
+    return [float(eval(text, {"sgn": np.sign}, named)) for text in table["rhs"]]  # noqa: S307
+
+
+@pytest.mark.parametrize("tables", TABLES)
+def test_the_first_table_whose_guards_hold_counts(tables: list[dict[str, Any]]) -> None:
+    field = system_field(built(tables))
+    for x in np.random.default_rng(3).uniform(-2, 2, (200, 2)):
+        signs = tuple(1 if surface.value(x) > 0 else -1 for surface in field.surfaces)
+        assert field.flow(signs)(0.0, x) == pytest.approx(picked(tables, {"x": x[0], "y": x[1]}))
+
+
+def test_tables_and_signs_have_the_same_verdict() -> None:
+    by_tables = decide_system(built(TABLES[0]))
+    rhs = {"system": {"states": ["x", "y"], "rhs": ["y", "-sgn(x) - y"]}}
+    by_signs = decide_system(build_system(rhs, "t", Path("t.toml")))
+    assert (by_tables.verdict, by_tables.reason) == (by_signs.verdict, by_signs.reason)
+    assert by_tables.check()
+
+
+def test_tables_take_parameters_sines_and_one_state() -> None:
+    tables = [{"where": ["x < c"], "rhs": ["k"]}, {"rhs": ["-k*sin(x)/(1 + x**2)"]}]
+    found = decide_system(built(tables, ("x",), parameters={"k": 2, "c": 0}))
+    assert str(found.verdict) == "asymptotically stable"
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ([], "system.rhs: required formulas, or [[region]] tables, received neither"),
+        ([{"where": ["x > 0"], "rhs": ["y", "1"]}], "region[1].where: required guards in all tables but the last one"),
+        ([{"rhs": ["y", "1"]}, {"rhs": ["y", "2"]}], "region[1].where: required guards in all tables but the last"),
+        ([{"where": ["x"], "rhs": ["y", "1"]}, {"rhs": ["y", "2"]}], "region[1].where[1]: required a guard such as"),
+        ([{"where": ["0 < x < 1"], "rhs": ["y", "1"]}, {"rhs": ["y", "2"]}], "region[1].where[1]: required a guard"),
+        ([{"where": ["z > 1"], "rhs": ["y", "1"]}, {"rhs": ["y", "2"]}], "region[1].where[1]: required a formula of x"),
+        ([{"where": [3], "rhs": ["y", "1"]}, {"rhs": ["y", "2"]}], "region[1].where[1]: required a guard such as"),
+        ([{"where": ["x > 0"], "rhs": ["y"]}, {"rhs": ["y", "2"]}], "region[1].rhs: required 2 formulas"),
+        ([{"where": ["x > 0"], "rhs": ["y", "1 +"]}, {"rhs": ["y", "2"]}], "region[1].rhs[2]: required a formula"),
+        ([{"where": ["x > 0"], "rhs": ["y", "1"], "z": 0}, {"rhs": ["y", "2"]}], "region[1].z: required one of the"),
+        ([{"where": ["x > 0"], "rhs": ["y", "1"]}] * 13, "region: required at most 12 tables, received 13"),
+    ],
+)
+def test_bad_tables_in_one_line(tables: list[dict[str, Any]], said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        built(tables)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_tables_or_formulas_not_both() -> None:
+    with pytest.raises(SceneError, match="received both"):
+        built(TABLES[0], rhs=["y", "x"])
