@@ -18,6 +18,7 @@ from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
+from nonsmooth.symbolic.files.system_file import load_system
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
 from tests.thorough import keep, thorough
 
@@ -82,7 +83,7 @@ def test_a_repelling_orbit_is_proved_with_its_closed_form(damping: str) -> None:
 
 def test_stick_slip_is_proved_with_its_closed_form() -> None:
     """As in the float test: the slip from (1, 1/2) is a linear focus; sticking lasts until x = 1 at speed 1/2."""
-    system = ns.load("stick-slip").system
+    system = load_system("stick-slip")
     proof = prove_orbit(system, find_orbit(system_field(system, (2.0, 0.0)), (2.0, 0.0), 100.0))
     with mpmath.workdps(DIGITS):
         third, half = mpmath.mpf(1) / 3, mpmath.mpf(1) / 2
