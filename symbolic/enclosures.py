@@ -24,7 +24,6 @@ from nonsmooth.symbolic.piecewise import MAX_TEXT
 from nonsmooth.symbolic.scene_error import shown
 
 WAVES = ("sin", "cos")
-LEAST_ORDER = 5  # of what an e multiplies: lower terms of the formula are known
 SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
 _OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}

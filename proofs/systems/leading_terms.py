@@ -45,7 +45,6 @@ from nonsmooth.proofs.systems.tangent_fan import (
 from nonsmooth.proofs.systems.turn_growth import TurnGrowth, turn_growth
 from nonsmooth.proofs.systems.worst_turn import WorstTurn, worst_turn
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.enclosures import LEAST_ORDER
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -129,7 +128,9 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
         return _of_enclosed(system)
     if system.others:
         worst = worst_turn(system)
-        return None if worst is None or not worst.sign else _by_turn(axes_frame(system), UNWEIGHTED, worst)
+        if worst is None or not worst.sign or (system.waves and worst.sign > 0):
+            return None  # what only encloses the field may turn out where the field does not
+        return _by_turn(axes_frame(system), UNWEIGHTED, worst)
     for frame, weights in _coordinates(system):
         fan = build_tangent_fan(system, weights, frame)
         found = decide_fan_of_leading_terms(fan) if fan is not None else None
@@ -139,11 +140,41 @@ def decide_leading_terms(system: SwitchedSystem) -> LeadingTerms | None:
 
 
 def _of_enclosed(system: SwitchedSystem) -> LeadingTerms | None:
-    """Of sines and cosines that are enclosed: all members agree below the order of what the enclosures add."""
-    fan = build_tangent_fan(system.members[0])
-    if fan is None or fan.degree >= LEAST_ORDER:
+    """Of sines and cosines that are enclosed: where all members have the same leading terms, so has the field.
+
+    The field is affine in every weight between its members, so what they do not share is of higher order throughout.
+    """
+    first, *others = system.members
+    for frame, weights in _coordinates(first):
+        fan = build_tangent_fan(first, weights, frame)
+        known = fan is not None and _needs_no_other_terms(fan)
+        found = decide_fan_of_leading_terms(fan) if fan is not None and known else None
+        if found is not None and all(_leading(build_tangent_fan(m, weights, frame)) == _leading(fan) for m in others):
+            return found
+    return None
+
+
+def _needs_no_other_terms(fan: TangentFan) -> bool:
+    """Whether no field touches a surface, and no sliding motion vanishes, to leading order."""
+    for before, after, surfaces in rays_between(fan):
+        turns, speeds = zip(*(_turn_and_speed(c.leading, after.start) for c in (before, after)), strict=True)
+        if surfaces and (not all(map(sign, turns)) or _slide(turns, speeds) == 0):
+            return False
+    return True
+
+
+def _slide(turns: Sequence[Any], speeds: Sequence[Any]) -> int | None:
+    """The sign of the sliding motion of two fields on a ray; None where they do not oppose each other."""
+    if sign(turns[0]) * sign(turns[1]) >= 0:
         return None
-    return decide_fan_of_leading_terms(fan)
+    return sign(turns[0] * speeds[1] - turns[1] * speeds[0]) * sign(turns[0] - turns[1])
+
+
+def _leading(fan: TangentFan | None) -> tuple[object, ...] | None:
+    """What a decision by leading terms rests on."""
+    if fan is None or fan.is_exact:
+        return None if fan is None else (fan,)
+    return (fan.degree, fan.surfaces, *((cone.start, cone.end, cone.leading) for cone in fan.cones))
 
 
 def _by_fused_focus(system: SwitchedSystem) -> LeadingTerms | None:

@@ -1,25 +1,22 @@
-"""Reading a scene file or a built-in scene into an array, a plain system or one with modes."""
+"""Reading a scene file or a built-in scene into an array or a plain system."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.modes import Modes
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.scene_file import read_document
 
 
-def load(source: str | Path) -> Array | System | Modes:
-    """An array, a plain system or one with modes from a scene file (TOML) or a built-in name (``nonsmooth scenes``).
+def load(source: str | Path) -> Array | System:
+    """An array or a plain system from a scene file (TOML) or a built-in name; see ``nonsmooth scenes``.
 
     Raises:
         SceneError: for whatever cannot be used.
     """
     document, _, path = read_document(source)
     named = {"name": path.stem, **document}
-    if "mode" in document:
-        return Modes.of_document(named)
     if "system" in document:
         return System.of_document(named)
     return Array.of_document(named, path.parent)

@@ -67,6 +67,18 @@ class Modes:
         system._set(document)
         return system
 
+    @classmethod
+    def load(cls, source: str | Path) -> Self:
+        """From a scene file (TOML) with ``[[mode]]`` tables, or the built-in ``thermostat``.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+        """
+        from nonsmooth.symbolic.files.scene_file import read_document
+
+        document, _, path = read_document(source)
+        return cls.of_document({"name": path.stem, **document})
+
     @cached_property
     def system(self) -> ModeSystem:
         """The exact system."""
@@ -82,7 +94,7 @@ class Modes:
         return f"Modes of {', '.join(self.system.states)}: {', '.join(mode.name for mode in self.system.modes)}"
 
     def simulate(self, start: Sequence[float], until: float = UNTIL, *, mode: str | None = None) -> PathResult:
-        """A path from a start; ``result.shown.path.modes`` says when it was in which mode.
+        """A path from a start; ``to_dict()["modes"]`` says when it was in which mode.
 
         Args:
             start: one number for each state.

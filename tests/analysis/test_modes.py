@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,18 +23,18 @@ def switches(result: ns.PathResult) -> list[float]:
 
 def test_the_thermostat_has_closed_forms() -> None:
     """T' = (26 - T)/4 from 15 to 21, then (10 - T)/4 down to 19, and again."""
-    result = ns.load("thermostat").simulate((15,), 8.0)
+    result = ns.Modes.load("thermostat").simulate((15,), 8.0)
     first, cool, heat = 4 * math.log(11 / 5), 4 * math.log(11 / 9), 4 * math.log(7 / 5)
     assert switches(result) == pytest.approx(np.cumsum([first, cool, heat, cool, heat]).tolist(), abs=EVENT_ERROR)
     left = 8.0 - (first + 2 * (cool + heat))
     assert result.state[-1] == pytest.approx([10 + 11 * math.exp(-left / 4)], abs=EVENT_ERROR)
-    assert [name for name, _, _ in result.shown.path.modes] == ["heating", "idle"] * 3
+    assert [row["mode"] for row in result.to_dict()["modes"]] == ["heating", "idle"] * 3
     assert result.trajectory.unique
 
 
 def test_a_dwell_time_is_kept() -> None:
     """An integrator between +-1 turns at 1 and -1; a dwell of three units lets it run past."""
-    modes = [
+    modes: list[dict[str, Any]] = [
         {"name": "up", "rhs": ["1"], "leave": {"down": "x - 1"}, "dwell": 3},
         {"name": "down", "rhs": ["-1"], "leave": {"up": "-1 - x"}},
     ]
@@ -43,7 +44,7 @@ def test_a_dwell_time_is_kept() -> None:
 
 
 def test_a_guard_that_is_positive_on_entry_is_left_at_once() -> None:
-    modes = [
+    modes: list[dict[str, Any]] = [
         {"name": "a", "rhs": ["1"], "leave": {"b": "x - 1"}},
         {"name": "b", "rhs": ["1"], "leave": {"c": "x"}},
         {"name": "c", "rhs": ["-1"]},
@@ -55,7 +56,7 @@ def test_a_guard_that_is_positive_on_entry_is_left_at_once() -> None:
 
 def test_a_guard_that_is_zero_on_entry_counts_only_where_it_rises() -> None:
     """Both modes end on x = 0; each begins there and moves away, so that nothing switches at once."""
-    modes = [
+    modes: list[dict[str, Any]] = [
         {"name": "right", "rhs": ["y", "-1"], "leave": {"left": "-x"}},
         {"name": "left", "rhs": ["y", "1"], "leave": {"right": "x"}},
     ]
@@ -64,7 +65,7 @@ def test_a_guard_that_is_zero_on_entry_counts_only_where_it_rises() -> None:
 
 
 def test_modes_without_hysteresis_that_push_together_are_refused() -> None:
-    modes = [
+    modes: list[dict[str, Any]] = [
         {"name": "up", "rhs": ["1"], "leave": {"down": "x"}},
         {"name": "down", "rhs": ["-1"], "leave": {"up": "-x"}},
     ]
@@ -74,7 +75,7 @@ def test_modes_without_hysteresis_that_push_together_are_refused() -> None:
 
 def test_a_mode_may_slide() -> None:
     """x' = -sign(x), y' = 1 slides on x = 0 from t = 1/2 on; at y = 2 the other mode takes x away."""
-    modes = [
+    modes: list[dict[str, Any]] = [
         {"name": "hold", "rhs": ["-sign(x)", "1"], "leave": {"go": "y - 2"}},
         {"name": "go", "rhs": ["1", "0"]},
     ]
@@ -120,7 +121,7 @@ def test_random_relays_with_hysteresis(seed: int) -> None:
     matrices = [np.array([[0.0, 1.0], [-a / 4, -b / 10]]) for a, b in numbers]
     level, start = 0.1, np.array([0.0, float(rng.integers(-5, 6)) / 10])
     rhs = [["y", f"-{a}/4*x - {b}/10*y {sign} 1"] for (a, b), sign in zip(numbers, "+-", strict=True)]
-    modes = [
+    modes: list[dict[str, Any]] = [
         {"name": "push", "rhs": rhs[0], "leave": {"pull": "x - 1/10"}},
         {"name": "pull", "rhs": rhs[1], "leave": {"push": "-x - 1/10"}},
     ]

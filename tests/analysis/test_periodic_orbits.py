@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -15,6 +16,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
+from nonsmooth.symbolic.files.system_file import load_system
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival, matrix
 
 
@@ -64,7 +66,7 @@ def test_relay_feedback_of_third_order_has_astroms_period_and_multipliers() -> N
     with mpmath.workdps(DIGITS):
         plant, push = matrix(a.tolist()), mpmath.matrix([1, 0, 0])
 
-        def begin(h: object) -> object:
+        def begin(h: Any) -> Any:
             grown = mpmath.expm(plant * h)
             integral = mpmath.inverse(plant) * (grown - mpmath.eye(3)) * push
             return mpmath.inverse(mpmath.eye(3) + grown) * integral
@@ -83,7 +85,7 @@ def test_stick_slip_on_a_belt_is_a_closed_form() -> None:
     """The built-in scene, with x from the spring's own length, 5/6 from the scene's: the slip from (1, 1/2) is a linear
     focus, and sticking lasts until x = 1 at speed 1/2.
     """
-    found = find_orbit(system_field(ns.load("stick-slip").system, (2.0, 0.0)), (2.0, 0.0), 100.0)
+    found = find_orbit(system_field(load_system("stick-slip"), (2.0, 0.0)), (2.0, 0.0), 100.0)
     with mpmath.workdps(DIGITS):
         third = mpmath.mpf(1) / 3
         # v' = -x + 1 - (1/2 - v)/3
