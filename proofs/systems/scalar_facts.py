@@ -15,7 +15,7 @@ def scalar_facts(result: ScalarResult) -> Iterator[Fact]:
     """Stability in one state."""
     holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
     yield Fact("equilibrium", (holds, Fact("at", Quantity(result.scene.check.equilibrium))))
-    if result.scene.written:
+    if result.scene.written or result.scene.others:
         yield row_fact("field", rewriting_words(result.scene))
     yield Fact("lyapunov")
     yield Fact("translation", tuple(_stability(result)))

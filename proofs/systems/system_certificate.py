@@ -15,7 +15,7 @@ from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text
+from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text, rewriting_words
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import one_line
@@ -52,12 +52,21 @@ def build_system_certificate(result: SystemResult | ScalarResult) -> dict[str, A
         "verdict": str(result.verdict),
         "level": None if region is None else _text(region.level),
         "rate": None if result.rate is None else _rate(result.rate),
-        "notes": {"scene": system.name},
+        "notes": _notes(system),
     }
     refused = check_certificate(certificate)
     if refused:
         raise NoCertificateError(f"the stand-alone checker does not show it: required {refused}")
     return certificate
+
+
+def _notes(system: SwitchedSystem) -> dict[str, Any]:
+    """The name of the scene, and the stated formulas where the right-hand sides are others; nothing that is proved."""
+    notes: dict[str, Any] = {"scene": system.name}
+    if system.written:
+        notes["stated"] = [[one_line(formula) for formula in member] for member in system.written]
+        notes["right-hand sides"] = rewriting_words(system)
+    return notes
 
 
 def _about(system: SwitchedSystem) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
     proving, check, states = result.proving, result.scene.check, result.scene.states
     holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
     yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
-    if result.scene.written:
+    if result.scene.written or result.scene.others:
         yield row_fact("field", rewriting_words(result.scene))
     if proving is not result.lyapunov:
         reason = f"{result.lyapunov.reason} (on {result.reported_domain.text(states)})"
@@ -50,13 +50,15 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
 
 
 def rewriting_words(system: SwitchedSystem) -> str:
-    """What was done to the stated formulas, in words."""
+    """What was done to the stated formulas, and between which right-hand sides it may switch, in words."""
     said = []
     if system.scale is not None:
         said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
     if system.waves:
         count = len(system.members)
         said.append(f"sin and cos of states lie between polynomials: between {count} right-hand sides")
+    elif system.others:
+        said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
     return f"{'; '.join(said)}."
 
 
