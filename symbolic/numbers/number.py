@@ -67,16 +67,22 @@ def _product_units(a: Number, b: Number) -> int:
     return len(a.terms) * len(b.terms) * a.field.base_degree * (1 + length // _UNIT_BITS)
 
 
+def _single_units(a: fmpq, b: fmpq) -> int:
+    """What :func:`_product_units` says of two numbers of one term over the rationals, by far the most."""
+    return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
+
+
 class Number(ExactReal):
     """Immutable element of a :class:`NumberField`; +, -, *, /, ** int, comparisons and hash are exact."""
 
-    __slots__ = ("_hash", "_sign", "field", "terms")
+    __slots__ = ("_float", "_hash", "_sign", "field", "terms")
 
     def __init__(self, field: NumberField, terms: dict[int, Coefficient]) -> None:
         self.field = field
         self.terms = terms
         self._sign: int | None = None
         self._hash: int | None = None
+        self._float: float | None = None
 
     # ---- ring operations -----------------------------------------------------------------
 
@@ -129,12 +135,14 @@ class Number(ExactReal):
         field, modulus = self.field, self.field.modulus
         if not self.terms or not other.terms:
             return field.zero
-        if field.meter is not None:
-            field.meter.spend(_product_units(self, other))
         if modulus is None and len(self.terms) == 1 == len(other.terms):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
             if not s & t:  # a rational factor, or two different roots: nothing to collect
+                if field.meter is not None:
+                    field.meter.spend(_single_units(a, b))
                 return Number(field, {s ^ t: a * b})
+        if field.meter is not None:
+            field.meter.spend(_product_units(self, other))
         terms: dict[int, Coefficient] = {}
         nested: Number = field.zero
         for s, a in self.terms.items():
@@ -272,6 +280,12 @@ class Number(ExactReal):
         return total
 
     def __float__(self) -> float:
+        if self._float is None:
+            self._float = self._rounded()
+        return self._float
+
+    def _rounded(self) -> float:
+        """The nearest float, or one next to it."""
         if not self.terms:
             return 0.0
         if self.field.modulus is None and len(self.terms) == 1 and 0 in self.terms:
