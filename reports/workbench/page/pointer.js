@@ -64,14 +64,10 @@ export class Pointer {
     const { drag } = this;
     if (!drag.moved && Math.hypot(pixel[0] - drag.from[0], pixel[1] - drag.from[1]) < STILL) return;
     drag.moved = true;
-    drag.latest = { pixel, shift: event.shiftKey };
-    this.frame ??= requestAnimationFrame(() => {
-      this.frame = undefined;
-      if (this.drag?.latest) this.#drawn(this.drag, this.drag.latest);
-    });
+    this.#drawn(drag, { pixel, shift: event.shiftKey });
   }
 
-  /** One step of a drag, at most once a frame. */
+  /** One step of a drag. Browsers send one move a frame, just before the frame is drawn: it shows this step already. */
   #drawn(drag, { pixel, shift }) {
     const { view } = this.drawing;
     if (drag.kind === "pan") {
@@ -114,7 +110,6 @@ export class Pointer {
 
   #up(event) {
     this.touches.delete(event.pointerId);
-    if (this.drag && this.drag.latest && this.frame) this.#drawn(this.drag, this.drag.latest);
     if (this.drag?.kind === "pan" && !this.drag.moved) this.store.select([]);
     this.#end();
   }
