@@ -72,6 +72,11 @@ def _single_units(a: fmpq, b: fmpq) -> int:
     return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
 
 
+def _is_rational(terms: dict[int, Coefficient]) -> bool:
+    """Whether a sum over the rationals has one term, without a root."""
+    return len(terms) == 1 and 0 in terms
+
+
 class Number(ExactReal):
     """Immutable element of a :class:`NumberField`; +, -, *, /, ** int, comparisons and hash are exact."""
 
@@ -141,6 +146,8 @@ class Number(ExactReal):
                 if field.meter is not None:
                     field.meter.spend(_single_units(a, b))
                 return Number(field, {s ^ t: a * b})
+        elif modulus is None and (_is_rational(self.terms) or _is_rational(other.terms)):
+            return self._multiple(other)
         if field.meter is not None:
             field.meter.spend(_product_units(self, other))
         terms: dict[int, Coefficient] = {}
@@ -159,6 +166,14 @@ class Number(ExactReal):
                 terms[mask] = terms[mask] + product if mask in terms else product
         result = field.collected(terms)
         return result + nested if nested.terms else result
+
+    def _multiple(self, other: Number) -> Number:
+        """The product over the rationals where one of both is rational: nothing to collect."""
+        if self.field.meter is not None:
+            self.field.meter.spend(_product_units(self, other))
+        one, many = (self, other) if _is_rational(self.terms) else (other, self)
+        factor = one.terms[0]
+        return Number(self.field, {mask: c * factor for mask, c in many.terms.items()})
 
     def __pow__(self, exponent: int) -> Number:
         if not isinstance(exponent, int):
@@ -202,7 +217,15 @@ class Number(ExactReal):
 
     def __truediv__(self, value: Any) -> Number:
         other = self._operand(value)
-        return NotImplemented if other is None else self * other.inverse()
+        if other is None:
+            return NotImplemented
+        field = self.field
+        if field.modulus is not None or len(other.terms) != 1 or 0 not in other.terms or len(self.terms) != 1:
+            return self * other.inverse()
+        ((mask, a),), b = self.terms.items(), other.terms[0]
+        if field.meter is not None:  # what the inverse and the product would cost
+            field.meter.spend(_single_units(b, b) + _single_units(a, b))
+        return Number(field, {mask: a / b})
 
     def __rtruediv__(self, value: Any) -> Number:
         return self.inverse() * value
@@ -247,9 +270,7 @@ class Number(ExactReal):
         field = self.field
         total = magnitude = 0.0
         for mask, c in self.terms.items():
-            root = 1.0
-            for i in bits(mask):
-                root *= field.root_floats[i]
+            root = field.float_product(mask)
             if field.modulus is None:
                 term = fmpq_to_float(c) * root
                 total += term
