@@ -3,6 +3,7 @@
 
 const VERSION = "1";
 const PAUSE = 250; // milliseconds after the last change until the address is written: browsers limit how often
+const LEFT = "nonsmooth-workbench-left"; // where a page that is left before that keeps its state, for this tab only
 
 /** The state as text for an address. */
 export async function pack(state) {
@@ -37,26 +38,38 @@ export class Address {
   constructor(store) {
     this.store = store;
     this.written = "";
+    this.isWritten = true;
     store.addEventListener("change", () => this.#later());
     window.addEventListener("hashchange", () => this.#read());
-    window.addEventListener("pagehide", () => clearTimeout(this.timer));
+    window.addEventListener("pagehide", () => this.#leave());
   }
 
-  /** The state in the address when the page was opened, or null. */
-  static opened() {
-    return unpack(window.location.hash.slice(1));
+  /** The state that this tab left at this address, or that in the address; null if there is none. */
+  static async opened() {
+    const { address, state } = JSON.parse(window.sessionStorage.getItem(LEFT) ?? "{}");
+    window.sessionStorage.removeItem(LEFT);
+    return state && address === window.location.hash ? state : unpack(window.location.hash.slice(1));
   }
 
   #later() {
+    this.isWritten = false;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.write(), PAUSE);
   }
 
   async write() {
-    const packed = await pack(this.store.now);
+    const { now } = this.store;
+    const packed = await pack(now);
+    this.isWritten = now === this.store.now;
     if (packed === this.written) return;
     this.written = packed;
     window.history.replaceState(null, "", `#${packed}`);
+  }
+
+  /** What is not yet in the address: packing it takes longer than a page lives that is left. */
+  #leave() {
+    clearTimeout(this.timer);
+    if (!this.isWritten) window.sessionStorage.setItem(LEFT, JSON.stringify({ address: window.location.hash, state: this.store.now }));
   }
 
   async #read() {

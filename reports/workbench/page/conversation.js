@@ -48,8 +48,8 @@ export class Conversation extends EventTarget {
     this.flight?.controller.abort();
     const flight = { controller: new AbortController(), heard: false, sent: performance.now(), sequence: (this.sequence += 1) };
     this.flight = flight;
-    this.#tell("asked", { sequence: flight.sequence });
     const body = { tab: this.tab, sequence: flight.sequence, ...JSON.parse(question) };
+    this.#tell("asked", { sequence: flight.sequence, want: body.want });
     try {
       await this.api.lines("/api/view", body, (line) => this.#hear(flight, line), flight.controller.signal);
       this.losses = 0;

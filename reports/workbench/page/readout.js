@@ -11,7 +11,8 @@ export function startReadout(line, how, drawing) {
   drawing.results.addEventListener("change", () => {
     const { geometry } = drawing.results;
     document.body.classList.toggle("without-cells", geometry?.geometry === "sampled");
-    say(how, geometry?.note ?? KINDS[geometry?.geometry] ?? "");
+    const known = drawing.results.isOld("geometry") && geometry?.cells?.length ? "later" : geometry?.geometry;
+    say(how, known === "later" ? KINDS.later : geometry?.note ?? KINDS[known] ?? "");
   });
   drawing.element.addEventListener("readout", ({ detail }) => say(line, text(drawing, detail)));
   drawing.element.addEventListener("pointerleave", () => say(line, ""));
