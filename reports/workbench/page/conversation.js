@@ -14,7 +14,7 @@ export class Conversation extends EventTarget {
   constructor(api, store) {
     super();
     Object.assign(this, { api, store });
-    this.tab = crypto.randomUUID(); // of this page load: a duplicated tab must not cancel the work of the first
+    this.tab = crypto.getRandomValues(new Uint32Array(4)).join("-"); // of this page load: a duplicated tab has another
     this.sequence = 0;
     this.flight = null;
     this.asked = "";

@@ -12,7 +12,6 @@ from tests.reports.workbench.workbench_page import (
     CHROMIUM,
     NO_CHROMIUM,
     Opened,
-    chromium,
     document,
     drag,
     edited,
@@ -30,12 +29,6 @@ FIRST_RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0
     return [x + unit * knob.getAttribute('cx'), y + unit * knob.getAttribute('cy')]; })()"""
 FIRST_START = "drawing.view.at(...workbench.store.now.starts[0])"
 MIDDLE = "[drawing.view.width / 2, 12]"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
 
 
 @pytest.fixture(scope="module")

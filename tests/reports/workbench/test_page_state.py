@@ -15,7 +15,6 @@ from tests.reports.workbench.workbench_page import (
     CHROMIUM,
     NO_CHROMIUM,
     Opened,
-    chromium,
     document,
     edited,
     proved,
@@ -33,12 +32,6 @@ CHANGED = """(most) => new Promise((ready) => { const began = performance.now();
     const moved = JSON.stringify(workbench.store.now) !== window.before;
     const said = !document.getElementById('note').hidden;
     if (moved || said || performance.now() - began > most) ready(moved); else setTimeout(look, 5); }; look(); })"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
 
 
 def toml(server: Workbench, page: Page) -> bytes:
