@@ -63,6 +63,7 @@ export class Results extends EventTarget {
     else if (stage === "facts") this.checked = { ...this.checked, clauses: line.clauses };
     else if (stage === "tolerance") this.#take("tolerance", line);
     else if (stage === "error") this.#error(line);
+    else if (stage === "unanswered") this.#unanswered(line);
     else if (stage === "done") this.#done();
     this.took = line.took;
     this.#tell(stage);
@@ -97,9 +98,15 @@ export class Results extends EventTarget {
     this.foreign = false;
   }
 
-  #error({ message, key, part }) {
+  #error({ message, key }) {
     this.error = { message, key: key ?? null };
-    if (!part) this.status = "error";
+    this.status = "error";
+  }
+
+  /** There are no answers about this scene: those about another one must not stay. */
+  #unanswered(line) {
+    Object.assign(this, { checked: null, tolerance: null, paths: [] });
+    this.#error(line);
   }
 
   /** Parts that were wanted and did not come are not part of this scene (no tolerance, no comparison of systems). */

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page
 
+from tests.reports.conftest import Invoke
 from tests.reports.workbench.workbench_page import (
     CHROMIUM,
     NO_CHROMIUM,
@@ -262,25 +264,26 @@ def test_a_plain_system_is_a_phase_portrait(page: Page) -> None:
     assert not document(page).get("system")
 
 
+def saved(page: Page, folder: Path, kind: str) -> Path:
+    """What an entry of the export menu saves."""
+    page.click("#export")
+    with page.expect_download() as download:
+        page.click(f"[data-export={kind}]")
+    target = folder / f"{kind}-{download.value.suggested_filename}"
+    download.value.save_as(target)
+    return target
+
+
 def test_files_are_opened_and_saved_byte_for_byte(opened: Opened, page: Page, tmp_path: Path) -> None:
     edited(page, lambda: drag(page, FIRST_WHEEL, (33, -21)))
-
-    def saved(kind: str) -> Path:
-        page.click("#export")
-        with page.expect_download() as download:
-            page.click(f"[data-export={kind}]")
-        target = tmp_path / f"{kind}-{download.value.suggested_filename}"
-        download.value.save_as(target)
-        return target
-
-    first = saved("toml")
+    first = saved(page, tmp_path, "toml")
     assert first.name.endswith("four-wheel.toml")
     edited(page, lambda: page.click("#undo"))
     edited(page, lambda: page.set_input_files("#file", first))
     settled(page)
-    assert saved("toml").read_bytes() == first.read_bytes()
-    assert b'"schema"' in saved("json").read_bytes()
-    assert saved("figure").read_bytes().lstrip().startswith(b"<?xml")
+    assert saved(page, tmp_path, "toml").read_bytes() == first.read_bytes()
+    assert b'"schema"' in saved(page, tmp_path, "json").read_bytes()
+    assert saved(page, tmp_path, "figure").read_bytes().lstrip().startswith(b"<?xml")
     broken = tmp_path / "broken.toml"
     broken.write_text("[[wheel]]\nposition = [1]\n", encoding="utf-8")
     page.set_input_files("#file", broken)
@@ -288,6 +291,80 @@ def test_files_are_opened_and_saved_byte_for_byte(opened: Opened, page: Page, tm
     assert "required" in page.locator("#note").inner_text()
     assert [line for line in opened.said if "400 (Bad Request)" in line] == opened.said  # Chromium's own line
     opened.said.clear()
+
+
+def test_the_certificate_is_accepted_by_the_checker(page: Page, tmp_path: Path, invoke: Invoke) -> None:
+    edited(page, lambda: drag(page, FIRST_WHEEL, (-14, 9)))
+    certificate, scene = saved(page, tmp_path, "certificate"), saved(page, tmp_path, "toml")
+    assert invoke("verify", str(certificate), str(scene)).status == 0
+    edited(page, lambda: page.click("#undo"))
+    other = saved(page, tmp_path, "toml")
+    assert invoke("verify", str(certificate), str(other)).status == 1
+
+
+def test_the_report_is_a_page_of_its_own(page: Page, opened: Opened, tmp_path: Path) -> None:
+    report = saved(page, tmp_path, "report")
+    tab = opened.context.new_page()
+    tab.goto(report.as_uri())
+    assert "four-wheel" in tab.title()
+    assert tab.locator("h1").inner_text()
+    tab.close()
+
+
+def test_a_copied_link_shows_the_same_scene(browser: Browser, page: Page, opened: Opened) -> None:
+    edited(page, lambda: drag(page, FIRST_WHEEL, (21, 34)))
+    edited(page, lambda: page.click("#add-start"))
+    opened.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.click("#export")
+    page.click("#copy-link")
+    page.locator("#note", has_text="The link is copied").wait_for()
+    link = page.evaluate("() => navigator.clipboard.readText()")
+    other = Opened(browser, link)  # another profile: the link alone carries scene and token
+    state = "() => JSON.stringify(workbench.store.now)"
+    assert other.page.evaluate(state) == page.evaluate(state)
+    assert "token" not in other.page.url
+    assert other.said == []
+    other.context.close()
+
+
+def test_what_is_old_is_marked_in_the_frame_of_the_change(page: Page) -> None:
+    marks = """() => new Promise((ready) => {
+        const look = () => [document.getElementById('status').textContent, document.getElementById('how').textContent,
+            ...['#answers', '#clauses', '#rules-section'].map((name) =>
+                document.querySelector(name).classList.contains('stale'))];
+        const before = look();
+        workbench.store.edit(({ document }) => ({ document: { ...document, friction: { mu_roll: 1, mu_side: 0.3 } } }));
+        requestAnimationFrame(() => ready([before, look()])); })"""
+    before, after = page.evaluate(marks)
+    assert before == ["exact", "cells: exact", False, False, False]
+    assert after == ["checking …", "cells follow …", True, True, True]
+    settled(page)
+    assert page.locator("#status").inner_text() == "exact"
+    assert page.locator(".stale").count() == 0
+
+
+def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
+    line = "no cells and no answers: required cells of rule box within 12 s, received an array that takes longer"
+    first = page.evaluate("() => { const { cells, edges, ...rest } = workbench.results.geometry; return rest; }")
+    others = [{"rule": "nearest", "answers": [{"key": "position", "answer": "leaves", "tone": "bad", "sentence": ""}]}]
+    stages = [
+        {**first, "stage": "fast", "geometry": "later", "note": "the cells take a moment", "cells": [], "edges": []},
+        {**first, "stage": "fast", "geometry": "none", "note": "no cells: they take too long", "cells": [], "edges": []},
+        {"stage": "unanswered", "message": line, "key": None},
+        {"stage": "comparison", "rules": others},
+        {"stage": "done"},
+    ]
+    text = "".join(f"{json.dumps(stage)}\n" for stage in stages)
+    page.route("**/api/view", lambda route: route.fulfill(body=text, content_type="application/x-ndjson"))
+    edited(page, lambda: page.select_option("#rule", "box"))
+    page.locator("#error", has_text=line).wait_for()
+    assert page.locator("#status").inner_text() == "not checked: see the message"
+    assert [word.inner_text() for word in page.locator(".answer-word").all()] == ["…"] * 3
+    assert page.locator(".layer-cells path").count() == 0
+    assert page.locator(".layer-wheels .wheel").count() == 4
+    assert page.locator("#how").inner_text() == "no cells: they take too long"
+    assert page.locator("#rules-body tr").last.inner_text().split() == ["nearest", "leaves"]
+    page.unroute("**/api/view")
 
 
 def test_layers_are_hidden_and_the_view_is_moved(page: Page) -> None:

@@ -89,6 +89,32 @@ def test_a_reload_and_a_link_restore_the_scene(browser: Browser, server: Workben
     opened.context.close()
 
 
+def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workbench) -> None:
+    opened = Opened(browser, server.address)
+    page = opened.page
+    page.keyboard.press("n")
+    for key in ("ArrowRight", "ArrowUp"):
+        edited(page, lambda key=key: page.keyboard.press(key))
+        state = page.evaluate("() => JSON.stringify(workbench.store.now)")
+        page.reload()  # the address is written later
+        proved(page)
+        assert page.evaluate("() => JSON.stringify(workbench.store.now)") == state
+        page.evaluate("() => workbench.store.select([0])")
+    written = "() => location.hash !== window.hash"
+    page.wait_for_function("() => location.hash.length > 1")
+    page.wait_for_timeout(400)
+    former, known = page.url, page.evaluate("() => JSON.stringify(workbench.store.now)")
+    page.evaluate("() => { window.hash = location.hash; }")
+    edited(page, lambda: page.keyboard.press("ArrowRight"))
+    page.wait_for_function(written)
+    edited(page, lambda: page.keyboard.press("["))
+    page.goto("about:blank")
+    page.goto(former)  # an address that is followed says what is shown, not what the tab left at another one
+    proved(page)
+    assert page.evaluate("() => JSON.stringify(workbench.store.now)") == known
+    opened.context.close()
+
+
 def test_two_tabs_do_not_disturb_each_other(browser: Browser, server: Workbench) -> None:
     opened = Opened(browser, server.address)
     first, second = opened.page, opened.tab(server.address)
