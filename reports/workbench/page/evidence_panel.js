@@ -70,7 +70,7 @@ export class ComparisonPanel {
     if (comparison === this.drawn) return;
     this.drawn = comparison;
     if (!comparison) return this.body.replaceChildren();
-    const chosen = { rule: this.results.geometry?.rule, answers: this.results.checked?.answers ?? [] };
+    const chosen = { rule: this.results.geometry?.values?.rule, answers: this.results.checked?.answers ?? [] };
     const all = [chosen, ...comparison.filter(({ rule }) => rule !== chosen.rule)];
     const keys = all.find((rule) => rule.answers?.length)?.answers.map(({ key }) => key) ?? [];
     this.head.replaceChildren(h("th", { scope: "col" }, "Rule"), ...keys.map((key) => h("th", { scope: "col" }, key)));

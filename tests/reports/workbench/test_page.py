@@ -345,7 +345,8 @@ def test_what_is_old_is_marked_in_the_frame_of_the_change(page: Page) -> None:
 
 def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
     line = "no cells and no answers: required cells of rule box within 12 s, received an array that takes longer"
-    first = page.evaluate("() => { const { cells, edges, ...rest } = workbench.results.geometry; return rest; }")
+    first = page.evaluate("() => { const { cells, edges, rule, ...rest } = workbench.results.geometry; return rest; }")
+    first["values"]["rule"] = "box"
     others = [{"rule": "nearest", "answers": [{"key": "position", "answer": "leaves", "tone": "bad", "sentence": ""}]}]
     stages = [
         {**first, "stage": "fast", "geometry": "later", "note": "the cells take a moment", "cells": [], "edges": []},
@@ -363,7 +364,8 @@ def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
     assert page.locator(".layer-cells path").count() == 0
     assert page.locator(".layer-wheels .wheel").count() == 4
     assert page.locator("#how").inner_text() == "no cells: they take too long"
-    assert page.locator("#rules-body tr").last.inner_text().split() == ["nearest", "leaves"]
+    rows = [row.inner_text().split() for row in page.locator("#rules-body tr").all()]
+    assert rows == [["box", "not", "checked"], ["nearest", "leaves"]]
     page.unroute("**/api/view")
 
 
