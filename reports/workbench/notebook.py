@@ -47,7 +47,7 @@ class NotebookView(anywidget.AnyWidget):
     _styles = traitlets.Unicode(styles()).tag(sync=True)
     _symbols = traitlets.Unicode(symbols()).tag(sync=True)
     document = traitlets.Dict().tag(sync=True)
-    starts = traitlets.List().tag(sync=True)
+    starts: traitlets.List[list[float]] = traitlets.List().tag(sync=True)
     until = traitlets.Float(UNTIL).tag(sync=True)
 
     def __init__(self, made: Array | System, **more: Any) -> None:

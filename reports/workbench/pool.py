@@ -141,6 +141,8 @@ class Pool:
         """
         self._waiting += 1
         try:
+            for gone in [worker for worker in self._workers if worker.is_gone]:
+                await self._replace(gone)
             worker = await _unless(cancelled, self._idle.get())
             while worker.is_gone:
                 await self._replace(worker)

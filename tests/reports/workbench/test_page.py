@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -31,24 +30,6 @@ FIRST_RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0
     return [x + unit * knob.getAttribute('cx'), y + unit * knob.getAttribute('cy')]; })()"""
 FIRST_START = "drawing.view.at(...workbench.store.now.starts[0])"
 MIDDLE = "[drawing.view.width / 2, 12]"
-
-
-@pytest.fixture(scope="module")
-def opened(browser: Browser, server: Workbench) -> Opened:
-    """One page for the module: opening it costs more than most tests."""
-    return Opened(browser, server.address)
-
-
-@pytest.fixture
-def page(opened: Opened, server: Workbench) -> Iterator[Page]:
-    """The four-wheel array, nothing selected, no starts; no test may leave a word on the console."""
-    page = opened.page
-    first = server.document("four-wheel")
-    page.evaluate("(first) => workbench.store.open(first, [])", first)
-    settled(page)
-    page.evaluate("() => { workbench.store.select([]); workbench.drawing.fit(); }")
-    yield page
-    assert opened.said == []
 
 
 def test_the_page_asks_its_own_server_only_and_hides_the_token(opened: Opened, server: Workbench) -> None:
@@ -303,10 +284,13 @@ def test_the_certificate_is_accepted_by_the_checker(page: Page, tmp_path: Path, 
 
 
 def test_the_report_is_a_page_of_its_own(page: Page, opened: Opened, tmp_path: Path) -> None:
+    page.select_option("#scene", "relay-oscillator-damped")  # a short report
+    page.locator("body.is-system").wait_for()
+    settled(page)
     report = saved(page, tmp_path, "report")
     tab = opened.context.new_page()
     tab.goto(report.as_uri())
-    assert "four-wheel" in tab.title()
+    assert "relay-oscillator-damped" in tab.locator("main, body").first.inner_text()
     assert tab.locator("h1").inner_text()
     tab.close()
 
@@ -350,7 +334,14 @@ def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
     others = [{"rule": "nearest", "answers": [{"key": "position", "answer": "leaves", "tone": "bad", "sentence": ""}]}]
     stages = [
         {**first, "stage": "fast", "geometry": "later", "note": "the cells take a moment", "cells": [], "edges": []},
-        {**first, "stage": "fast", "geometry": "none", "note": "no cells: they take too long", "cells": [], "edges": []},
+        {
+            **first,
+            "stage": "fast",
+            "geometry": "none",
+            "note": "no cells: they take too long",
+            "cells": [],
+            "edges": [],
+        },
         {"stage": "unanswered", "message": line, "key": None},
         {"stage": "comparison", "rules": others},
         {"stage": "done"},
