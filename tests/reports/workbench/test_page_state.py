@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from typing import Any
 
 import pytest
@@ -93,7 +94,7 @@ def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workben
     page = opened.page
     page.keyboard.press("n")
     for key in ("ArrowRight", "ArrowUp"):
-        edited(page, lambda key=key: page.keyboard.press(key))
+        edited(page, partial(page.keyboard.press, key))
         state = page.evaluate("() => JSON.stringify(workbench.store.now)")
         page.reload()  # the address is written later
         proved(page)

@@ -20,6 +20,7 @@ from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM
 
 Json = dict[str, Any]
 
+TRAITS = ("document", "starts", "until", "_styles", "_symbols")
 NAMESPACE = "http://www.w3.org/2000/svg"
 HTML = """<!doctype html><div id="cell"></div><script type="module">
 import widget from "/widget.js";
@@ -50,6 +51,11 @@ class Kernel:
         first = len(self.sent)
         _in_a_thread(lambda: self.view._heard(self.view, content, []))
         return self.sent[first:]
+
+    def save(self, traits: Json) -> None:
+        """What the view has changed."""
+        for name in TRAITS[:3]:
+            setattr(self.view, name, traits[name])
 
     def look(self, number: int, document: Json, **more: Any) -> dict[str, Json]:
         """The stages of a view by their names."""
@@ -147,7 +153,7 @@ def cell(browser: Browser) -> Iterator[tuple[Page, Kernel, list[str]]]:
     page.on("console", lambda message: said.append(message.text))
     page.on("pageerror", lambda error: said.append(str(error)))
     page.expose_function("traits", lambda: {name: getattr(kernel.view, name) for name in TRAITS})
-    page.expose_function("save", lambda traits: [setattr(kernel.view, name, traits[name]) for name in TRAITS[:3]][:0])
+    page.expose_function("save", kernel.save)
     page.expose_function("ask", kernel.ask)
     files = {"/": ("text/html", HTML), "/widget.js": ("text/javascript", NotebookView._esm)}
     page.route("**/*", lambda route: route.fulfill(**_file(files, route.request.url)))
@@ -155,9 +161,6 @@ def cell(browser: Browser) -> Iterator[tuple[Page, Kernel, list[str]]]:
     page.locator("#status[data-state=exact]").wait_for()
     yield page, kernel, said
     page.context.close()
-
-
-TRAITS = ("document", "starts", "until", "_styles", "_symbols")
 
 
 def _file(files: dict[str, tuple[str, str]], address: str) -> dict[str, Any]:
