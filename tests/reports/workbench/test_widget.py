@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -191,3 +192,9 @@ def test_a_wheel_is_dragged_in_a_notebook(cell: tuple[Page, Kernel, list[str]]) 
     page.locator("#status[data-state=exact]").wait_for()
     page.evaluate("() => window.end()")
     assert said == []
+
+
+def test_without_its_package_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "nonsmooth.reports.workbench.notebook", None)
+    with pytest.raises(ImportError, match=r"nonsmooth\[notebook\]"):
+        ns.widget("four-wheel")
