@@ -24,6 +24,7 @@ from tests.workbench_server import Workbench
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
 
+SMALL = {"width": 500, "height": 400}  # pixels of a page that nobody looks at
 EDITS = 50
 KEYS = ("ArrowLeft", "ArrowUp", "Shift+ArrowRight", "Alt+ArrowDown", "[", "]", "{", "c", "a", "r", "M", "Delete", "o")
 REFUSED = 1500  # milliseconds: an edit that Python refuses, such as two wheels at one place, changes nothing
@@ -50,7 +51,7 @@ def random_edit(page: Page, hand: random.Random) -> None:
 
 
 def test_undo_of_50_random_edits_gives_the_same_file_byte_for_byte(browser: Browser, server: Workbench) -> None:
-    opened = Opened(browser, server.address)
+    opened = Opened(browser, server.address, viewport=SMALL)
     page = opened.page
     page.evaluate("() => { workbench.conversation.dragging = true; }")  # cells and answers suffice, as in a drag
     first = toml(server, page)
@@ -70,7 +71,7 @@ def test_undo_of_50_random_edits_gives_the_same_file_byte_for_byte(browser: Brow
 
 
 def test_a_reload_and_a_link_restore_the_scene(browser: Browser, server: Workbench) -> None:
-    opened = Opened(browser, server.address)
+    opened = Opened(browser, server.address, viewport=SMALL)
     page = opened.page
     page.keyboard.press("n")
     edited(page, lambda: page.keyboard.press("ArrowRight"))
@@ -90,7 +91,7 @@ def test_a_reload_and_a_link_restore_the_scene(browser: Browser, server: Workben
 
 
 def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workbench) -> None:
-    opened = Opened(browser, server.address)
+    opened = Opened(browser, server.address, viewport=SMALL)
     page = opened.page
     page.keyboard.press("n")
     for key in ("ArrowRight", "ArrowUp"):
@@ -116,7 +117,7 @@ def test_the_last_edit_before_a_reload_is_kept(browser: Browser, server: Workben
 
 
 def test_two_tabs_do_not_disturb_each_other(browser: Browser, server: Workbench) -> None:
-    opened = Opened(browser, server.address)
+    opened = Opened(browser, server.address, viewport=SMALL)
     first, second = opened.page, opened.tab(server.address)
     second.select_option("#scene", "mecanum-4")
     for page in (first, second):
