@@ -33,8 +33,12 @@ export class Conversation extends EventTarget {
   refresh({ again = false } = {}) {
     if (again) this.asked = "";
     if (this.#question() === this.asked || !this.store.document || !Object.keys(this.store.document).length) return;
-    if (this.retry || (this.flight && !this.flight.heard)) return; // a lost server is asked now and then only
-    this.#ask();
+    if (this.isFree) this.#ask();
+  }
+
+  /** Whether a change would be asked about at once; a lost server is asked now and then only. */
+  get isFree() {
+    return !this.retry && (!this.flight || this.flight.heard);
   }
 
   #question() {

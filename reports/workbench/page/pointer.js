@@ -13,6 +13,7 @@ export class Pointer {
     const { element } = drawing;
     element.addEventListener("pointerdown", (event) => this.#down(event));
     element.addEventListener("pointermove", (event) => this.#move(event));
+    element.addEventListener("pointerrawupdate", (event) => this.#ahead(event));
     for (const name of ["pointerup", "pointercancel"]) element.addEventListener(name, (event) => this.#up(event));
     element.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     element.addEventListener("dblclick", (event) => this.#double(event));
@@ -65,6 +66,11 @@ export class Pointer {
     if (!drag.moved && Math.hypot(pixel[0] - drag.from[0], pixel[1] - drag.from[1]) < STILL) return;
     drag.moved = true;
     this.#drawn(drag, { pixel, shift: event.shiftKey });
+  }
+
+  /** A move before its frame, where the browser tells it: taken only if it can be asked about at once. */
+  #ahead(event) {
+    if (this.drag && this.drag.kind !== "pan" && this.conversation.isFree) this.#move(event);
   }
 
   /** One step of a drag. Browsers send one move a frame, just before the frame is drawn: it shows this step already. */
