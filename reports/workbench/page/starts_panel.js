@@ -86,7 +86,9 @@ export class StartsPanel {
 /** Shows a number, unless somebody types there. */
 function put(input, value) {
   const text = String(value);
-  if (document.activeElement !== input && input.value !== text) input.value = text;
+  if (document.activeElement === input || input.value === text) return;
+  input.value = text;
+  input.removeAttribute("aria-invalid");
 }
 
 export class Playback {

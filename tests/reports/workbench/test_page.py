@@ -199,6 +199,36 @@ def test_starts_are_followed_dragged_and_played(page: Page) -> None:
     assert page.locator(".layer-starts g").count() == 0
 
 
+def test_the_time_of_paths_is_set_and_sought(page: Page) -> None:
+    edited(page, lambda: page.click("#add-start"))
+    until = page.locator("#until")
+    until.fill("0.5")
+    edited(page, lambda: until.press("Enter"))
+    settled(page)
+    assert page.evaluate("() => workbench.results.paths[0].times.at(-1)") <= 0.5
+    body = page.locator(".layer-bodies .moving-body")
+    begins = body.get_attribute("d")
+    page.locator("#time").fill("500")
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    assert body.get_attribute("d") != begins
+    assert page.evaluate("() => workbench.drawing.time") == pytest.approx(0.25, rel=0.01)
+    until.fill("-1")
+    until.press("Enter")
+    assert until.get_attribute("aria-invalid") == "true"
+    assert page.evaluate("() => workbench.store.now.until") == 0.5
+    page.locator("#drawing").focus()
+    edited(page, lambda: page.keyboard.press("Control+z"))
+    page.locator("#until:not([aria-invalid])").wait_for()
+
+
+def test_the_help_lists_every_key(page: Page) -> None:
+    page.click("#help-button")
+    assert page.locator("#help").is_visible()
+    assert page.locator("#keys tr").count() == 20
+    page.click("#help-close")
+    assert not page.locator("#help").is_visible()
+
+
 def test_rules_are_chosen_and_compared(page: Page) -> None:
     rows = page.locator("#rules-body tr")
     assert [row.locator("th").inner_text() for row in rows.all()] == ["nearest", "box", "ellipse", "roller"]
