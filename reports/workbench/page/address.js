@@ -3,7 +3,8 @@
 
 const VERSION = "1";
 const PAUSE = 250; // milliseconds after the last change until the address is written: browsers limit how often
-const LEFT = "nonsmooth-workbench-left"; // where a page that is left before that keeps its state, for this tab only
+const LEFT = "nonsmooth-workbench-left"; // where a page that is left keeps its state, for this tab only
+const RELOAD = 5000; // milliseconds that a reload may take: it asks for the address of the time when it began
 
 /** The state as text for an address. */
 export async function pack(state) {
@@ -38,38 +39,38 @@ export class Address {
   constructor(store) {
     this.store = store;
     this.written = "";
-    this.isWritten = true;
+    this.former = { address: "", until: 0 }; // before the last write
     store.addEventListener("change", () => this.#later());
     window.addEventListener("hashchange", () => this.#read());
     window.addEventListener("pagehide", () => this.#leave());
   }
 
-  /** The state that this tab left at this address, or that in the address; null if there is none. */
+  /** What a page that is loaded again was left with, else the state in the address; null if there is none. */
   static async opened() {
-    const { address, state } = JSON.parse(window.sessionStorage.getItem(LEFT) ?? "{}");
+    const { addresses = [], state } = JSON.parse(window.sessionStorage.getItem(LEFT) ?? "{}");
     window.sessionStorage.removeItem(LEFT);
-    return state && address === window.location.hash ? state : unpack(window.location.hash.slice(1));
+    const isAgain = performance.getEntriesByType("navigation")[0]?.type !== "navigate"; // a reload, or back and forth
+    return isAgain && addresses.includes(window.location.hash) ? state : unpack(window.location.hash.slice(1));
   }
 
   #later() {
-    this.isWritten = false;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.write(), PAUSE);
   }
 
   async write() {
-    const { now } = this.store;
-    const packed = await pack(now);
-    this.isWritten = now === this.store.now;
+    const packed = await pack(this.store.now);
     if (packed === this.written) return;
     this.written = packed;
+    this.former = { address: window.location.hash, until: performance.now() + RELOAD };
     window.history.replaceState(null, "", `#${packed}`);
   }
 
-  /** What is not yet in the address: packing it takes longer than a page lives that is left. */
+  /** The last edit may not be in the address yet, or come there after a reload has begun. */
   #leave() {
     clearTimeout(this.timer);
-    if (!this.isWritten) window.sessionStorage.setItem(LEFT, JSON.stringify({ address: window.location.hash, state: this.store.now }));
+    const addresses = [window.location.hash, ...(performance.now() < this.former.until ? [this.former.address] : [])];
+    window.sessionStorage.setItem(LEFT, JSON.stringify({ addresses, state: this.store.now }));
   }
 
   async #read() {
