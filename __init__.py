@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.vehicle import VehiclesResult as VehiclesResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
     from nonsmooth.reports.sweeps.sweep import Means as Means
+    from nonsmooth.reports.workbench.widget import widget as widget
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
     from nonsmooth.symbolic.scene_error import SceneError as SceneError
@@ -82,6 +83,7 @@ _MODULES = {
     "builtin_vehicles": "symbolic.files.scene_file",
     "load": "reports.interface.load",
     "validate": "reports.interface.evidence_result",
+    "widget": "reports.workbench.widget",
 }
 _PACKAGES = ("analysis", "proofs", "reports", "symbolic")
 _look_up = on_demand(__name__, _MODULES)

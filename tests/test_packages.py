@@ -174,19 +174,21 @@ def imported_libraries(folders: tuple[str, ...]) -> set[str]:
 
 
 def test_dependencies_are_those_that_are_imported() -> None:
-    assert imported_libraries(PACKAGES) - declared("workbench") == declared("dependencies")
+    extras = declared("workbench") | declared("notebook")
+    assert imported_libraries(PACKAGES) - extras == declared("dependencies")
     for_tests = imported_libraries(("tests",)) - declared("dependencies")
     assert for_tests - declared("bench") <= declared("test")
-    assert declared("test") - for_tests == RUN_AS_COMMANDS | declared("workbench")
+    assert declared("test") - for_tests == RUN_AS_COMMANDS | extras
 
 
-def test_only_the_workbench_imports_its_server() -> None:
+def test_only_the_workbench_imports_its_server_and_its_widget() -> None:
+    extras = declared("workbench") | declared("notebook")
     found = [
         where
         for package in PACKAGES
         for where, node in imports(package)
         if not where.startswith("reports/workbench/")
-        and declared("workbench") & {module.partition(".")[0] for module in imported_modules(node)}
+        and extras & {module.partition(".")[0] for module in imported_modules(node)}
     ]
     assert found == []
 

@@ -8,6 +8,7 @@ inherits exact combinatorics.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +18,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis import plane_arrays
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import around, cross, dot, minus
@@ -225,13 +225,14 @@ def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], 
     """Distinct corners, and for each side of each polygon its steps from corner to corner."""
     points, numbers = _corners(polygons, size)
     places = np.array([[float(x), float(y)] for x, y in points])
-    return points, [
-        [
-            list(pairwise(_stops(points, places, first, last, side, size)))
-            for (first, last), side in zip(around(own), polygon.sides, strict=True)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return points, [
+            [
+                list(pairwise(_stops(points, places, first, last, side, size)))
+                for (first, last), side in zip(around(own), polygon.sides, strict=True)
+            ]
+            for polygon, own in zip(polygons, numbers, strict=True)
         ]
-        for polygon, own in zip(polygons, numbers, strict=True)
-    ]
 
 
 def _corner(number: int, point: Point, edges: Sequence[Edge]) -> Corner:
@@ -265,13 +266,12 @@ def _stops(points: Sequence[Point], places: Any, first: int, last: int, side: Ha
 
     Floats exclude what is certainly elsewhere: beyond their range (where they are not numbers) nothing is.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
-        along = places[last] - places[first]
-        offset = places - places[first]
-        doubt = SAME_CORNER_DOUBT * size * (float(np.hypot(*along)) + size)
-        beside = np.abs(plane_arrays.cross(along, offset)) > doubt
-        reach = offset @ along
-        candidates = np.flatnonzero(~(beside | (reach < -doubt) | (reach > along @ along + doubt)))
+    a, b = (places[last] - places[first]).tolist()
+    offset = places - places[first]
+    doubt = SAME_CORNER_DOUBT * size * (math.hypot(a, b) + size)
+    beside = np.abs(a * offset[:, 1] - b * offset[:, 0]) > doubt
+    reach = a * offset[:, 0] + b * offset[:, 1]
+    candidates = np.flatnonzero(~(beside | (reach < -doubt) | (reach > a * a + b * b + doubt)))
     start, end = points[first], points[last]
     r = minus(end, start)
     between = [

@@ -109,11 +109,8 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
     moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
-    active = _loaded_at(moments, frozenset(range(len(moments))), point)
-    return tuple(
-        inner(form, (scene.field.one, *point)) if i in active else scene.field.zero
-        for i, form in enumerate(_forms(moments, active))
-    )
+    active, forces = _loads_at(moments, frozenset(range(len(moments))), point)
+    return tuple(force if i in active else scene.field.zero for i, force in enumerate(forces))
 
 
 def _require_positive(scene: Scene, rows: Sequence[Affine], domain: Polygon) -> None:
@@ -184,7 +181,7 @@ class _Regions:
         """The loaded wheels of a region at a point."""
         everyone = frozenset(range(len(self.moments)))
         try:
-            return _loaded_at(self.moments, everyone, start)
+            return _loads_at(self.moments, everyone, start)[0]
         except CollinearLoadError:
             centre, reach = np.array([float(x) for x in start]), float(self.scene.check.radius)
             for step, way in product(STEPS_BESIDE, WAYS):
@@ -250,8 +247,11 @@ def _crossings(polygon: Polygon, holding: Point | None) -> list[int]:
     return [k for k, side in inner_sides if holding is None or not sign(side.slack(holding))]
 
 
-def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -> frozenset[int]:
-    """Loaded wheels at a point: drop wheels in tension, add wheels in reach, until both conditions hold."""
+def _loads_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -> tuple[frozenset[int], list[Any]]:
+    """Loaded wheels at a point, and the affine loads there of all wheels.
+
+    Wheels in tension are dropped and wheels in reach added until there is neither.
+    """
     one = moments[0][0]
     while True:
         forms = _forms(moments, active)
@@ -263,7 +263,7 @@ def _loaded_at(moments: Sequence[Triple], active: frozenset[int], point: Point) 
             continue
         contact = [i for i in range(len(moments)) if i not in active and values[i].sign() > 0]
         if not contact:
-            return active
+            return active, values
         active = active | {max(contact, key=lambda i: values[i])}
 
 

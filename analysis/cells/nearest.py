@@ -16,8 +16,10 @@ Floats only propose which wheels can be the next; the margin keeps every doubtfu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,10 +40,12 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene, Wheel
 
+Place: TypeAlias = Sequence[float]  # x, y
+
 # Relative to the coordinates and distances at hand: in double precision they err by less than 2^-46, so a wheel
 # beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.
 CANDIDATE_MARGIN = 2.0**-29
-SMALLEST_NORMAL = np.finfo(np.float64).tiny  # below it floats lose their relative accuracy
+SMALLEST_NORMAL = float(np.finfo(np.float64).tiny)  # below it floats lose their relative accuracy
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
@@ -148,7 +152,8 @@ class _Search:
     def _next(self, basis: Sequence[Triple], region: Polygon) -> list[int]:
         """Wheels that can be the nearest, somewhere in the region, of those with a row independent of the basis."""
         centre = _float_point(region.centre)
-        distances, reach = _distances(self.positions, centre), _reach(_float_vertices(region), centre)
+        distances = _distances(self.positions, np.array(centre))
+        reach = _reach(_float_vertices(region), centre)
         found: list[int] = []
         bound = np.inf
         for i in np.argsort(distances, kind="stable").tolist():
@@ -157,7 +162,7 @@ class _Search:
             if _adds_to(basis, self.wheels[i]):
                 if not found:
                     bound = distances[i] + 2 * reach
-                    bound += CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
+                    bound += CANDIDATE_MARGIN * (bound + math.hypot(*centre)) + SMALLEST_NORMAL
                 found.append(i)
         return found
 
@@ -226,9 +231,10 @@ def _region(
             continue
         known = None
         if positions is not None and corners is not None:
-            if by_distance and _distances(positions[k], positions[i]) > 2 * _reach(corners, positions[i]):
+            near, far = positions[i].tolist(), positions[k].tolist()
+            if by_distance and _distance(far, near) > 2 * _reach(corners, near):
                 break
-            known = _clear_signs(corners, positions[i], positions[k])
+            known = _clear_signs(corners, near, far)
             if min(known) > 0:
                 continue
         closer = region.clipped(bisectors.between(i, k), known)
@@ -240,26 +246,38 @@ def _region(
     return region
 
 
-def _float_vertices(region: Polygon) -> NDArray[np.float64]:
-    return np.array([_float_point(vertex) for vertex in region.vertices])
+def _float_vertices(region: Polygon) -> list[Place]:
+    return [_float_point(vertex) for vertex in region.vertices]
 
 
-def _clear_signs(corners: NDArray[np.float64], near: NDArray[np.float64], far: NDArray[np.float64]) -> list[int]:
-    """Signs of ``|c - far| - |c - near|`` at corners where floats are sure, 0 where they are not."""
-    to_near, to_far = _distances(corners, near), _distances(corners, far)
-    with np.errstate(over="ignore", invalid="ignore"):
-        size = np.abs(corners).max() + np.abs(near).max() + np.abs(far).max()
+def _clear_signs(corners: Sequence[Place], near: Place, far: Place) -> list[int]:
+    """Signs of ``|c - far| - |c - near|`` at corners where floats are sure, 0 where they are not.
+
+    Beyond the range of floats a difference is nan or its bound is infinite: then nothing is sure.
+    """
+    size = _size(corners) + _size([near]) + _size([far])
+    signs = []
+    for corner in corners:
+        to_near, to_far = _distance(corner, near), _distance(corner, far)
         farther = to_far - to_near
-        clear = np.abs(farther) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
-        signs: list[int] = np.where(clear, np.sign(farther), 0).astype(int).tolist()
+        clear = abs(farther) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
+        signs.append(sign(farther) if clear else 0)
     return signs
 
 
-def _reach(corners: NDArray[np.float64], place: NDArray[np.float64]) -> float:
+def _reach(corners: Sequence[Place], place: Place) -> float:
     """Distance from a wheel to the farthest vertex, never too small."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        size = np.abs(corners).max() + np.abs(place).max()
-        return float(_distances(corners, place).max() + CANDIDATE_MARGIN * size + SMALLEST_NORMAL)
+    size = _size(corners) + _size([place])
+    return max(_distance(corner, place) for corner in corners) + CANDIDATE_MARGIN * size + SMALLEST_NORMAL
+
+
+def _size(places: Sequence[Place]) -> float:
+    """The largest coordinate."""
+    return max(abs(value) for place in places for value in place)
+
+
+def _distance(a: Place, b: Place) -> float:
+    return math.hypot(a[0] - b[0], a[1] - b[1])
 
 
 def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -268,8 +286,8 @@ def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArr
         return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
 
 
-def _float_point(point: Point) -> NDArray[np.float64]:
-    return np.array([float(x) for x in point])
+def _float_point(point: Point) -> Place:
+    return [float(x) for x in point]
 
 
 class _Bisectors:

@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.cells.moves import RaySpeeds, ray_speeds, sliding
 from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import flow_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import between, minus
+from nonsmooth.symbolic.plane import between, cross, minus
 
 XY: TypeAlias = tuple[float, float]
-Speeds: TypeAlias = Sequence[RaySpeeds]  # of a neighbour of an edge, at both ends
+Velocities: TypeAlias = Sequence[Point]  # of a neighbour of an edge, at both ends
 
 
 class EdgeKind(StrEnum):
@@ -56,30 +56,32 @@ def switching_stretches(partition: Partition) -> tuple[SwitchingStretch, ...]:
             start, end = ((float(x), float(y)) for x, y in ends)
             along = minus(ends[1], ends[0])
             flows = [flow_of(cell.twists[0], Kinematics.EXACT) for cell in beside]
-            speeds = [[ray_speeds(along, flow.about(point)) for point in ends] for flow in flows]
-            for kind, first, last in _stretches(*speeds):
+            left, right = ([flow.velocity(point) for point in ends] for flow in flows)
+            for kind, first, last in _stretches(along, left, right):
                 names = beside[0].index, beside[1].index
                 found.append(SwitchingStretch(kind, names, between(start, end, first), between(start, end, last)))
     return tuple(found)
 
 
-def _stretches(left: Speeds, right: Speeds) -> Iterator[tuple[EdgeKind, float, float]]:
+def _stretches(along: Point, left: Velocities, right: Velocities) -> Iterator[tuple[EdgeKind, float, float]]:
     """Kinds with the shares of the edge at which they begin and end."""
-    apart = [sign(r.normal - l.normal) for l, r in zip(left, right, strict=True)]  # noqa: E741
+    speeds = [(cross(along, l), cross(along, r)) for l, r in zip(left, right, strict=True)]  # noqa: E741
+    apart = [sign(r - l) for l, r in speeds]  # noqa: E741
     for sense in (1, -1):
         if max(sense * s for s in apart) <= 0:
             continue
-        away = _where_positive([-sense * l.normal for l in left]), _where_positive([sense * r.normal for r in right])  # noqa: E741
+        away = _where_positive([-sense * l for l, _ in speeds]), _where_positive([sense * r for _, r in speeds])  # noqa: E741
         first, last = max(a for a, _ in away), min(b for _, b in away)
         if first < last:
-            yield _kind(sense, left, right), first, last
+            yield EdgeKind.REPELLING if sense < 0 else _attracting(along, left, right), first, last
 
 
-def _kind(sense: int, left: Speeds, right: Speeds) -> EdgeKind:
-    """A slide rests all along where its radial speed vanishes at both ends."""
-    if sense < 0:
-        return EdgeKind.REPELLING
-    slides = any(sign(sliding(r, l)[0]) for l, r in zip(left, right, strict=True))  # noqa: E741
+def _attracting(along: Point, left: Velocities, right: Velocities) -> EdgeKind:
+    """A slide rests all along where its radial speed vanishes at both ends: there the two velocities are parallel.
+
+    That speed is ``A`` of :mod:`nonsmooth.analysis.cells.moves`, by Lagrange's identity ``|along|^2 (l x r)``.
+    """
+    slides = any(sign(cross(l, r)) for l, r in zip(left, right, strict=True))  # noqa: E741
     return EdgeKind.SLIDING if slides else EdgeKind.RESTING
 
 

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
@@ -44,6 +45,11 @@ Stage: TypeAlias = dict[str, Any]
 
 FAST_UNITS = 40_000  # of exact arithmetic for the cells of the first stage: a second or so
 LATER = "later"  # geometry that a second stage ``fast`` shows
+CELL_SECONDS = 12.0  # for the cells of that stage; without cells there are no answers either
+TOO_LONG = (
+    "no cells and no answers: required cells of rule {rule} within {seconds:g} s, received an array that takes longer "
+    "(fewer wheels or a smaller checked radius take less; nonsmooth check has more time)"
+)
 FIELD = 15  # points in a row of the sampled field
 QUESTIONS = {
     "position": "Where does a body go that starts near the point?",
@@ -64,11 +70,19 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
     def timed(stage: Stage) -> Stage:
         return {**stage, "time": round(time.perf_counter() - began, 6)}
 
-    with watched(array.scene.field, lambda: announce("")):
+    watch = _Watch(announce)
+    with watched(array.scene.field, watch):
         shown = fast_stage(array, FAST_UNITS)
         yield timed(shown)
         if shown["geometry"] == LATER:
-            yield timed(fast_stage(array))
+            try:
+                with watch.at_most(CELL_SECONDS):
+                    whole = fast_stage(array)
+            except _TooLongError:
+                for stage in _without_cells(array, shown, request):
+                    yield timed(stage)
+                return
+            yield timed(whole)
         try:
             result = proved(array, announce)
         except TipsError as tipping:
@@ -77,6 +91,49 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
         yield timed(exact_stage(result))
         for stage in _later_stages(array, result, request, announce):
             yield timed(stage)
+
+
+class _TooLongError(BaseException):
+    """Time is over; no step may take that for an error of its own."""
+
+
+class _Watch:
+    """Looks up now and then in exact arithmetic: whether the view is still wanted, and whether there is time."""
+
+    def __init__(self, announce: Announce) -> None:
+        self._announce, self._last = announce, math.inf
+
+    def __call__(self) -> None:
+        """See the class.
+
+        Raises:
+            _TooLongError: where there is no time left.
+        """
+        self._announce("")
+        if time.monotonic() > self._last:
+            raise _TooLongError
+
+    @contextmanager
+    def at_most(self, seconds: float) -> Iterator[None]:
+        """Limit what is done inside the block."""
+        self._last = time.monotonic() + seconds
+        try:
+            yield
+        finally:
+            self._last = math.inf
+
+
+def _without_cells(array: Array, shown: Stage, request: Mapping[str, Any]) -> Iterator[Stage]:
+    """What there is to say of an array whose cells take too long: why, and what the other rules answer."""
+    line = TOO_LONG.format(rule=array.scene.contact.rule, seconds=CELL_SECONDS)
+    yield {**shown, "geometry": "none", "note": "no cells: they take too long"}
+    yield {"stage": "unanswered", "message": line, "key": None}
+    if _is_wanted("comparison", request.get("want")):
+        yield _comparison_stage(array)
+
+
+def _comparison_stage(array: Array) -> Stage:
+    return {"stage": "comparison", "rules": [_other_record(other) for other in other_rules(standing(array.scene))]}
 
 
 def _later_stages(array: Array, result: CheckResult, request: Mapping[str, Any], announce: Announce) -> Iterator[Stage]:
@@ -95,7 +152,7 @@ def _later_stages(array: Array, result: CheckResult, request: Mapping[str, Any],
         yield {"stage": "tolerance", **tolerance_record(result)}
     if _is_wanted("comparison", wanted):
         announce("other rules")
-        yield {"stage": "comparison", "rules": [_other_record(other) for other in other_rules(standing(array.scene))]}
+        yield _comparison_stage(array)
 
 
 def _is_wanted(name: str, wanted: object) -> bool:

@@ -60,7 +60,7 @@ class Pool:
 
     def __init__(self, count: int) -> None:
         self._context, self._count = start_method(), count
-        self._idle: asyncio.Queue[Process] = asyncio.Queue()
+        self._idle: asyncio.LifoQueue[Process] = asyncio.LifoQueue()  # the last one's caches are still warm
         self._workers: set[Process] = set()
         self._waiting = 0
         self._tabs: dict[str, asyncio.Event] = {}
@@ -141,6 +141,8 @@ class Pool:
         """
         self._waiting += 1
         try:
+            for gone in [worker for worker in self._workers if worker.is_gone]:
+                await self._replace(gone)
             worker = await _unless(cancelled, self._idle.get())
             while worker.is_gone:
                 await self._replace(worker)

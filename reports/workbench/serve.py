@@ -24,7 +24,8 @@ def listening(port: int | None) -> socket.socket:
         OSError: for a port that is taken.
     """
     for candidate in (port,) if port is not None else (PORT, 0):
-        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        # named TCP: only then asyncio sends each stage at once, and does not wait for the last one's acknowledgement
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((HOST, candidate))

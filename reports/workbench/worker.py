@@ -76,14 +76,20 @@ def _do(connection: Connection, job: bytes) -> None:
             raise CancelledError
 
     try:
-        for message in _messages(name.decode(), body, look_up):
+        for message in answers(name.decode(), body, look_up):
             connection.send_bytes(encoded(message))
     except CancelledError:
         connection.send_bytes(encoded({"stage": CANCELLED}))
 
 
-def _messages(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any]]:
-    """The answers of a job; whatever is wrong with it is one of them."""
+def answers(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any]]:
+    """The answers of a job; whatever is wrong with it is one of them.
+
+    Args:
+        name: of the job.
+        body: of the request.
+        look_up: is called between steps; it may end the job by an exception that is no :class:`Exception`.
+    """
     from nonsmooth.reports.workbench.jobs import JOBS  # here and in who forks workers: the server computes nothing
     from nonsmooth.reports.workbench.refusals import refusal
 

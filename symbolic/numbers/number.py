@@ -67,16 +67,27 @@ def _product_units(a: Number, b: Number) -> int:
     return len(a.terms) * len(b.terms) * a.field.base_degree * (1 + length // _UNIT_BITS)
 
 
+def _single_units(a: fmpq, b: fmpq) -> int:
+    """What :func:`_product_units` says of two numbers of one term over the rationals, by far the most."""
+    return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
+
+
+def _is_rational(terms: dict[int, Coefficient]) -> bool:
+    """Whether a sum over the rationals has one term, without a root."""
+    return len(terms) == 1 and 0 in terms
+
+
 class Number(ExactReal):
     """Immutable element of a :class:`NumberField`; +, -, *, /, ** int, comparisons and hash are exact."""
 
-    __slots__ = ("_hash", "_sign", "field", "terms")
+    __slots__ = ("_float", "_hash", "_sign", "field", "terms")
 
     def __init__(self, field: NumberField, terms: dict[int, Coefficient]) -> None:
         self.field = field
         self.terms = terms
         self._sign: int | None = None
         self._hash: int | None = None
+        self._float: float | None = None
 
     # ---- ring operations -----------------------------------------------------------------
 
@@ -129,12 +140,16 @@ class Number(ExactReal):
         field, modulus = self.field, self.field.modulus
         if not self.terms or not other.terms:
             return field.zero
-        if field.meter is not None:
-            field.meter.spend(_product_units(self, other))
         if modulus is None and len(self.terms) == 1 == len(other.terms):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
             if not s & t:  # a rational factor, or two different roots: nothing to collect
+                if field.meter is not None:
+                    field.meter.spend(_single_units(a, b))
                 return Number(field, {s ^ t: a * b})
+        elif modulus is None and (_is_rational(self.terms) or _is_rational(other.terms)):
+            return self._multiple(other)
+        if field.meter is not None:
+            field.meter.spend(_product_units(self, other))
         terms: dict[int, Coefficient] = {}
         nested: Number = field.zero
         for s, a in self.terms.items():
@@ -151,6 +166,14 @@ class Number(ExactReal):
                 terms[mask] = terms[mask] + product if mask in terms else product
         result = field.collected(terms)
         return result + nested if nested.terms else result
+
+    def _multiple(self, other: Number) -> Number:
+        """The product over the rationals where one of both is rational: nothing to collect."""
+        if self.field.meter is not None:
+            self.field.meter.spend(_product_units(self, other))
+        one, many = (self, other) if _is_rational(self.terms) else (other, self)
+        factor = one.terms[0]
+        return Number(self.field, {mask: c * factor for mask, c in many.terms.items()})
 
     def __pow__(self, exponent: int) -> Number:
         if not isinstance(exponent, int):
@@ -194,7 +217,15 @@ class Number(ExactReal):
 
     def __truediv__(self, value: Any) -> Number:
         other = self._operand(value)
-        return NotImplemented if other is None else self * other.inverse()
+        if other is None:
+            return NotImplemented
+        field = self.field
+        if field.modulus is not None or len(other.terms) != 1 or 0 not in other.terms or len(self.terms) != 1:
+            return self * other.inverse()
+        ((mask, a),), b = self.terms.items(), other.terms[0]
+        if field.meter is not None:  # what the inverse and the product would cost
+            field.meter.spend(_single_units(b, b) + _single_units(a, b))
+        return Number(field, {mask: a / b})
 
     def __rtruediv__(self, value: Any) -> Number:
         return self.inverse() * value
@@ -239,9 +270,7 @@ class Number(ExactReal):
         field = self.field
         total = magnitude = 0.0
         for mask, c in self.terms.items():
-            root = 1.0
-            for i in bits(mask):
-                root *= field.root_floats[i]
+            root = field.float_product(mask)
             if field.modulus is None:
                 term = fmpq_to_float(c) * root
                 total += term
@@ -272,6 +301,12 @@ class Number(ExactReal):
         return total
 
     def __float__(self) -> float:
+        if self._float is None:
+            self._float = self._rounded()
+        return self._float
+
+    def _rounded(self) -> float:
+        """The nearest float, or one next to it."""
         if not self.terms:
             return 0.0
         if self.field.modulus is None and len(self.terms) == 1 and 0 in self.terms:

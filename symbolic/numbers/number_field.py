@@ -47,6 +47,7 @@ class NumberField:
         self.modulus: fmpq_poly | None = fmpq_poly(minimal) if self.base_degree > 1 else None
         self.radicands: list[Number] = []
         self._radicand_products: dict[int, Number] = {}
+        self._float_products: dict[int, float] = {}
         self._root_balls: dict[tuple[int, int], arb] = {}
         self.root_floats: list[float] = []
         self._square_roots: dict[Number, Number] = {}
@@ -155,6 +156,12 @@ class NumberField:
                 product = product * self.radicands[i]
             self._radicand_products[mask] = product
         return self._radicand_products[mask]
+
+    def float_product(self, mask: int) -> float:
+        """``prod_{i in mask} sqrt(g_i)`` in floats."""
+        if mask not in self._float_products:
+            self._float_products[mask] = math.prod((self.root_floats[i] for i in bits(mask)), start=1.0)
+        return self._float_products[mask]
 
     def root_ball(self, index: int) -> arb:
         """Enclosure of a generator at the working precision of ``flint.ctx``."""

@@ -63,14 +63,17 @@ class WatchedMeter(WorkMeter):
 
     def __init__(self, units: int, look_up: Callable[[], None]) -> None:
         super().__init__(units)
-        self._look_up, self._next = look_up, units - self.STEP
+        self._look_up, self._next = look_up, max(0, units - self.STEP)  # never below zero: see spend
 
     def spend(self, units: int) -> None:
-        """See :class:`WorkMeter`."""
-        super().spend(units)
-        if self.left < self._next:
-            self._next = self.left - self.STEP
-            self._look_up()
+        """See :class:`WorkMeter`; almost every product ends at the first comparison."""
+        self.left -= units
+        if self.left >= self._next:
+            return
+        if self.left < 0:
+            raise WorkLimitError(self.units)
+        self._next = max(0, self.left - self.STEP)
+        self._look_up()
 
     def within(self, units: int) -> WorkMeter:
         """See :class:`WorkMeter`."""

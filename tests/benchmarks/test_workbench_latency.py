@@ -31,7 +31,8 @@ RADIUS = 30  # pixels of the circle on which the wheel is dragged
 WATCH = """() => {
     const seen = { move: 0, sent: {}, rows: [], frames: [], tasks: [] };
     window.watch = seen;
-    addEventListener('pointermove', (event) => { seen.move = event.timeStamp; }, true);
+    for (const name of ['pointermove', 'pointerrawupdate'])
+        addEventListener(name, (event) => { seen.move = event.timeStamp; }, true);
     const { conversation, results } = workbench;
     conversation.addEventListener('asked', ({ detail }) => { seen.sent[detail.sequence] = seen.move; });
     results.addEventListener('change', ({ detail }) => {

@@ -14,7 +14,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.enclosures import MOST_BITS, rational_below, square_root
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
 
 FEW = 100
 
@@ -108,3 +108,19 @@ def test_the_command_line_says_once_which_angles_are_measured(
     run(app, ["check", str(path), "--rule", "all", "--radius", "0.25"])
     words = " ".join(capsys.readouterr().out.split())
     assert words.count("angles taken as measured: 1/180*pi") == 1
+
+
+def test_a_limit_of_few_units_ends_also_where_somebody_looks_on() -> None:
+    """The meter that looks up now and then compares once for both: a limit below its step must not slip through."""
+    field, looks = NumberField(), list[None]()
+    three = field(3)
+    with watched(field, lambda: looks.append(None)), work_limit(field, 5):
+        for _ in range(5):
+            _ = three * three
+        with pytest.raises(WorkLimitError):
+            _ = three * three
+    assert not looks
+    with watched(field, lambda: looks.append(None)):
+        for _ in range(1000):
+            _ = three * three
+    assert len(looks) == 4

@@ -3,6 +3,8 @@
 
 const VERSION = "1";
 const PAUSE = 250; // milliseconds after the last change until the address is written: browsers limit how often
+const LEFT = "nonsmooth-workbench-left"; // where a page that is left keeps its state, for this tab only
+const RELOAD = 5000; // milliseconds that a reload may take: it asks for the address of the time when it began
 
 /** The state as text for an address. */
 export async function pack(state) {
@@ -37,14 +39,18 @@ export class Address {
   constructor(store) {
     this.store = store;
     this.written = "";
+    this.former = { address: "", until: 0 }; // before the last write
     store.addEventListener("change", () => this.#later());
     window.addEventListener("hashchange", () => this.#read());
-    window.addEventListener("pagehide", () => clearTimeout(this.timer));
+    window.addEventListener("pagehide", () => this.#leave());
   }
 
-  /** The state in the address when the page was opened, or null. */
-  static opened() {
-    return unpack(window.location.hash.slice(1));
+  /** What a page that is loaded again was left with, else the state in the address; null if there is none. */
+  static async opened() {
+    const { addresses = [], state } = JSON.parse(window.sessionStorage.getItem(LEFT) ?? "{}");
+    window.sessionStorage.removeItem(LEFT);
+    const isAgain = performance.getEntriesByType("navigation")[0]?.type !== "navigate"; // a reload, or back and forth
+    return isAgain && addresses.includes(window.location.hash) ? state : unpack(window.location.hash.slice(1));
   }
 
   #later() {
@@ -56,7 +62,15 @@ export class Address {
     const packed = await pack(this.store.now);
     if (packed === this.written) return;
     this.written = packed;
+    this.former = { address: window.location.hash, until: performance.now() + RELOAD };
     window.history.replaceState(null, "", `#${packed}`);
+  }
+
+  /** The last edit may not be in the address yet, or come there after a reload has begun. */
+  #leave() {
+    clearTimeout(this.timer);
+    const addresses = [window.location.hash, ...(performance.now() < this.former.until ? [this.former.address] : [])];
+    window.sessionStorage.setItem(LEFT, JSON.stringify({ addresses, state: this.store.now }));
   }
 
   async #read() {

@@ -27,8 +27,8 @@ export class AnswersPanel {
 
   /** How good the answers are, at once: for those who wait for it. */
   #state() {
-    const { status, checked, stale, error } = this.results;
-    const answered = stale.has("checked") ? "working" : checked?.stage;
+    const { status, checked, error } = this.results;
+    const answered = this.results.isOld("checked") ? "working" : checked?.stage;
     this.status.dataset.state = (error && status === "error" ? "error" : status === "lost" ? "lost" : answered) ?? "working";
   }
 
@@ -37,10 +37,9 @@ export class AnswersPanel {
     const answers = this.#complete(checked?.answers ?? []);
     const items = pool(this.list, answers.length, card);
     answers.forEach((answer, k) => fill(items[k], answer));
-    this.list.classList.toggle("stale", this.results.isLate("checked") || this.results.status === "error");
-    this.list.classList.toggle("approximate", checked?.stage === "fast");
+    this.list.classList.toggle("stale", this.results.isOld("checked") || this.results.status === "error");
     this.#look();
-    if (checked?.stage === "exact" && !this.results.stale.has("checked")) this.#announce(answers);
+    if (checked?.stage === "exact" && !this.results.isOld("checked")) this.#announce(answers);
   }
 
   /** A card for every question, also for those that nothing is known about yet. */
@@ -48,14 +47,13 @@ export class AnswersPanel {
     const keys = isSystem(this.store.document) ? ["stability"] : ["position", "heading", "pose"];
     return keys.map((key) => {
       const answer = found.find((one) => one.key === key) ?? { key, answer: "…", tone: "open" };
-      return answer.provisional ? { ...answer, sentence: "a guess by floats; the exact answer follows" } : answer;
+      return answer.provisional ? { ...answer, sentence: answer.sentence ?? "a guess by floats; the exact answer follows" } : answer;
     });
   }
 
-  /** The same in words; checking that is over within a blink is not worth a word. */
+  /** The same in words. */
   #look() {
     const { state } = this.status.dataset;
-    if (state === "working" && this.results.checked && !this.results.slow) return;
     const words = {
       error: "not checked: see the message",
       lost: "waiting for the server",
@@ -79,10 +77,12 @@ function card() {
     h("p", { class: "answer-title" }), h("p", { class: "answer-word" }, h("span", { class: "answer-icon" }), h("span", {})), h("p", { class: "answer-sentence" }));
 }
 
-function fill(item, { key, question, answer, tone, sentence }) {
+function fill(item, { key, question, answer, tone, sentence, old, provisional }) {
   const [title, word, line] = item.children;
   const asked = question && question !== key ? question : QUESTIONS[key] ?? "";
   item.dataset.key = key;
+  item.classList.toggle("old", Boolean(old));
+  item.classList.toggle("provisional", Boolean(provisional));
   if (item.dataset.tone !== tone) {
     item.dataset.tone = tone;
     word.firstChild.replaceChildren(icon(ICONS[tone] ?? ICONS.open));

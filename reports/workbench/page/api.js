@@ -1,16 +1,9 @@
 // Talking to the server: the token, JSON requests, and replies that come line by line (NDJSON).
 // May be changed: nothing about whom the page talks to. It asks its own origin only, with the token in a header.
 
-const KEY = "nonsmooth-workbench-token";
+import { ApiError } from "./api_error.js";
 
-/** What went wrong: `kind` is "lost" (no server), "busy", "token" (unknown) or "refused" (the request itself). */
-export class ApiError extends Error {
-  constructor(kind, message, key = null) {
-    super(message);
-    this.kind = kind;
-    this.key = key;
-  }
-}
+const KEY = "nonsmooth-workbench-token";
 
 /** Takes the token out of the address bar into this tab's own storage, so that a copied address holds none. */
 export function takeToken() {

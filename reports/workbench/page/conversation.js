@@ -14,7 +14,7 @@ export class Conversation extends EventTarget {
   constructor(api, store) {
     super();
     Object.assign(this, { api, store });
-    this.tab = crypto.randomUUID(); // of this page load: a duplicated tab must not cancel the work of the first
+    this.tab = crypto.getRandomValues(new Uint32Array(4)).join("-"); // of this page load: a duplicated tab has another
     this.sequence = 0;
     this.flight = null;
     this.asked = "";
@@ -33,8 +33,12 @@ export class Conversation extends EventTarget {
   refresh({ again = false } = {}) {
     if (again) this.asked = "";
     if (this.#question() === this.asked || !this.store.document || !Object.keys(this.store.document).length) return;
-    if (this.retry || (this.flight && !this.flight.heard)) return; // a lost server is asked now and then only
-    this.#ask();
+    if (this.isFree) this.#ask();
+  }
+
+  /** Whether a change would be asked about at once; a lost server is asked now and then only. */
+  get isFree() {
+    return !this.retry && (!this.flight || this.flight.heard);
   }
 
   #question() {
@@ -48,8 +52,8 @@ export class Conversation extends EventTarget {
     this.flight?.controller.abort();
     const flight = { controller: new AbortController(), heard: false, sent: performance.now(), sequence: (this.sequence += 1) };
     this.flight = flight;
-    this.#tell("asked", { sequence: flight.sequence });
     const body = { tab: this.tab, sequence: flight.sequence, ...JSON.parse(question) };
+    this.#tell("asked", { sequence: flight.sequence, want: body.want });
     try {
       await this.api.lines("/api/view", body, (line) => this.#hear(flight, line), flight.controller.signal);
       this.losses = 0;

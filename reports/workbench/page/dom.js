@@ -2,6 +2,7 @@
 // May be changed: add helpers that at least two modules need. Nothing here knows about arrays or the server.
 
 const SVG = "http://www.w3.org/2000/svg";
+const REST = 250; // milliseconds between two updates of fields in a drag
 
 /** An HTML element with attributes and children; `on*` attributes that are functions become listeners. */
 export function h(tag, attributes = {}, ...children) {
@@ -55,6 +56,22 @@ export function onceAFrame(work) {
       asked = false;
       work();
     });
+  };
+}
+
+/** `work` in the next frame; while `isBusy` holds, after a pause at most: browsers take long over fields that change. */
+export function sparingly(work, isBusy) {
+  let timer;
+  let last = 0;
+  const soon = onceAFrame(() => {
+    last = performance.now();
+    work();
+  });
+  return () => {
+    clearTimeout(timer);
+    const wait = isBusy() ? last + REST - performance.now() : 0;
+    if (wait > 0) timer = setTimeout(soon, wait);
+    else soon();
   };
 }
 

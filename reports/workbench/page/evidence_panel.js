@@ -28,7 +28,7 @@ export class ClausesPanel {
 
   show() {
     const { checked } = this.results;
-    this.list.classList.toggle("stale", this.results.isLate("checked") || checked?.stage === "fast");
+    this.list.classList.toggle("stale", this.results.isOld("checked") || checked?.stage === "fast");
     if (!checked) return this.#clear();
     const text = JSON.stringify([checked.clauses, checked.verdict, checked.reason]);
     if (!checked.clauses || text === this.text) return;
@@ -66,11 +66,11 @@ export class ComparisonPanel {
   show() {
     const { comparison, finished } = this.results;
     this.section.hidden = comparison === null && finished;
-    this.section.classList.toggle("stale", this.results.isLate("comparison"));
+    this.section.classList.toggle("stale", this.results.isOld("comparison"));
     if (comparison === this.drawn) return;
     this.drawn = comparison;
     if (!comparison) return this.body.replaceChildren();
-    const chosen = { rule: this.results.geometry?.rule, answers: this.results.checked?.answers ?? [] };
+    const chosen = { rule: this.results.geometry?.values?.rule, answers: this.results.checked?.answers ?? [] };
     const all = [chosen, ...comparison.filter(({ rule }) => rule !== chosen.rule)];
     const keys = all.find((rule) => rule.answers?.length)?.answers.map(({ key }) => key) ?? [];
     this.head.replaceChildren(h("th", { scope: "col" }, "Rule"), ...keys.map((key) => h("th", { scope: "col" }, key)));
@@ -100,7 +100,7 @@ export class TolerancePanel {
 
   show() {
     const { tolerance, finished } = this.results;
-    this.section.classList.toggle("stale", this.results.isLate("tolerance"));
+    this.section.classList.toggle("stale", this.results.isOld("tolerance"));
     if (!tolerance) {
       if (finished) this.body.replaceChildren(h("p", { class: "hint" }, "No tolerance is stated. Fill in how far the built array may be off, under Numbers, and what still holds is proved here."));
       this.drawn = null;
@@ -125,8 +125,8 @@ export class PathsPanel {
 
   show() {
     const { paths } = this.results;
-    this.waiting.hidden = !(this.results.isLate("paths") && this.store.now.starts.length > 0);
-    this.list.classList.toggle("stale", this.results.isLate("paths"));
+    this.waiting.hidden = paths.length >= this.store.now.starts.length;
+    this.list.classList.toggle("stale", this.results.isOld("paths"));
     if (paths === this.drawn) return;
     this.drawn = paths;
     const items = pool(this.list, paths.length, () => h("li", {}, h("span", { class: "start-name" }), h("span", {})));

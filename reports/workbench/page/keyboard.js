@@ -54,10 +54,10 @@ export function keyTable({ store, operations, actions, drawing, playback, starts
   ];
 }
 
-/** Listens, and writes the list of keys into the help. */
-export function listen(table, list) {
+/** Listens, and writes the list of keys into the help; `target` is where the keys are pressed. */
+export function listen(table, list, target = window) {
   list.replaceChildren(...table.map(([keys, what]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, keys)), h("td", {}, what))));
-  window.addEventListener("keydown", (event) => {
+  target.addEventListener("keydown", (event) => {
     if (event.defaultPrevented || isTyping(event)) return;
     const line = table.find(([, , matches]) => matches(event));
     if (!line) return;

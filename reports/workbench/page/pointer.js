@@ -13,6 +13,7 @@ export class Pointer {
     const { element } = drawing;
     element.addEventListener("pointerdown", (event) => this.#down(event));
     element.addEventListener("pointermove", (event) => this.#move(event));
+    element.addEventListener("pointerrawupdate", (event) => this.#ahead(event));
     for (const name of ["pointerup", "pointercancel"]) element.addEventListener(name, (event) => this.#up(event));
     element.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     element.addEventListener("dblclick", (event) => this.#double(event));
@@ -64,14 +65,15 @@ export class Pointer {
     const { drag } = this;
     if (!drag.moved && Math.hypot(pixel[0] - drag.from[0], pixel[1] - drag.from[1]) < STILL) return;
     drag.moved = true;
-    drag.latest = { pixel, shift: event.shiftKey };
-    this.frame ??= requestAnimationFrame(() => {
-      this.frame = undefined;
-      if (this.drag?.latest) this.#drawn(this.drag, this.drag.latest);
-    });
+    this.#drawn(drag, { pixel, shift: event.shiftKey });
   }
 
-  /** One step of a drag, at most once a frame. */
+  /** A move before its frame, where the browser tells it: taken only if it can be asked about at once. */
+  #ahead(event) {
+    if (this.drag && this.drag.kind !== "pan" && this.conversation.isFree) this.#move(event);
+  }
+
+  /** One step of a drag. Browsers send one move a frame, just before the frame is drawn: it shows this step already. */
   #drawn(drag, { pixel, shift }) {
     const { view } = this.drawing;
     if (drag.kind === "pan") {
@@ -114,7 +116,6 @@ export class Pointer {
 
   #up(event) {
     this.touches.delete(event.pointerId);
-    if (this.drag && this.drag.latest && this.frame) this.#drawn(this.drag, this.drag.latest);
     if (this.drag?.kind === "pan" && !this.drag.moved) this.store.select([]);
     this.#end();
   }

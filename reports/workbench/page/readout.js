@@ -7,11 +7,12 @@ import { shown } from "./values.js";
 
 const KINDS = { exact: "cells: exact", sampled: "motion: sampled in floats", later: "cells follow …", none: "" };
 
-export function startReadout(line, how, drawing) {
+export function startReadout(line, how, drawing, page = document.body) {
   drawing.results.addEventListener("change", () => {
     const { geometry } = drawing.results;
-    document.body.classList.toggle("without-cells", geometry?.geometry === "sampled");
-    say(how, geometry?.note ?? KINDS[geometry?.geometry] ?? "");
+    page.classList.toggle("without-cells", geometry?.geometry === "sampled");
+    const known = drawing.results.isOld("geometry") && geometry?.cells?.length ? "later" : geometry?.geometry;
+    say(how, known === "later" ? KINDS.later : geometry?.note ?? KINDS[known] ?? "");
   });
   drawing.element.addEventListener("readout", ({ detail }) => say(line, text(drawing, detail)));
   drawing.element.addEventListener("pointerleave", () => say(line, ""));

@@ -1,9 +1,8 @@
-// What the server said about the present scene, stage by stage, and how good it is: floats, exact, or an error.
-// May be changed: when older results are dropped. Older geometry stays until newer comes, so nothing flickers.
+// What the server said, stage by stage: how good it is (floats, exact, an error), and whether it is about the present
+// scene. What is about an earlier one stays in its place until newer comes, so nothing jumps, but it is old at once.
+// May be changed: when older results are dropped.
 
-const PATIENCE = 40; // milliseconds after the cells for which exact answers are awaited before guesses are shown
-
-const BLINK = 150; // milliseconds for which what is shown may be about the state before
+const PARTS = ["geometry", "checked", "comparison", "tolerance", "paths"];
 
 export class Results extends EventTarget {
   constructor(conversation, store) {
@@ -17,11 +16,14 @@ export class Results extends EventTarget {
     this.status = "idle"; // working, fast, exact, error, lost
     this.finished = false; // everything that was asked for has come
     this.sequence = 0;
-    this.slow = false; // the present state is being asked about for longer than a blink
-    this.stale = new Set(); // parts that belong to an older state of the scene
+    this.stale = new Set(); // parts that were asked for and have not come
+    this.subject = ""; // the document that was asked about, as text
+    this.behind = false; // the scene has changed since
     conversation.addEventListener("asked", ({ detail }) => this.#asked(detail));
     conversation.addEventListener("stage", ({ detail }) => this.#stage(detail));
     store.addEventListener("open", () => this.#forget());
+    store.addEventListener("change", () => this.#changed());
+    this.store = store;
     conversation.addEventListener("trouble", ({ detail }) => this.#trouble(detail));
   }
 
@@ -30,24 +32,26 @@ export class Results extends EventTarget {
     Object.assign(this, { checked: null, comparison: null, tolerance: null, paths: [], error: null, foreign: true });
   }
 
-  #asked({ sequence }) {
-    clearTimeout(this.guess);
-    this.sequence = sequence;
-    this.finished = false;
-    this.stale = new Set(["geometry", "checked", "comparison", "tolerance", "paths"]);
-    this.slow = false;
-    clearTimeout(this.blink);
-    this.blink = setTimeout(() => {
-      this.slow = true;
-      this.#tell("slow");
-    }, BLINK);
+  /** Every change makes what is shown old, before anything is asked; one that is taken back makes it new again. */
+  #changed() {
+    const behind = JSON.stringify(this.store.document) !== this.subject;
+    if (behind === this.behind) return;
+    this.behind = behind;
+    this.#tell("behind");
+  }
+
+  #asked({ sequence, want }) {
+    const subject = JSON.stringify(this.store.document);
+    const isSame = subject === this.subject && this.status !== "error"; // asked for more about the same scene
+    this.stale = new Set(isSame ? PARTS.filter((part) => part === "paths" || this.stale.has(part) || !this[part]) : PARTS);
+    Object.assign(this, { sequence, want, subject, behind: false, finished: false });
     this.status = this.status === "idle" ? "working" : this.status;
     this.#tell("asked");
   }
 
-  /** Whether a part still belongs to an older state after a blink. */
-  isLate(part) {
-    return this.slow && this.stale.has(part);
+  /** Whether what is shown of a part is about an earlier state of the scene, or not there yet. */
+  isOld(part) {
+    return this.behind || this.stale.has(part);
   }
 
   #stage(line) {
@@ -59,6 +63,7 @@ export class Results extends EventTarget {
     else if (stage === "facts") this.checked = { ...this.checked, clauses: line.clauses };
     else if (stage === "tolerance") this.#take("tolerance", line);
     else if (stage === "error") this.#error(line);
+    else if (stage === "unanswered") this.#unanswered(line);
     else if (stage === "done") this.#done();
     this.took = line.took;
     this.#tell(stage);
@@ -71,18 +76,19 @@ export class Results extends EventTarget {
     if (line.geometry === "later") this.#wheelsOnly(geometry);
     else if (line.stage === "fast") this.#take("geometry", withSquare(geometry));
     else this.geometry = { ...this.geometry, ...geometry, system: { ...this.geometry?.system, ...geometry.system } };
-    clearTimeout(this.guess);
-    if (!answers) return;
-    const checked = { answers, clauses: clauses ?? null, verdict: verdict ?? null, reason, stage: line.stage };
-    if (line.stage === "exact") this.#take("checked", checked);
-    else this.guess = setTimeout(() => this.#guessed(checked, this.sequence), PATIENCE);
+    if (line.stage === "exact") this.#take("checked", { answers, clauses: clauses ?? null, verdict: verdict ?? null, reason, stage: "exact" });
+    else if (answers?.length && this.stale.has("checked")) this.#guessed(answers);
   }
 
-  /** Guesses by floats are shown where the exact answers take longer than a blink. */
-  #guessed(checked, sequence) {
-    if (sequence !== this.sequence) return;
-    this.#take("checked", checked);
-    this.#tell("guess");
+  /**
+   * Guesses by floats until the exact answers come.  What there is no guess for stays what it was, and old; so does the
+   * sentence of an answer that has the same word again: a drag would make the cards jump.
+   */
+  #guessed(guesses) {
+    const before = this.checked?.answers ?? [];
+    const guessed = guesses.map((guess) => ({ ...guess, sentence: before.find(({ key, answer }) => key === guess.key && answer === guess.answer)?.sentence }));
+    const others = before.filter(({ key }) => !guesses.some((guess) => guess.key === key)).map((answer) => ({ ...answer, old: true }));
+    this.#take("checked", { ...this.checked, answers: [...guessed, ...others], stage: "fast" });
   }
 
   /** Wheels whose cells take longer: the cells of this scene that were shown stay until then. */
@@ -92,19 +98,26 @@ export class Results extends EventTarget {
     this.foreign = false;
   }
 
-  #error({ message, key, part }) {
+  #error({ message, key }) {
     this.error = { message, key: key ?? null };
-    if (!part) this.status = "error";
+    this.status = "error";
   }
 
-  /** Parts that did not come are not part of this scene (no tolerance, no comparison of systems). */
+  /** There are no answers about this scene: those about another one must not stay. */
+  #unanswered(line) {
+    Object.assign(this, { checked: null, tolerance: null, paths: [] });
+    this.#error(line);
+  }
+
+  /** Parts that were wanted and did not come are not part of this scene (no tolerance, no comparison of systems). */
   #done() {
     this.finished = true;
     if (this.status === "error") return;
-    if (this.stale.has("comparison")) this.comparison = null;
-    if (this.stale.has("tolerance")) this.tolerance = null;
-    if (this.stale.has("paths")) this.paths = [];
-    this.stale.clear();
+    for (const part of ["comparison", "tolerance", "paths"]) {
+      if (this.stale.has(part) && this.want.includes(part)) this.#take(part, part === "paths" ? [] : null);
+    }
+    this.stale.delete("geometry");
+    this.stale.delete("checked");
   }
 
   #take(part, value) {

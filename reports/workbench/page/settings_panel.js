@@ -2,7 +2,7 @@
 // May be changed: FIELDS lists what can be edited, one line each: the group, the path in the document, the label.
 // A new key of scene files needs a line here and nothing else.
 
-import { attr, h, onceAFrame, say } from "./dom.js";
+import { attr, h, onceAFrame, say, sparingly } from "./dom.js";
 import { Field } from "./field.js";
 import { isSystem, valueAt, withValue } from "./scene_document.js";
 import { fromText, headingFromText, shown, toText } from "./values.js";
@@ -42,7 +42,7 @@ export class SettingsPanel {
     Object.assign(this, { store, results, groups: new Map(), fields: [] });
     for (const line of FIELDS) this.#add(container, line);
     this.#addShape();
-    const later = onceAFrame(() => this.show());
+    const later = sparingly(() => this.show(), () => store.isMerging);
     for (const source of [store, results]) source.addEventListener("change", later);
     this.folder = container.closest("details");
     this.folder.addEventListener("toggle", later);

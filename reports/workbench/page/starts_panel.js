@@ -1,7 +1,7 @@
 // Start points as numbers, adding and removing them, the time to follow them for, and the play button.
 // May be changed: where a new start is put, how fast time is played.
 
-import { h, icon, pool, say } from "./dom.js";
+import { h, icon, pool, say, sparingly } from "./dom.js";
 import { isSystem } from "./scene_document.js";
 import { roundTo, shown } from "./values.js";
 
@@ -13,7 +13,8 @@ export class StartsPanel {
   constructor({ list, until }, store, drawing) {
     Object.assign(this, { list, until, store, drawing });
     until.addEventListener("change", () => this.#takeUntil());
-    store.addEventListener("change", () => this.show());
+    const later = sparingly(() => this.show(), () => store.isMerging);
+    for (const source of [store, drawing.results]) source.addEventListener("change", later);
   }
 
   /** A start on a ring about the checked point, each at another angle. */
@@ -52,7 +53,7 @@ export class StartsPanel {
 
   show() {
     const { starts, until } = this.store.now;
-    if (document.activeElement !== this.until) this.until.value = String(until);
+    put(this.until, until);
     const names = isSystem(this.store.document) ? this.store.document.system.states : ["x", "y", "theta"];
     if (names.length !== this.width) this.list.replaceChildren();
     this.width = names.length;
@@ -64,7 +65,7 @@ export class StartsPanel {
       parts.pop().setAttribute("aria-label", `Remove start ${k + 1}`);
       parts.forEach((input, place) => {
         input.setAttribute("aria-label", `${names[place]} of start ${k + 1}`);
-        if (document.activeElement !== input) input.value = String(start[place] ?? 0);
+        put(input, start[place] ?? 0);
       });
     });
   }
@@ -80,6 +81,14 @@ export class StartsPanel {
     const row = h("li", {}, h("span", { class: "start-name" }), ...inputs, remove);
     return row;
   }
+}
+
+/** Shows a number, unless somebody types there. */
+function put(input, value) {
+  const text = String(value);
+  if (document.activeElement === input || input.value === text) return;
+  input.value = text;
+  input.removeAttribute("aria-invalid");
 }
 
 export class Playback {

@@ -23,6 +23,11 @@ export class Store extends EventTarget {
     return this.now.document;
   }
 
+  /** Whether a drag goes on, or whatever else is one step. */
+  get isMerging() {
+    return this.merging !== null;
+  }
+
   /**
    * One step: `change` maps the present state to the next. Steps with the same `merge` key that follow each other
    * (a drag, a slider in motion) are one step of undo.

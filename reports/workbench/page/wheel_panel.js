@@ -1,7 +1,7 @@
 // The wheels as a table, and the selected one as fields that take exact formulas.
 // May be changed: the columns, and which keys of a wheel have a field (KEYS).
 
-import { attr, h, onceAFrame, pool, say } from "./dom.js";
+import { attr, h, pool, say, sparingly } from "./dom.js";
 import { Field } from "./field.js";
 import { isSystem, withHeading, withWheel } from "./scene_document.js";
 import { fromText, headingFromText, shown, toText } from "./values.js";
@@ -23,7 +23,7 @@ export class WheelPanel {
     Object.assign(this, { store, results, operations, title, body, empty, box: fields });
     this.fields = KEYS.map((line) => ({ line, field: new Field({ ...line }, (text) => this.#take(line.key, text)) }));
     fields.append(...this.fields.map(({ field }) => field.element));
-    const later = onceAFrame(() => this.show());
+    const later = sparingly(() => this.show(), () => store.isMerging);
     for (const name of ["change", "select"]) store.addEventListener(name, later);
     results.addEventListener("change", later);
   }

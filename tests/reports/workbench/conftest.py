@@ -1,12 +1,14 @@
-"""One workbench for the tests of a module."""
+"""One workbench and one browser for all tests of this folder."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import pytest
+from playwright.sync_api import Browser, Page
 
-from tests.workbench_server import Workbench
+from tests.reports.workbench.workbench_page import Opened, chromium, settled
+from tests.workbench_server import Json, Workbench
 
 
 @pytest.fixture(scope="package")
@@ -17,3 +19,31 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
     finally:
         assert running.stop() == 0
         assert "Traceback" not in running.log.read_text()
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Browser]:
+    with chromium() as browser:
+        yield browser
+
+
+@pytest.fixture(scope="package")
+def opened(browser: Browser, server: Workbench) -> Opened:
+    """One page for all tests that need no other: opening it costs more than most of them."""
+    return Opened(browser, server.address)
+
+
+@pytest.fixture(scope="package")
+def first_document(server: Workbench) -> Json:
+    return server.document("four-wheel")
+
+
+@pytest.fixture
+def page(opened: Opened, first_document: Json) -> Iterator[Page]:
+    """The four-wheel array, nothing selected, no starts; no test may leave a word on the console."""
+    page = opened.page
+    page.evaluate("(first) => workbench.store.open(first, [])", first_document)
+    settled(page)
+    page.evaluate("() => { workbench.store.select([]); workbench.drawing.fit(); }")
+    yield page
+    assert opened.said == []

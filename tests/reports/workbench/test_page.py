@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page
 
+from tests.reports.conftest import Invoke
 from tests.reports.workbench.workbench_page import (
     CHROMIUM,
     NO_CHROMIUM,
     Opened,
-    chromium,
     document,
     drag,
     edited,
@@ -30,30 +30,6 @@ FIRST_RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0
     return [x + unit * knob.getAttribute('cx'), y + unit * knob.getAttribute('cy')]; })()"""
 FIRST_START = "drawing.view.at(...workbench.store.now.starts[0])"
 MIDDLE = "[drawing.view.width / 2, 12]"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def opened(browser: Browser, server: Workbench) -> Opened:
-    """One page for the module: opening it costs more than most tests."""
-    return Opened(browser, server.address)
-
-
-@pytest.fixture
-def page(opened: Opened, server: Workbench) -> Iterator[Page]:
-    """The four-wheel array, nothing selected, no starts; no test may leave a word on the console."""
-    page = opened.page
-    first = server.document("four-wheel")
-    page.evaluate("(first) => workbench.store.open(first, [])", first)
-    settled(page)
-    page.evaluate("() => { workbench.store.select([]); workbench.drawing.fit(); }")
-    yield page
-    assert opened.said == []
 
 
 def test_the_page_asks_its_own_server_only_and_hides_the_token(opened: Opened, server: Workbench) -> None:
@@ -223,6 +199,36 @@ def test_starts_are_followed_dragged_and_played(page: Page) -> None:
     assert page.locator(".layer-starts g").count() == 0
 
 
+def test_the_time_of_paths_is_set_and_sought(page: Page) -> None:
+    edited(page, lambda: page.click("#add-start"))
+    until = page.locator("#until")
+    until.fill("0.5")
+    edited(page, lambda: until.press("Enter"))
+    settled(page)
+    assert page.evaluate("() => workbench.results.paths[0].times.at(-1)") <= 0.5
+    body = page.locator(".layer-bodies .moving-body")
+    begins = body.get_attribute("d")
+    page.locator("#time").fill("500")
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    assert body.get_attribute("d") != begins
+    assert page.evaluate("() => workbench.drawing.time") == pytest.approx(0.25, rel=0.01)
+    until.fill("-1")
+    until.press("Enter")
+    assert until.get_attribute("aria-invalid") == "true"
+    assert page.evaluate("() => workbench.store.now.until") == 0.5
+    page.locator("#drawing").focus()
+    edited(page, lambda: page.keyboard.press("Control+z"))
+    page.locator("#until:not([aria-invalid])").wait_for()
+
+
+def test_the_help_lists_every_key(page: Page) -> None:
+    page.click("#help-button")
+    assert page.locator("#help").is_visible()
+    assert page.locator("#keys tr").count() == 20
+    page.click("#help-close")
+    assert not page.locator("#help").is_visible()
+
+
 def test_rules_are_chosen_and_compared(page: Page) -> None:
     rows = page.locator("#rules-body tr")
     assert [row.locator("th").inner_text() for row in rows.all()] == ["nearest", "box", "ellipse", "roller"]
@@ -269,25 +275,26 @@ def test_a_plain_system_is_a_phase_portrait(page: Page) -> None:
     assert not document(page).get("system")
 
 
+def saved(page: Page, folder: Path, kind: str) -> Path:
+    """What an entry of the export menu saves."""
+    page.click("#export")
+    with page.expect_download() as download:
+        page.click(f"[data-export={kind}]")
+    target = folder / f"{kind}-{download.value.suggested_filename}"
+    download.value.save_as(target)
+    return target
+
+
 def test_files_are_opened_and_saved_byte_for_byte(opened: Opened, page: Page, tmp_path: Path) -> None:
     edited(page, lambda: drag(page, FIRST_WHEEL, (33, -21)))
-
-    def saved(kind: str) -> Path:
-        page.click("#export")
-        with page.expect_download() as download:
-            page.click(f"[data-export={kind}]")
-        target = tmp_path / f"{kind}-{download.value.suggested_filename}"
-        download.value.save_as(target)
-        return target
-
-    first = saved("toml")
+    first = saved(page, tmp_path, "toml")
     assert first.name.endswith("four-wheel.toml")
     edited(page, lambda: page.click("#undo"))
     edited(page, lambda: page.set_input_files("#file", first))
     settled(page)
-    assert saved("toml").read_bytes() == first.read_bytes()
-    assert b'"schema"' in saved("json").read_bytes()
-    assert saved("figure").read_bytes().lstrip().startswith(b"<?xml")
+    assert saved(page, tmp_path, "toml").read_bytes() == first.read_bytes()
+    assert b'"schema"' in saved(page, tmp_path, "json").read_bytes()
+    assert saved(page, tmp_path, "figure").read_bytes().lstrip().startswith(b"<?xml")
     broken = tmp_path / "broken.toml"
     broken.write_text("[[wheel]]\nposition = [1]\n", encoding="utf-8")
     page.set_input_files("#file", broken)
@@ -295,6 +302,92 @@ def test_files_are_opened_and_saved_byte_for_byte(opened: Opened, page: Page, tm
     assert "required" in page.locator("#note").inner_text()
     assert [line for line in opened.said if "400 (Bad Request)" in line] == opened.said  # Chromium's own line
     opened.said.clear()
+
+
+def test_the_certificate_is_accepted_by_the_checker(page: Page, tmp_path: Path, invoke: Invoke) -> None:
+    edited(page, lambda: drag(page, FIRST_WHEEL, (-14, 9)))
+    certificate, scene = saved(page, tmp_path, "certificate"), saved(page, tmp_path, "toml")
+    assert invoke("verify", str(certificate), str(scene)).status == 0
+    edited(page, lambda: page.click("#undo"))
+    other = saved(page, tmp_path, "toml")
+    assert invoke("verify", str(certificate), str(other)).status == 1
+
+
+def test_the_report_is_a_page_of_its_own(page: Page, opened: Opened, tmp_path: Path) -> None:
+    page.select_option("#scene", "relay-oscillator-damped")  # a short report
+    page.locator("body.is-system").wait_for()
+    settled(page)
+    report = saved(page, tmp_path, "report")
+    tab = opened.context.new_page()
+    tab.goto(report.as_uri())
+    assert "relay-oscillator-damped" in tab.locator("main, body").first.inner_text()
+    assert tab.locator("h1").inner_text()
+    tab.close()
+
+
+def test_a_copied_link_shows_the_same_scene(browser: Browser, page: Page, opened: Opened) -> None:
+    edited(page, lambda: drag(page, FIRST_WHEEL, (21, 34)))
+    edited(page, lambda: page.click("#add-start"))
+    opened.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.click("#export")
+    page.click("#copy-link")
+    page.locator("#note", has_text="The link is copied").wait_for()
+    link = page.evaluate("() => navigator.clipboard.readText()")
+    other = Opened(browser, link)  # another profile: the link alone carries scene and token
+    state = "() => JSON.stringify(workbench.store.now)"
+    assert other.page.evaluate(state) == page.evaluate(state)
+    assert "token" not in other.page.url
+    assert other.said == []
+    other.context.close()
+
+
+def test_what_is_old_is_marked_in_the_frame_of_the_change(page: Page) -> None:
+    marks = """() => new Promise((ready) => {
+        const look = () => [document.getElementById('status').textContent, document.getElementById('how').textContent,
+            ...['#answers', '#clauses', '#rules-section'].map((name) =>
+                document.querySelector(name).classList.contains('stale'))];
+        const before = look();
+        workbench.store.edit(({ document }) => ({ document: { ...document, friction: { mu_roll: 1, mu_side: 0.3 } } }));
+        requestAnimationFrame(() => ready([before, look()])); })"""
+    before, after = page.evaluate(marks)
+    assert before == ["exact", "cells: exact", False, False, False]
+    assert after == ["checking …", "cells follow …", True, True, True]
+    settled(page)
+    assert page.locator("#status").inner_text() == "exact"
+    assert page.locator(".stale").count() == 0
+
+
+def test_an_array_without_cells_says_why_and_shows_the_rest(page: Page) -> None:
+    line = "no cells and no answers: required cells of rule box within 12 s, received an array that takes longer"
+    first = page.evaluate("() => { const { cells, edges, rule, ...rest } = workbench.results.geometry; return rest; }")
+    first["values"]["rule"] = "box"
+    others = [{"rule": "nearest", "answers": [{"key": "position", "answer": "leaves", "tone": "bad", "sentence": ""}]}]
+    stages = [
+        {**first, "stage": "fast", "geometry": "later", "note": "the cells take a moment", "cells": [], "edges": []},
+        {
+            **first,
+            "stage": "fast",
+            "geometry": "none",
+            "note": "no cells: they take too long",
+            "cells": [],
+            "edges": [],
+        },
+        {"stage": "unanswered", "message": line, "key": None},
+        {"stage": "comparison", "rules": others},
+        {"stage": "done"},
+    ]
+    text = "".join(f"{json.dumps(stage)}\n" for stage in stages)
+    page.route("**/api/view", lambda route: route.fulfill(body=text, content_type="application/x-ndjson"))
+    edited(page, lambda: page.select_option("#rule", "box"))
+    page.locator("#error", has_text=line).wait_for()
+    assert page.locator("#status").inner_text() == "not checked: see the message"
+    assert [word.inner_text() for word in page.locator(".answer-word").all()] == ["…"] * 3
+    assert page.locator(".layer-cells path").count() == 0
+    assert page.locator(".layer-wheels .wheel").count() == 4
+    assert page.locator("#how").inner_text() == "no cells: they take too long"
+    rows = [row.inner_text().split() for row in page.locator("#rules-body tr").all()]
+    assert rows == [["box", "not", "checked"], ["nearest", "leaves"]]
+    page.unroute("**/api/view")
 
 
 def test_layers_are_hidden_and_the_view_is_moved(page: Page) -> None:

@@ -6,8 +6,6 @@ import math
 import os
 import signal
 import threading
-import time
-from pathlib import Path
 
 import pytest
 
@@ -136,25 +134,5 @@ def test_a_worker_that_is_killed_is_replaced(server: Workbench) -> None:
     assert len(server.workers()) == 3
 
 
-def test_a_page_outlives_the_server(server: Workbench) -> None:
-    document = server.document("four-wheel")
-    token, began, pids = server.token, server.ask("/api/health").json["started"], server.workers()
-    server.kill()
-    server.start()
-    assert server.token == token
-    assert server.ask("/api/health").json["started"] != began
-    assert server.view(document, want=[])["exact"]["verdict"] == "holds"
-    assert not any(map(_lives, pids))
-
-
 def test_the_token_is_the_user_s_own(server: Workbench) -> None:
     assert (server.state / "nonsmooth" / "workbench-token").stat().st_mode & 0o077 == 0
-
-
-def _lives(pid: int) -> bool:
-    """Whether a process is still there after a while."""
-    for _ in range(100):
-        if not Path(f"/proc/{pid}").exists():
-            return False
-        time.sleep(0.1)
-    return True

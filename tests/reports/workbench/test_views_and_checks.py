@@ -70,6 +70,19 @@ def test_cells_that_take_long_come_later(monkeypatch: pytest.MonkeyPatch) -> Non
     assert not stages[0]["cells"]
 
 
+def test_cells_that_take_too_long_are_told_in_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(array_view, "FAST_UNITS", 100)
+    monkeypatch.setattr(array_view, "CELL_SECONDS", 0.0)
+    request = {"document": document_of("ring-6"), "want": ["comparison"]}
+    later, none, told, others = view(json.dumps(request).encode(), unheard)
+    assert (later["geometry"], none["geometry"]) == ("later", "none")
+    assert none["wheels"] == later["wheels"]
+    assert told["stage"] == "unanswered"
+    assert "cells of rule nearest within 0 s" in told["message"]
+    assert "\n" not in told["message"]
+    assert all(rule["answers"] for rule in others["rules"])
+
+
 @pytest.mark.parametrize("name", sorted(set(builtin_systems()) - SLOW))
 def test_a_system_is_judged_as_by_the_command(name: str) -> None:
     _, found = exact(document_of(name))
