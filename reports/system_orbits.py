@@ -96,6 +96,12 @@ class SystemOrbit:
         title = f"{one_line(self.system.name)}: {self.summary()}"
         return phase_plane_figure(self.system, self.orbit.field, self.orbit.path, suffix, title)
 
+    def _multiplier_text(self, value: complex) -> str:
+        """A multiplier; one that rounding hides is exactly zero only where the orbit slides."""
+        if not value and not self.orbit.slides:
+            return f"below {NOTHING:g}"
+        return _complex_text(value)
+
     def summary(self) -> str:
         """Period and stability."""
         said = "proved" if self.proof.is_proved else "computed, not proved"
@@ -113,7 +119,7 @@ class SystemOrbit:
         orbit, proof = self.orbit, self.proof
         point = ", ".join(f"{s} = {x:.10g}" for s, x in zip(self.system.states, orbit.point, strict=True))
         pieces = [f"{p.place or 'everywhere'} for {float(p.end - p.start):.6g}" for p in orbit.path.pieces]
-        multipliers = ", ".join(map(_complex_text, self.multipliers))
+        multipliers = ", ".join(map(self._multiplier_text, self.multipliers))
         enclosed = proof.is_proved
         said = "proved" if enclosed else "computed, not proved"
         rows = [

@@ -253,7 +253,7 @@ MALFORMED = [
     ('[system]\nstates = ["x", "1y"]\nrhs = ["1", "1"]', "system.states", "1 to 8 different names"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x"]', "system.rhs", "2 formulas, one for each state"),
     ('[system]\nstates = ["x", "y"]\nrhs = "x"', "system.rhs", "formulas, one for each state"),
-    ('[system]\nstates = ["x", "y"]', "system.rhs", "a value"),
+    ('[system]\nstates = ["x", "y"]', "system.rhs", "formulas, or [[region]] tables, received neither"),
     ('[system]\nrhs = ["x", "y"]', "system.states", "a value"),
     ('[system]\nstates = ["x", "y"]\nrhs = ["x", "y"]\nmodes = 2', "system.modes", "states, rhs"),
     ('system = 3', "system", "a table"),
@@ -281,14 +281,17 @@ def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> N
     assert words in line
 
 
-@pytest.mark.parametrize("states", [["x"], ["x", "y", "theta"]])
+@pytest.mark.parametrize(
+    ("states", "expected"),
+    [(["x"], "two states, received"), (["x", "y", "theta"], r"two states \(stability is decided in one or two\)")],
+)
 @pytest.mark.parametrize("decide", [system_check, lambda system: audit(system, "x**2")])
-def test_stability_is_decided_for_two_states(
-    tmp_path: Path, states: list[str], decide: Callable[[SwitchedSystem], object]
+def test_planar_decisions_need_two_states(
+    tmp_path: Path, states: list[str], expected: str, decide: Callable[[SwitchedSystem], object]
 ) -> None:
     text = f"[system]\nstates = {states}\nrhs = {states}"
     (tmp_path / "my.toml").write_text(text.replace("'", '"'), encoding="utf-8")
-    with pytest.raises(SceneError, match=r"my\.toml: system\.states: required two states .*planar"):
+    with pytest.raises(SceneError, match=rf"my\.toml: system\.states: required {expected}"):
         decide(load_system(tmp_path / "my.toml"))
 
 
