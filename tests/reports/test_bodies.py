@@ -122,11 +122,20 @@ def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke
         ("--rule", "nearest", "--kinematics", "leading"),
         ("--rule", "box", "--method", "hysteresis"),
         ("--rule", "nearest", "--feedback", "--method", "hysteresis"),
-        ("--method", "dynamics", "--compare-masses"),
     ],
 )
 def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], carton: str, invoke: Invoke) -> None:
     assert invoke("simulate", carton, "--from", "0.1,0,0", *options).status == 2
+
+
+def test_masses_are_compared_where_wheels_leave(carton: str, invoke: Invoke) -> None:
+    masses = ("--method", "dynamics", "--compare-masses", "--mass", "1e-4", "--until", "0.05")
+    status, found = record(invoke, "simulate", carton, "--from", "1.3,0.15,0", *masses)
+    assert status == 0
+    assert {own["rule"] for own in found["limits"]} == {"nearest", "box", "roller"}
+    tips = invoke("simulate", carton, "--from", "2.9,2.9,0", *masses)
+    assert (tips.status, tips.out) == (2, "")
+    assert tips.err.count("\n") == 1
 
 
 @pytest.mark.parametrize("options", [("--rule", "nearest"), ("--rule", "box"), ("--method", "dynamics")])
