@@ -132,10 +132,15 @@ class SignField:
         return min(sign * height for sign, height in zip(mode, self._heights(x), strict=True))
 
     def following(self, mode: Signs, x: Vector, width: float) -> Signs:
-        """Relays that are beyond their width switch."""
-        reached = 1 - 1e-9  # an event is found to rounding, so "beyond" allows for it
-        heights = zip(mode, self._heights(x), strict=True)
-        return tuple(-sign if sign * height <= -width * reached else sign for sign, height in heights)
+        """Relays that are beyond their width switch; the farthest one always does.
+
+        An event is found to rounding: relative to the width, and where the width is small beside the state, to that
+        of the heights.
+        """
+        reached = 1 - 1e-9
+        heights = [sign * height for sign, height in zip(mode, self._heights(x), strict=True)]
+        beyond = max(-width, min(heights)) * reached
+        return tuple(-sign if height <= beyond else sign for sign, height in zip(mode, heights, strict=True))
 
     def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
         """Products of smoothed signs ``clip(h/width, -1, 1)``."""

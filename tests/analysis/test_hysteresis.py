@@ -126,6 +126,16 @@ def test_a_tiny_width_is_followed_where_floats_resolve_it() -> None:
     assert max(abs(state[0]) for state in path.states) <= 1.001e-13
 
 
+@pytest.mark.parametrize("width", [1e-6, 5e-10, 1e-13])
+def test_a_surface_away_from_the_origin_is_crossed_once(width: float) -> None:
+    """Floats know the height above ``v = 1/2`` to 1e-16, which is less than all but a billionth of these widths."""
+    surface = affine_surface("v - 1/2", (0, 1), 0.5)
+    field = SignField(("x", "v"), (surface,), lambda signs: lambda t, x: np.array([x[1], -1.0]), 1.0)
+    path = simulate_hysteresis(field, (0.3, 0.5 + 1e-3), 0.1, width)
+    assert len(path.events) == 1
+    assert float(path.end.t) == 0.1
+
+
 def test_a_layer_that_is_never_crossed_is_refused(arrays: Arrays, monkeypatch: pytest.MonkeyPatch) -> None:
     """Thinner than the tolerance, it would be integrated for ever."""
     field = array_field(build_nearest_partition(arrays.four_wheel(ROLL)), Kinematics.EXACT)
