@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.interface.made_system import MadeSystem
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.path_result import PathResult
@@ -18,7 +19,7 @@ UNTIL = 10.0
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Modes:
+class Modes(MadeSystem):
     """Modes with their own right-hand sides, each left for another where a guard is no longer negative.
 
     The state is kept.  Verdicts are about Filippov systems (:class:`System`); modes are for simulation.
@@ -51,21 +52,6 @@ class Modes:
         if name is not None:
             document["name"] = name
         self._set(document)
-
-    def _set(self, document: Mapping[str, Any]) -> None:
-        object.__setattr__(self, "document", document)
-        _ = self.system  # refuse what cannot be used at once
-
-    @classmethod
-    def of_document(cls, document: Mapping[str, Any]) -> Self:
-        """The system of a scene file's tables.
-
-        Raises:
-            SceneError: for whatever cannot be used.
-        """
-        system = cls.__new__(cls)
-        system._set(document)
-        return system
 
     @classmethod
     def load(cls, source: str | Path) -> Self:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.interface.made_system import MadeSystem
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.map_result import MapResult
@@ -23,7 +24,7 @@ ORBIT_UNTIL = 100.0
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class System:
+class System(MadeSystem):
     """``x' = f(x)`` with ``sign`` and ``Abs`` on the right; Filippov solutions.
 
     Immutable: :meth:`with_` returns another one.
@@ -59,21 +60,6 @@ class System:
         if parameters is not None:
             document["system"]["parameters"] = table(parameters)
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
-
-    def _set(self, document: Mapping[str, Any]) -> None:
-        object.__setattr__(self, "document", document)
-        _ = self.system  # refuse what cannot be used at once
-
-    @classmethod
-    def of_document(cls, document: Mapping[str, Any]) -> Self:
-        """The system of a scene file's tables.
-
-        Raises:
-            SceneError: for whatever cannot be used.
-        """
-        system = cls.__new__(cls)
-        system._set(document)
-        return system
 
     def with_(self, **changes: Any) -> Self:
         """Another system in which at, radius, lyapunov, name or some parameters are changed.
