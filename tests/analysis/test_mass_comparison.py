@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from nonsmooth.analysis.bodies.mass_comparison import outline_mass_study
+from nonsmooth.analysis.bodies.mass_comparison import outline_mass_study, outline_rule_path
 from nonsmooth.analysis.bodies.plate import plate
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder
 from nonsmooth.analysis.trajectories.result import EventKind
@@ -18,22 +18,25 @@ from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.analysis.test_body_path import pushed_back
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-START, UNTIL = (0.2, 0.1, 0.0), 0.5
+UNTIL, SLIDING = 0.2, 0.5
 SLOPE = 0.15  # of log distance against log mass, where 1 is expected
 
 
-def ladder_study(scene: Scene, mass: float, count: int, start: tuple[float, float, float]) -> MassStudy:
+def ladder_study(scene: Scene, mass: float, count: int, start: tuple[float, float, float], until: float) -> MassStudy:
     assert scene.body is not None
-    return outline_mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, UNTIL)
+    return outline_mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, until)
 
 
 def test_the_distance_from_rule_ellipse_falls_like_the_mass_through_changes_of_the_wheels() -> None:
     scene = whole(load_scene("carton-on-6x6"))
-    study = ladder_study(scene, 1e-3, 3, (0.3, 0.9, 0.2))
+    start = (1.3, 0.15, 0.0)
+    study = ladder_study(scene, 1e-3, 2, start, UNTIL)
+    assert EventKind.LEAVE in {event.kind for event in outline_rule_path(scene, "ellipse", start, UNTIL).events}
     for heavy, light in pairwise(study.rows):
         fall = heavy.distance("ellipse").position / light.distance("ellipse").position
         assert np.log10(fall) == pytest.approx(1, abs=SLOPE)
@@ -44,9 +47,10 @@ def test_the_distance_from_rule_ellipse_falls_like_the_mass_through_changes_of_t
         assert abs(study.rows[-1].distance(limit.rule).position - limit.position) <= own
 
 
+@thorough
 def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) -> None:
     scene, _ = pushed_back(arrays)
-    study = ladder_study(whole(scene), 1e-2, 2, (0.3, -0.2, 0.0))
+    study = ladder_study(whole(scene), 1e-2, 1, (0.3, -0.2, 0.0), SLIDING)
     assert study.limits is None
     assert min(row.distance("ellipse").position for row in study.rows) > 0.05  # and indeed they do not meet
     shown = ShownMasses(scene, study)
@@ -58,9 +62,8 @@ def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) 
     assert "-> 0" not in captured.get()
 
 
-def test_the_slide_is_what_the_path_says(arrays: Arrays) -> None:
-    from nonsmooth.analysis.bodies.mass_comparison import outline_rule_path
-
+def test_a_path_that_slides_along_an_edge_is_no_limit(arrays: Arrays) -> None:
     scene, _ = pushed_back(arrays)
-    path = outline_rule_path(whole(scene), "ellipse", (0.3, -0.2, 0.0), UNTIL)
+    path = outline_rule_path(whole(scene), "ellipse", (0.3, -0.2, 0.0), SLIDING)
     assert EventKind.SLIDE in {event.kind for event in path.events}
+    assert outline_mass_study(whole(scene), (), (0.3, -0.2, 0.0), SLIDING).limits is None
