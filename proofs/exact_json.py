@@ -16,8 +16,9 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpz
 
+from nonsmooth.symbolic.numbers.coefficients import Coefficient
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Coefficient, Number
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.root_masks import bits
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.mode_system import ModeSystem
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+OF_ARRAYS = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
 SYSTEM_UNTIL = 10.0  # last time of the paths of a map, and of a system with modes
 
 
@@ -33,9 +34,7 @@ class SystemPathMode(SimulationMode):
 
     def refuse_others(self, options: Options) -> None:
         """All that is for arrays."""
-        options.refuse(("heading",), "an array of wheels", "a plain switched system")
-        of_arrays = ("kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
         _refuse_mode(options)
         if options.method is Method.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
@@ -64,8 +63,7 @@ class SystemOrbitMode(SimulationMode):
 
     def refuse_others(self, options: Options) -> None:
         """All that is for arrays, for maps, and for paths that are followed otherwise than by events."""
-        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
         options.refuse(("grid", "method", "width"), "one path or a map (orbits are found by events)", "--orbit")
         _refuse_mode(options)
 
@@ -97,8 +95,7 @@ class SystemStartsMap(SimulationMode):
 
     def refuse_others(self, options: Options) -> None:
         """All that is for arrays, and for one path."""
-        of_arrays = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(of_arrays, "an array of wheels", "a plain switched system")
+        options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
         options.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
         _refuse_mode(options)
 
@@ -128,8 +125,7 @@ class ModesPathMode(SimulationMode):
 
     def refuse_others(self, options: Options) -> None:
         """All that is for arrays and for plain systems without modes."""
-        others = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-        options.refuse(others, "an array of wheels", "a system with modes")
+        options.refuse(OF_ARRAYS, "an array of wheels", "a system with modes")
         options.refuse(("grid", "method", "width", "orbit"), "a plain switched system", "a system with modes")
 
     def shown(self, options: Options) -> Shown:

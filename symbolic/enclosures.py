@@ -17,14 +17,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
-from math import cos, sin
 
 from nonsmooth.symbolic.expression import ExpressionError, parse_tree, turn_of
 from nonsmooth.symbolic.piecewise import MAX_TEXT
 from nonsmooth.symbolic.scene_error import shown
 
 WAVES = ("sin", "cos")
-SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
 _OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 _NUMBERS = {"pi", "sqrt", *WAVES}
@@ -41,15 +39,6 @@ class Wave:
 
     kind: str
     argument: str
-
-    def weight(self, v: float) -> float:
-        """The e with which the enclosure has the value of the wave; near v = 0 by its series."""
-        if abs(v) < SERIES_BELOW:
-            first, second = (42, 3024) if self.kind == "sin" else (56, 5040)
-            return 1 - v * v / first + v**4 / second
-        if self.kind == "sin":
-            return float((sin(v) - v + v**3 / 6) * 120 / v**5)
-        return float((1 - v * v / 2 + v**4 / 24 - cos(v)) * 720 / v**6)
 
 
 @dataclass

@@ -19,11 +19,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.float_distances import (
+    CANDIDATE_MARGIN,
+    SMALLEST_NORMAL,
+    clear_signs,
+    distance,
+    distances_from,
+    float_point,
+    float_vertices,
+    reach_of,
+)
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.symbolic.constraints import (
@@ -39,13 +48,6 @@ from nonsmooth.symbolic.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene, Wheel
-
-Place: TypeAlias = Sequence[float]  # x, y
-
-# Relative to the coordinates and distances at hand: in double precision they err by less than 2^-46, so a wheel
-# beyond this margin is certainly not among the two nearest, and a wheel within it is kept for the exact test.
-CANDIDATE_MARGIN = 2.0**-29
-SMALLEST_NORMAL = float(np.finfo(np.float64).tiny)  # below it floats lose their relative accuracy
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
@@ -125,7 +127,7 @@ class _Search:
         positions = self.positions
         places = positions if self.prune else None
         for i in near:
-            rivals = near[np.argsort(_distances(positions[near], positions[i]), kind="stable")]
+            rivals = near[np.argsort(distances_from(positions[near], positions[i]), kind="stable")]
             first = _region(self.bisectors, i, rivals, domain, places, by_distance=True)
             if first is None:
                 continue
@@ -151,9 +153,9 @@ class _Search:
 
     def _next(self, basis: Sequence[Triple], region: Polygon) -> list[int]:
         """Wheels that can be the nearest, somewhere in the region, of those with a row independent of the basis."""
-        centre = _float_point(region.centre)
-        distances = _distances(self.positions, np.array(centre))
-        reach = _reach(_float_vertices(region), centre)
+        centre = float_point(region.centre)
+        distances = distances_from(self.positions, np.array(centre))
+        reach = reach_of(float_vertices(region), centre)
         found: list[int] = []
         bound = np.inf
         for i in np.argsort(distances, kind="stable").tolist():
@@ -225,69 +227,25 @@ def _region(
             rival whose bisector lies beyond the farthest vertex: twice as far from the wheel as that.
     """
     region = within
-    corners = None if positions is None else _float_vertices(region)
+    corners = None if positions is None else float_vertices(region)
     for k in rivals:
         if k == i:
             continue
         known = None
         if positions is not None and corners is not None:
             near, far = positions[i].tolist(), positions[k].tolist()
-            if by_distance and _distance(far, near) > 2 * _reach(corners, near):
+            if by_distance and distance(far, near) > 2 * reach_of(corners, near):
                 break
-            known = _clear_signs(corners, near, far)
+            known = clear_signs(corners, near, far)
             if min(known) > 0:
                 continue
         closer = region.clipped(bisectors.between(i, k), known)
         if closer is None:
             return None
         if closer is not region and positions is not None:
-            corners = _float_vertices(closer)
+            corners = float_vertices(closer)
         region = closer
     return region
-
-
-def _float_vertices(region: Polygon) -> list[Place]:
-    return [_float_point(vertex) for vertex in region.vertices]
-
-
-def _clear_signs(corners: Sequence[Place], near: Place, far: Place) -> list[int]:
-    """Signs of ``|c - far| - |c - near|`` at corners where floats are sure, 0 where they are not.
-
-    Beyond the range of floats a difference is nan or its bound is infinite: then nothing is sure.
-    """
-    size = _size(corners) + _size([near]) + _size([far])
-    signs = []
-    for corner in corners:
-        to_near, to_far = _distance(corner, near), _distance(corner, far)
-        farther = to_far - to_near
-        clear = abs(farther) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
-        signs.append(sign(farther) if clear else 0)
-    return signs
-
-
-def _reach(corners: Sequence[Place], place: Place) -> float:
-    """Distance from a wheel to the farthest vertex, never too small."""
-    size = _size(corners) + _size([place])
-    return max(_distance(corner, place) for corner in corners) + CANDIDATE_MARGIN * size + SMALLEST_NORMAL
-
-
-def _size(places: Sequence[Place]) -> float:
-    """The largest coordinate."""
-    return max(abs(value) for place in places for value in place)
-
-
-def _distance(a: Place, b: Place) -> float:
-    return math.hypot(a[0] - b[0], a[1] - b[1])
-
-
-def _distances(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
-    with np.errstate(over="ignore", invalid="ignore"):
-        difference = points - place
-        return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
-
-
-def _float_point(point: Point) -> Place:
-    return [float(x) for x in point]
 
 
 class _Bisectors:

@@ -12,6 +12,7 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, s
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
+from nonsmooth.analysis.fields.wave_weights import wave_weight
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single, signs_by_factors
@@ -76,7 +77,7 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     def velocity(t: float, x: Vector) -> Vector:
         weights: Vector = np.ones(1)
         for wave, v in zip(system.waves, inner(x) if inner is not None else (), strict=True):
-            e = wave.weight(float(v))
+            e = wave_weight(wave, float(v))
             weights = np.asarray(np.kron(weights, [1.0 - e, e]), dtype=float)
         value = weights @ members(x).reshape(shape)
         return np.asarray(value if scale is None else value / scale(x)[0])

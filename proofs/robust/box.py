@@ -23,8 +23,8 @@ from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import BoxCorners, Proposal
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.load_box import load_box
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.numbers.number import as_fmpq
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 

@@ -17,8 +17,8 @@ from typing import TypeAlias
 from flint import arb, fmpq
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.numbers.number import as_fmpq
 from nonsmooth.symbolic.scene import Wheel
 
 Quadrant: TypeAlias = tuple[int, int]

@@ -69,12 +69,8 @@ class Modes(MadeSystem):
     def system(self) -> ModeSystem:
         """The exact system."""
         from nonsmooth.symbolic.files.mode_file import build_modes
-        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
 
-        name = self.document.get("name")
-        label = name if isinstance(name, str) and name.strip() else "modes"
-        with deep_nesting_refused(label):
-            return build_modes(dict(self.document), label, Path(f"{label}.toml"))
+        return self._read(build_modes, "modes")
 
     def __repr__(self) -> str:
         return f"Modes of {', '.join(self.system.states)}: {', '.join(mode.name for mode in self.system.modes)}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
@@ -73,13 +72,9 @@ class System(MadeSystem):
     @cached_property
     def system(self) -> SwitchedSystem:
         """The exact system."""
-        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
         from nonsmooth.symbolic.files.system_file import build_system
 
-        name = self.document.get("name")
-        label = name if isinstance(name, str) and name.strip() else "system"
-        with deep_nesting_refused(label):
-            return build_system(dict(self.document), label, Path(f"{label}.toml"))
+        return self._read(build_system, "system")
 
     def __repr__(self) -> str:
         states, rhs = self.document["system"]["states"], self.document["system"]["rhs"]

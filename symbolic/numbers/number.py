@@ -9,12 +9,19 @@ terms: the one operation to avoid in inner loops.
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, ctx, fmpq, fmpz
 
+from nonsmooth.symbolic.numbers.coefficients import (
+    Coefficient,
+    fmpq_to_float,
+    height,
+    is_rational,
+    product_units,
+    single_units,
+)
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.printing import latex_sum, number_summands, number_to_sympy, plain_sum
 from nonsmooth.symbolic.numbers.root_masks import bits
@@ -24,57 +31,15 @@ if TYPE_CHECKING:
 
     from nonsmooth.symbolic.numbers.number_field import NumberField
 
-Coefficient: TypeAlias = Any  # fmpq over Q, fmpq_poly reduced by the base modulus otherwise
-Rational: TypeAlias = int | Fraction | fmpq
-
 _FLOAT_BITS = 53
 _FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
 TINY, HUGE = 2.0**-900, 2.0**900  # outside this range floats may under- or overflow: use balls
 _FIRST_PRECISION = 128
-_UNIT_BITS = 512  # products of longer rationals count more
 
 
 def sign(value: Any) -> int:
     """Sign -1, 0 or 1 of a field element (exact), fraction or float."""
     return value.sign() if hasattr(value, "sign") else (value > 0) - (value < 0)
-
-
-def as_fmpq(value: Rational) -> fmpq:
-    """Convert an int, Fraction or fmpq to fmpq."""
-    if isinstance(value, Fraction):
-        return fmpq(value.numerator, value.denominator)
-    return fmpq(value)
-
-
-def fmpq_to_float(value: fmpq) -> float:
-    """Correctly rounded float of a rational (infinite on overflow)."""
-    try:
-        return int(value.p) / int(value.q)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
-
-
-def _height(coefficient: Coefficient) -> int:
-    """Bits of the longest integer of a rational, or of a rational polynomial."""
-    if isinstance(coefficient, fmpq):
-        return coefficient.height_bits()
-    return max(coefficient.numer().height_bits(), int(coefficient.denom()).bit_length())
-
-
-def _product_units(a: Number, b: Number) -> int:
-    """What a product costs, in products of short rationals: by the number of its terms and the length of the first."""
-    length = _height(next(iter(a.terms.values()))) + _height(next(iter(b.terms.values())))
-    return len(a.terms) * len(b.terms) * a.field.base_degree * (1 + length // _UNIT_BITS)
-
-
-def _single_units(a: fmpq, b: fmpq) -> int:
-    """What :func:`_product_units` says of two numbers of one term over the rationals, by far the most."""
-    return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
-
-
-def _is_rational(terms: dict[int, Coefficient]) -> bool:
-    """Whether a sum over the rationals has one term, without a root."""
-    return len(terms) == 1 and 0 in terms
 
 
 class Number(ExactReal):
@@ -144,12 +109,12 @@ class Number(ExactReal):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
             if not s & t:  # a rational factor, or two different roots: nothing to collect
                 if field.meter is not None:
-                    field.meter.spend(_single_units(a, b))
+                    field.meter.spend(single_units(a, b))
                 return Number(field, {s ^ t: a * b})
-        elif modulus is None and (_is_rational(self.terms) or _is_rational(other.terms)):
+        elif modulus is None and (is_rational(self.terms) or is_rational(other.terms)):
             return self._multiple(other)
         if field.meter is not None:
-            field.meter.spend(_product_units(self, other))
+            field.meter.spend(product_units(self.terms, other.terms, self.field.base_degree))
         terms: dict[int, Coefficient] = {}
         nested: Number = field.zero
         for s, a in self.terms.items():
@@ -170,8 +135,8 @@ class Number(ExactReal):
     def _multiple(self, other: Number) -> Number:
         """The product over the rationals where one of both is rational: nothing to collect."""
         if self.field.meter is not None:
-            self.field.meter.spend(_product_units(self, other))
-        one, many = (self, other) if _is_rational(self.terms) else (other, self)
+            self.field.meter.spend(product_units(self.terms, other.terms, self.field.base_degree))
+        one, many = (self, other) if is_rational(self.terms) else (other, self)
         factor = one.terms[0]
         return Number(self.field, {mask: c * factor for mask, c in many.terms.items()})
 
@@ -200,7 +165,7 @@ class Number(ExactReal):
             ((mask, c),) = self.terms.items()
             if not mask:
                 if field.meter is not None:
-                    field.meter.spend(field.base_degree * _product_units(self, self))
+                    field.meter.spend(field.base_degree * product_units(self.terms, self.terms, field.base_degree))
                 return Number(field, {0: self._base_inverse(c)})
             root = Number(field, {mask: field.coefficient(fmpq(1))})
             return root * (Number(field, {0: c}) * field.radicand_product(mask)).inverse()
@@ -224,7 +189,7 @@ class Number(ExactReal):
             return self * other.inverse()
         ((mask, a),), b = self.terms.items(), other.terms[0]
         if field.meter is not None:  # what the inverse and the product would cost
-            field.meter.spend(_single_units(b, b) + _single_units(a, b))
+            field.meter.spend(single_units(b, b) + single_units(a, b))
         return Number(field, {mask: a / b})
 
     def __rtruediv__(self, value: Any) -> Number:
@@ -330,7 +295,7 @@ class Number(ExactReal):
     @property
     def size_bits(self) -> int:
         """Bits of the longest integers of all coefficients together."""
-        return sum(_height(c) for c in self.terms.values())
+        return sum(height(c) for c in self.terms.values())
 
     def __bool__(self) -> bool:
         return bool(self.terms)

@@ -19,7 +19,8 @@ from nonsmooth.symbolic.numbers.root_masks import bits
 if TYPE_CHECKING:
     import sympy
 
-    from nonsmooth.symbolic.numbers.number import Coefficient, Number
+    from nonsmooth.symbolic.numbers.coefficients import Coefficient
+    from nonsmooth.symbolic.numbers.number import Number
     from nonsmooth.symbolic.numbers.number_field import NumberField
 
 Cosines = dict[Fraction, Fraction]  # turn -> weight of cos(pi * turn); turn 0 is the constant

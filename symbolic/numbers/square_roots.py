@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 
-from nonsmooth.symbolic.numbers.number import Number, as_fmpq
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.root_masks import bits
 
 if TYPE_CHECKING:

@@ -1,0 +1,53 @@
+"""Coefficients of numbers: rationals, or rational polynomials in the base; their size, and what a product costs."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from flint import fmpq
+
+Coefficient: TypeAlias = Any  # fmpq over Q, fmpq_poly reduced by the base modulus otherwise
+Rational: TypeAlias = int | Fraction | fmpq
+Terms: TypeAlias = dict[int, Coefficient]  # by the mask of the roots that they multiply
+
+_UNIT_BITS = 512  # products of longer rationals count more
+
+
+def as_fmpq(value: Rational) -> fmpq:
+    """Convert an int, Fraction or fmpq to fmpq."""
+    if isinstance(value, Fraction):
+        return fmpq(value.numerator, value.denominator)
+    return fmpq(value)
+
+
+def fmpq_to_float(value: fmpq) -> float:
+    """Correctly rounded float of a rational (infinite on overflow)."""
+    try:
+        return int(value.p) / int(value.q)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def height(coefficient: Coefficient) -> int:
+    """Bits of the longest integer of a rational, or of a rational polynomial."""
+    if isinstance(coefficient, fmpq):
+        return coefficient.height_bits()
+    return max(coefficient.numer().height_bits(), int(coefficient.denom()).bit_length())
+
+
+def product_units(a: Terms, b: Terms, base_degree: int) -> int:
+    """What a product costs, in products of short rationals: by the number of its terms and the length of the first."""
+    length = height(next(iter(a.values()))) + height(next(iter(b.values())))
+    return len(a) * len(b) * base_degree * (1 + length // _UNIT_BITS)
+
+
+def single_units(a: fmpq, b: fmpq) -> int:
+    """What :func:`product_units` says of two numbers of one term over the rationals, by far the most."""
+    return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
+
+
+def is_rational(terms: Terms) -> bool:
+    """Whether a sum over the rationals has one term, without a root."""
+    return len(terms) == 1 and 0 in terms
