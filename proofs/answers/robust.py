@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from nonsmooth.proofs.answers.answer import Answer, Results
 from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.robust.robust import Robust
 
 TOLERANCES = "tolerances"
-KEYS = ("radius", "from", "within", "turning", "drift", "at_rest_within")
+KEYS = ("radius", "from", "within", "turning", "equilibrium", "drift", "at_rest_within")
 WORDS = {
     "position": "the positions of the wheels",
     "heading": "the headings of the wheels",
@@ -58,37 +58,55 @@ def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     unit = of_length(scene)
     if found.verdict is Certainty.UNDECIDED:
         yield Fact(words=found.reason)
-    values: dict[str, Any] = dict(
-        zip(KEYS, (found.radius, found.start, found.within, found.turning, found.drift, found.rests), strict=True)
+    numbers = (
+        found.radius,
+        found.start,
+        found.within,
+        found.turning,
+        found.equilibrium,
+        found.drift,
+        found.rests,
     )
-    words = dict.fromkeys(KEYS, "")
-    if found.radius is not None and found.drift is not None:
-        words["radius"] = (
-            f"every array within them has one equilibrium within {at_most(found.radius)}{unit} of the point"
-        )
-        # a body with an outline that turns comes to lie on other wheels
-        turned = scene.body is not None and not scene.body.is_round and found.drift != 0
-        kept = ", while they are turned so little that the same wheels carry them" if turned else ""
-        words["from"] = f"it attracts, exponentially, bodies that start close to it{kept}"
-        words["drift"] = f"there a body turns at no more than {at_most(found.drift)} rad/s"
-    if found.start is not None and found.radius is not None and found.within is not None:
-        words["radius"] = (
-            f"for every array within them, the body ends within {at_most(found.radius)}{unit} of the point"
-        )
-        words["from"] = f"from anywhere within {at_least(found.start)}{unit}"
-        words["within"] = f"after at most {at_most(found.within)} s"
-        if found.turning is not None:
-            words["turning"] = f"on the way it turns by at most {at_most(found.turning)} rad"
+    words = dict.fromkeys(KEYS, "") | _words_of_ends(found, unit) | _words_of_equilibria(scene, found, unit)
     if found.rests:
         words["at_rest_within"] = (
             f"for every array within them, a body within {at_least(found.rests)}{unit} of the point stays where it is"
         )
-    for key, value in values.items():
+    for key, value in zip(KEYS, numbers, strict=True):
         yield Fact(key, Quantity(value), words[key])
     yield Fact("factor", Quantity(found.factor), _factor_words(found))
     yield Fact(
         "binding", found.binding, "" if found.binding is None else f"the tolerance of {WORDS[found.binding]} binds"
     )
+
+
+def _words_of_ends(found: Robust, unit: str) -> dict[str, str]:
+    """Where every body ends."""
+    if found.start is None or found.radius is None or found.within is None:
+        return {}
+    words = {
+        "radius": f"for every array within them, the body ends within {at_most(found.radius)}{unit} of the point",
+        "from": f"from anywhere within {at_least(found.start)}{unit}",
+        "within": f"after at most {at_most(found.within)} s",
+    }
+    if found.turning is not None:
+        words["turning"] = f"on the way it turns by at most {at_most(found.turning)} rad"
+    return words
+
+
+def _words_of_equilibria(scene: Scene, found: Robust, unit: str) -> dict[str, str]:
+    """One equilibrium of every array."""
+    if found.equilibrium is None or found.drift is None:
+        return {}
+    # a body with an outline that turns comes to lie on other wheels
+    turned = scene.body is not None and not scene.body.is_round and found.drift != 0
+    kept = ", while they are turned so little that the same wheels carry them" if turned else ""
+    near = f"every array within them has one equilibrium within {at_most(found.equilibrium)}{unit} of the point"
+    attracts = f"it attracts, exponentially, bodies that start close to it{kept}"
+    return {
+        "equilibrium": f"{near}; {attracts}",
+        "drift": f"there a body turns at no more than {at_most(found.drift)} rad/s",
+    }
 
 
 def _factor_words(found: Robust) -> str:

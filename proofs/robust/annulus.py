@@ -14,7 +14,6 @@ from typing import TypeAlias
 
 Place: TypeAlias = tuple[Fraction, Fraction]
 
-SECTORS = 16
 INSIDE = 1 - Fraction(1, 2**20)  # of a radius: a ray's direction is longer than one by no more than rounding
 OUTSIDE = 1 + Fraction(1, 2**20)
 
@@ -71,10 +70,10 @@ def polygon_about(radius: Fraction, count: int) -> tuple[Place, ...]:
     return tuple(_times(far, direction) for direction in rays)
 
 
-def ring(inner: Fraction, outer: Fraction) -> Iterator[Piece]:
+def ring(inner: Fraction, outer: Fraction, sectors: int) -> Iterator[Piece]:
     """Pieces that cover a ring."""
-    width = Fraction(1, SECTORS)
-    for k in range(SECTORS):
+    width = Fraction(1, sectors)
+    for k in range(sectors):
         yield Piece(inner, outer, k * width, width)
 
 

@@ -11,28 +11,24 @@ corners: |c| is convex, and the bound is a mixture of those at the corners.  The
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from flint import arb, ctx
 
-from nonsmooth.proofs.robust.annulus import Piece, Place, polygon_about, ring
+from nonsmooth.proofs.robust.annulus import Piece, Place, polygon_about
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import BoxCorners, Proposal
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.load_box import load_box
+from nonsmooth.proofs.robust.rings import PRECISION, RingProof
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 
-PRECISION = 64  # bits of the balls
-RINGS = 16  # of equal width, from the square inward
-DEPTH = 3  # how often a quadrangle is divided into four
-HALVINGS = 5  # of the ring in which the disc ends
-STARTS = tuple(Fraction(k, 16) for k in (16, 15, 14, 12, 10, 8))  # shares of the square from which bodies may start
 PUSHES = (
     0.75,
     0.6,
@@ -43,24 +39,8 @@ PUSHES = (
     0.05,
     0.02,
 )  # of the friction of all wheels; strong ones serve large boxes
-GROWTH = Fraction(6, 5)  # of the least radius: what a faster rate may cost
 REST_CORNERS = 16
 REST_HALVINGS = 7
-
-
-@dataclass(frozen=True)
-class BoxDisc:
-    """What holds for every array of the box.
-
-    Attributes:
-        radius: of the disc in which bodies end.
-        start: radius of the disc of starts.
-        kappa: rate at which the distance falls between the two (length/time).
-    """
-
-    radius: Fraction
-    start: Fraction
-    kappa: Fraction
 
 
 @dataclass(frozen=True)
@@ -85,7 +65,7 @@ class _Plan:
     pushes: tuple[_Push, ...]
 
 
-class BoxRule:
+class BoxRule(RingProof[BoxBound]):
     """A centred scene under rule ``box``; what floats propose for the scene is kept for all boxes about it."""
 
     def __init__(self, scene: Scene) -> None:
@@ -100,7 +80,7 @@ class BoxRule:
     def rest_radius(self, box: Tolerance, most: Fraction) -> Fraction:
         """Nearly the largest radius, up to ``most``, of a disc in which bodies stay at rest; 0 where there is none."""
         with ctx.workprec(PRECISION):
-            bound = self._over(box)
+            bound = self.over(box)
             if bound is None:
                 return Fraction(0)
             if self._rests(bound, most):
@@ -111,7 +91,7 @@ class BoxRule:
                 low, high = (middle, high) if self._rests(bound, middle) else (low, middle)
             return low
 
-    def _over(self, box: Tolerance) -> BoxBound | None:
+    def over(self, box: Tolerance) -> BoxBound | None:
         """The bounds of a box; None where its springs may not fix the loads."""
         loads = load_box(self._scene, box.position.ball())
         return None if loads is None else BoxBound(box_wheels(self._scene, box), loads, self._corners.length)
@@ -128,65 +108,10 @@ class BoxRule:
 
     # ---- coming nearer
 
-    def comes_nearer(self, box: Tolerance, most: Fraction) -> bool:
-        """Whether on some ring within ``most`` of the point bodies come nearer."""
-        with ctx.workprec(PRECISION):
-            bound = self._over(box)
-            return bound is not None and self._first_ring(bound, most) is not None
-
-    def disc(self, box: Tolerance, most: Fraction) -> BoxDisc | None:
-        """The disc in which bodies end that start in one of a radius up to ``most``; None where none is found."""
-        with ctx.workprec(PRECISION):
-            bound = self._over(box)
-            first = None if bound is None else self._first_ring(bound, most)
-            if bound is None or first is None:
-                return None
-            start, rate = first
-            return _fastest(list(self._inward(bound, start, rate)), start)
-
-    def _first_ring(self, bound: BoxBound, most: Fraction) -> tuple[Fraction, arb] | None:
-        """The outer radius of the first ring on which bodies come nearer, and their rate there."""
-        for share in STARTS:
-            outer = most * share
-            rate = self._rate(bound, outer * (1 - Fraction(1, RINGS)), outer)
-            if rate is not None:
-                return outer, rate
-        return None
-
-    def _inward(self, bound: BoxBound, start: Fraction, rate: arb) -> Iterator[tuple[Fraction, arb]]:
-        """Inner radii of rings one after the other, and the rate on each; the last ones ever narrower."""
-        inner, step, halvings = start * (1 - Fraction(1, RINGS)), start / RINGS, 0
-        yield inner, rate
-        while inner and halvings <= HALVINGS:
-            found = self._rate(bound, inner - step, inner)
-            if found is None:
-                step, halvings = step / 2, halvings + 1
-                continue
-            inner -= step
-            yield inner, found
-
-    def _rate(self, bound: BoxBound, inner: Fraction, outer: Fraction) -> arb | None:
-        """A positive kappa with ``c . v <= -kappa |c|`` on a ring; None where none is shown."""
-        rates = []
-        for piece in ring(inner, outer):
-            rate = self._rate_on(bound, piece, DEPTH)
-            if rate is None:
-                return None
-            rates.append(rate)
-        return min(rates, key=rational_below)
-
-    def _rate_on(self, bound: BoxBound, piece: Piece, depth: int) -> arb | None:
-        """The same on a quadrangle, or on the four that it is divided into."""
-        rate = self._rate_at_corners(bound, piece)
-        if rate is not None or not depth:
-            return rate
-        rates = []
-        for part in piece.parts:
-            found = self._rate_on(bound, part, depth - 1)
-            if found is None:
-                return None
-            rates.append(found)
-        return min(rates, key=rational_below)
+    def rates(self, bound: BoxBound, pieces: Sequence[Piece]) -> Iterator[arb | None]:
+        """By the bounds at their corners, one after the other."""
+        for piece in pieces:
+            yield self._rate_at_corners(bound, piece)
 
     def _rate_at_corners(self, bound: BoxBound, piece: Piece) -> arb | None:
         plan = self._plan(piece)
@@ -248,15 +173,6 @@ def _proved(bound: BoxBound, piece: Piece, plan: _Plan, push: _Push, proposals: 
         if not rates[-1] > 0:
             return None
     return min(rates, key=rational_below)
-
-
-def _fastest(found: list[tuple[Fraction, arb]], start: Fraction) -> BoxDisc:
-    """Nearly the smallest disc, with the rate outside it that is largest."""
-    radius = max(found[-1][0], Fraction(1, 2**20) * start)
-    kept = [k for k, (inner, _) in enumerate(found) if inner <= GROWTH * radius] or [len(found) - 1]
-    rates = {k: min(rational_below(rate) for _, rate in found[: k + 1]) for k in kept}
-    best = max(kept, key=lambda k: (rates[k], -found[k][0]))
-    return BoxDisc(found[best][0], start, rates[best])
 
 
 def _floats(place: Place) -> tuple[float, float]:

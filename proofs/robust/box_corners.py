@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.proofs.robust.array_rows import ArrayRows
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -40,25 +40,8 @@ class Proposal:
     response: Floats
 
 
-class BoxCorners:
+class BoxCorners(ArrayRows):
     """The rows of a centred scene and the corners of its D."""
-
-    def __init__(self, scene: Scene) -> None:
-        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        grips = np.array([[float(x) for x in wheel.unit_grip] for wheel in scene.wheels])
-        sides = np.stack([-grips[:, 1], grips[:, 0]], axis=1)
-        normals = np.stack([grips, sides], axis=1).reshape(-1, 2)
-        at = np.repeat(places, 2, axis=0)
-        self.length = float(np.sqrt((places**2).sum(axis=1).mean())) or 1.0
-        moments = (at[:, 0] * normals[:, 1] - at[:, 1] * normals[:, 0]) / self.length
-        self.rows = np.column_stack([normals, moments])  # by (v, length omega)
-        self.speeds = np.array([[float(x) for x in wheel.slip_speeds] for wheel in scene.wheels]).ravel()
-        self.friction = np.array([[float(w.friction.roll), float(w.friction.side)] for w in scene.wheels]).ravel()
-        self._forms = _load_forms(scene, places)
-
-    def limits(self, place: Sequence[float]) -> Floats:
-        """Largest friction force of each row with the body at a place."""
-        return self.friction * np.repeat(self._forms @ np.array([1.0, *place]), 2)
 
     @cached_property
     def twists(self) -> Floats:
@@ -87,8 +70,7 @@ class BoxCorners:
     def proposal(self, place: Sequence[float], push: Floats, twist: Floats) -> Proposal | None:
         """Forces that balance a push while the body moves with a twist at which ``D - push . xi`` is least."""
         limits, slips = self.limits(place), self.rows @ twist - self.speeds
-        fastest = np.abs(self.speeds).max() or 1.0
-        held = (np.abs(slips) <= SATISFIED * fastest) & (self.friction > 0)
+        held = (np.abs(slips) <= SATISFIED * (self.fastest or 1.0)) & (self.friction > 0)
         if (limits[held] <= 0).any():
             return None
         shares = np.where(held | (self.friction <= 0), 0.0, np.sign(slips))
@@ -120,12 +102,3 @@ def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
         bounds=[(None, None)] * count + [(0, None)],
     )
     return np.asarray(found.x)[:count] if found.success else shares
-
-
-def _load_forms(scene: Scene, places: Floats) -> Floats:
-    """Loads as affine functions of the body's place, (n, 3)."""
-    loads = scene.contact.loads
-    if isinstance(loads, LoadTable):
-        return np.array([[float(x) for x in row] for row in loads.rows])
-    moments = np.column_stack([np.ones(len(places)), places])
-    return moments @ np.linalg.pinv(moments.T @ moments)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 from flint import fmpq
 
@@ -15,14 +16,18 @@ from nonsmooth.proofs.robust.box import BoxRule
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS
 from nonsmooth.proofs.robust.factor import binding_entry, largest_factor
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
+from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.proofs.robust.robust import Robust, above, beside
 from nonsmooth.proofs.robust.smooth import equilibrium_box
+from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import contact_set
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+MAX_SMOOTH = 16  # wheels: with more, rings under rules ellipse and roller take minutes
 
 
 class BoxProof(ABC):
@@ -75,20 +80,74 @@ class NearestProof(BoxProof):
         return Robust(Certainty.CERTIFIED, "", radius + off, start - off, within, turning)
 
 
-class SmoothProof(BoxProof):
-    """Rules ``ellipse`` and ``roller``: one equilibrium of every array nearby, which attracts exponentially."""
+class DiscProof(BoxProof):
+    """Rules without cells: a disc in which every body ends, by rings on which every body comes nearer."""
 
-    no_proof = "it is not shown that every array has one equilibrium nearby that attracts"
+    def __init__(self, scene: Scene) -> None:
+        """For a centred scene."""
+        super().__init__(scene)
+        self._rings = None if self.why_not() else self._ring_proof()
+
+    @abstractmethod
+    def _ring_proof(self) -> RingProof[Any] | None:
+        """What shows that bodies come nearer; None where that would take too long."""
 
     def why_not(self) -> str:
         """Loads that nobody knows."""
         return "the loads are not known" if isinstance(self.scene.contact.loads, UnknownLoads) else ""
 
+    def _comes_nearer(self, box: Tolerance) -> bool:
+        """Whether bodies come nearer on some ring; where the centre of mass may be beside the point, on wide ones."""
+        most = self._most(box)
+        if self._rings is None or not self._can_turn or most <= 0:
+            return False
+        return self._disc(box) is not None if box.centre_of_mass else self._rings.comes_nearer(box, most)
+
+    def _disc(self, box: Tolerance) -> Robust | None:
+        """About the nominal centre of mass of the body, which may be beside the true one."""
+        most, off = self._most(box), beside(box)
+        if self._rings is None or not self._can_turn or most <= 0:
+            return None
+        disc = self._rings.disc(box, most)
+        if disc is None or disc.start <= disc.radius + 2 * off:
+            return None
+        within = (disc.start - disc.radius) / disc.kappa
+        return Robust(Certainty.CERTIFIED, "", disc.radius + off, disc.start - off, within)
+
+    @property
+    def _can_turn(self) -> bool:
+        """Whether a body that turns on its way keeps its wheels: one without an outline."""
+        return self.scene.body is None
+
+    def _most(self, box: Tolerance) -> Fraction:
+        """Up to where the body stays in the square and on the same wheels."""
+        most, margin = _fraction(inner_radius(self.scene)), contact_set(self.scene).margin
+        return most if margin is None else min(most, margin - _displaced(box))
+
+
+class SmoothProof(DiscProof):
+    """Rules ``ellipse`` and ``roller``: one equilibrium of every array nearby, which attracts exponentially; a disc."""
+
+    no_proof = (
+        "it is not shown that every array has one equilibrium nearby that attracts, nor that every body comes nearer "
+        "on some ring about the point"
+    )
+
+    def _ring_proof(self) -> RingProof[Any] | None:
+        return SmoothDisc(self.scene) if len(self.scene.wheels) <= MAX_SMOOTH else None
+
     def holds(self, box: Tolerance) -> bool:
-        """The same as the statement."""
-        return self.statement(box) is not None
+        """Either of the two."""
+        return self._equilibrium(box) is not None or self._comes_nearer(box)
 
     def statement(self, box: Tolerance) -> Robust | None:
+        """Both where they are shown."""
+        equilibrium, disc = self._equilibrium(box), self._disc(box)
+        if disc is None or equilibrium is None:
+            return disc or equilibrium
+        return replace(disc, equilibrium=equilibrium.equilibrium, drift=equilibrium.drift)
+
+    def _equilibrium(self, box: Tolerance) -> Robust | None:
         """While no wheel comes under the body or leaves it."""
         found = equilibrium_box(self.scene, box)
         if found is None:
@@ -97,60 +156,38 @@ class SmoothProof(BoxProof):
         margin = contact_set(self.scene).margin
         if margin is not None and radius + _displaced(box) >= margin:
             return None
-        return Robust(Certainty.CERTIFIED, radius=radius, drift=found.drift)
+        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=found.drift)
 
 
-class BoxRuleProof(BoxProof):
+class BoxRuleProof(DiscProof):
     """Rule ``box``: a disc in which every body ends, and one in which every body stays at rest."""
 
     no_proof = "no ring about the point is found on which every body comes nearer"
 
-    def __init__(self, scene: Scene) -> None:
-        """For a centred scene."""
-        super().__init__(scene)
-        self._rule = BoxRule(scene) if not self.why_not() else None
-
     def why_not(self) -> str:
         """Loads that nobody knows, large arrays, and motions that no friction resists."""
-        if isinstance(self.scene.contact.loads, UnknownLoads):
-            return "the loads are not known"
         if len(self.scene.wheels) > MAX_WHEELS:
             return f"under rule box arrays of up to {MAX_WHEELS} wheels are followed"
-        return ""
+        return super().why_not()
+
+    def _ring_proof(self) -> BoxRule:
+        return BoxRule(self.scene)
 
     def holds(self, box: Tolerance) -> bool:
-        """Whether bodies come nearer on some ring; where the centre of mass may be beside the point, on wide ones."""
-        if box.centre_of_mass:
-            found = self.statement(box)
-            return found is not None and found.verdict is Certainty.CERTIFIED
-        most = self._most(box)
-        return self._can_turn and self._rule is not None and most > 0 and self._rule.comes_nearer(box, most)
-
-    @property
-    def _can_turn(self) -> bool:
-        """Whether a body that turns on its way keeps its wheels: one without an outline."""
-        return self.scene.body is None
+        """Whether bodies come nearer on some ring."""
+        return self._comes_nearer(box)
 
     def statement(self, box: Tolerance) -> Robust | None:
-        """About the nominal centre of mass of the body, which may be beside the true one."""
+        """The disc of ends, and the disc of rest about the nominal centre of mass."""
         most, off = self._most(box), beside(box)
-        if self._rule is None or most <= 0:
+        if not isinstance(self._rings, BoxRule) or most <= 0:
             return None
-        rests = max(self._rule.rest_radius(box, most) - off, Fraction(0))
+        rests = max(self._rings.rest_radius(box, most) - off, Fraction(0))
         if not self._can_turn:
             return Robust(
                 Certainty.UNDECIDED, "on its way a body may turn, and other wheels come under it", rests=rests
             )
-        disc = self._rule.disc(box, most)
-        if disc is None or disc.start <= disc.radius + 2 * off:
-            return Robust(Certainty.UNDECIDED, self.no_proof, rests=rests)
-        within = (disc.start - disc.radius) / disc.kappa
-        return Robust(Certainty.CERTIFIED, "", disc.radius + off, disc.start - off, within, rests=rests)
-
-    def _most(self, box: Tolerance) -> Fraction:
-        """Up to where the body stays in the square and on the same wheels."""
-        most, margin = _fraction(inner_radius(self.scene)), contact_set(self.scene).margin
-        return most if margin is None else min(most, margin - _displaced(box))
+        return replace(self._disc(box) or Robust(Certainty.UNDECIDED, self.no_proof), rests=rests)
 
 
 def _displaced(box: Tolerance) -> Fraction:

@@ -20,10 +20,12 @@ class Robust:
     Attributes:
         verdict: whether a bound is proved.
         reason: why not, else empty.
-        radius: of the disc about the point in which every body ends, or in which every equilibrium is (length).
+        radius: of the disc about the point in which every body ends, or else in which every equilibrium is (length).
         start: radius of the disc of starts (length); None where only starts close by are meant.
         within: time after which every body is in the disc and stays there (time); None where none is known.
         turning: bound of the rotation on the way, in radian; None where it is not bounded.
+        equilibrium: radius of a disc in which every array has one equilibrium that attracts (length); None where that
+            is not shown.
         drift: bound of the rotation rate at the equilibrium (1/time); None where it is not bounded.
         rests: radius of a disc in which every body stays where it is (length); None where none is looked for.
         factor: a multiple of the tolerances for which a bound is proved too, nearly the largest one.
@@ -36,6 +38,7 @@ class Robust:
     start: Fraction | None = None
     within: Fraction | None = None
     turning: Fraction | None = None
+    equilibrium: Fraction | None = None
     drift: Fraction | None = None
     rests: Fraction | None = None
     factor: Fraction | None = None

@@ -15,8 +15,9 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.robust import box
 from nonsmooth.proofs.robust.annulus import Piece, polygon_about, ring
-from nonsmooth.proofs.robust.box import BoxDisc, BoxRule
+from nonsmooth.proofs.robust.box import BoxRule
 from nonsmooth.proofs.robust.decide import decide_robust
+from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -59,7 +60,7 @@ def twists(model: ContactModel, points: Floats) -> Floats:
     return BoxHighs().minimize(model, loads_at(model, points)).twists
 
 
-def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Scene, BoxDisc]:
+def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Scene, EndDisc]:
     """A disc that is found in a few rings."""
     monkeypatch.setattr(box, "RINGS", 8)
     monkeypatch.setattr(box, "HALVINGS", 0)
@@ -134,7 +135,7 @@ def test_a_larger_box_breaks_what_is_said() -> None:
 def test_quadrangles_cover_their_ring() -> None:
     """Random points of the ring lie left of every side of one piece, and so do those of a divided piece in a part."""
     rng = np.random.default_rng(5)
-    pieces = list(ring(Fraction(1, 3), Fraction(1, 2)))
+    pieces = list(ring(Fraction(1, 3), Fraction(1, 2), 16))
     whole = [corners_of(piece) for piece in pieces]
     divided = [corners_of(part) for piece in pieces for part in piece.parts]
     for _ in range(100):

@@ -107,7 +107,10 @@ def test_what_is_said() -> None:
     found = decide_robust(replace(scene, tolerances=small_box(scene)))
     assert found is not None
     assert found.verdict is Certainty.CERTIFIED
-    assert found.start is None
+    assert found.start == Fraction(1, 2)
+    assert found.equilibrium is not None
+    assert found.radius is not None
+    assert found.radius < found.start
     assert found.factor is not None
     assert found.factor >= 1
     assert found.binding in ("mu_roll", "mu_side", "position", "heading")
@@ -143,6 +146,6 @@ def test_the_statement_about_a_body_that_turns_says_for_which_wheels() -> None:
     outlined = on(bare, polygon_of(bare, [(-9, -9), (9, -9), (9, 9), (-9, 9)]))
     kept = "while they are turned so little that the same wheels carry them"
     for scene, drift, said in ((bare, 1, False), (outlined, 1, True), (outlined, 0, False)):
-        found = Robust(Certainty.CERTIFIED, radius=Fraction(1, 10), drift=Fraction(drift))
+        found = Robust(Certainty.CERTIFIED, equilibrium=Fraction(1, 10), drift=Fraction(drift))
         words = " ".join(fact.words for fact in robust_facts(scene, found))
         assert (kept in words) == said

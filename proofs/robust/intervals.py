@@ -1,0 +1,143 @@
+"""Arrays of intervals of doubles that are rounded outward: balls in bulk.
+
+Sums, products, quotients and square roots of doubles are those of IEEE 754, correct to half a unit in the last place;
+ends are moved outward by more than that.  A comparison with an interval that is not a number is false.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+
+UNITS = 2.0**-51  # of a double: two to four units in its last place
+TINY = 2.0**-1000  # more than the rounding of numbers near zero
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """Closed intervals, arrays of one shape; shapes broadcast as those of arrays.
+
+    Attributes:
+        low: lower ends.
+        high: upper ends.
+    """
+
+    low: Floats
+    high: Floats
+
+    @classmethod
+    def of(cls, values: Floats | float) -> Intervals:
+        """Doubles as they are."""
+        array = np.asarray(values, dtype=float)
+        return cls(array, array)
+
+    @classmethod
+    def about(cls, balls: Sequence[arb]) -> Intervals:
+        """Balls, one after the other."""
+        low = np.array([float(ball.lower()) for ball in balls])
+        high = np.array([float(ball.upper()) for ball in balls])
+        return _outward(low, high)
+
+    def __getitem__(self, key: Any) -> Intervals:
+        return Intervals(self.low[key], self.high[key])
+
+    def __add__(self, other: Intervals) -> Intervals:
+        return _outward(self.low + other.low, self.high + other.high)
+
+    def __sub__(self, other: Intervals) -> Intervals:
+        return _outward(self.low - other.high, self.high - other.low)
+
+    def __neg__(self) -> Intervals:
+        return Intervals(-self.high, -self.low)
+
+    def __mul__(self, other: Intervals) -> Intervals:
+        products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
+        low = np.minimum(np.minimum(products[0], products[1]), np.minimum(products[2], products[3]))
+        high = np.maximum(np.maximum(products[0], products[1]), np.maximum(products[2], products[3]))
+        return _outward(low, high)
+
+    def sum(self, axis: int) -> Intervals:
+        """Along an axis, one entry after the other."""
+        parts = [np.moveaxis(ends, axis, 0) for ends in (self.low, self.high)]
+        total = Intervals(parts[0][0], parts[1][0])
+        for low, high in zip(parts[0][1:], parts[1][1:], strict=True):
+            total = total + Intervals(low, high)
+        return total
+
+    @property
+    def widened(self) -> Intervals:
+        """With the next doubles beyond its ends."""
+        return _outward(self.low, self.high)
+
+    @cached_property
+    def middle(self) -> Floats:
+        """About the middle, in floats."""
+        return (self.low + self.high) / 2
+
+    @cached_property
+    def reach(self) -> Floats:
+        """About half of the width, in floats."""
+        return (self.high - self.low) / 2
+
+    @property
+    def holds_zero(self) -> NDArray[np.bool_]:
+        """Whether zero may be inside; so it is where an end is not a number."""
+        return ~((self.low > 0) | (self.high < 0))
+
+    @property
+    def square(self) -> Intervals:
+        """The squares of all numbers inside."""
+        size = abs(self)
+        found = _outward(size.low * size.low, size.high * size.high)
+        return Intervals(np.maximum(found.low, 0.0), found.high)
+
+    @property
+    def root(self) -> Intervals:
+        """The square roots of all numbers inside that are not negative."""
+        found = _outward(np.sqrt(np.maximum(self.low, 0.0)), np.sqrt(np.maximum(self.high, 0.0)))
+        return Intervals(np.maximum(found.low, 0.0), found.high)
+
+    def __abs__(self) -> Intervals:
+        low = np.where(self.holds_zero, 0.0, np.minimum(np.abs(self.low), np.abs(self.high)))
+        return Intervals(low, np.maximum(np.abs(self.low), np.abs(self.high)))
+
+    def within(self, most: Intervals) -> Intervals:
+        """``max(-most, min(x, most))`` for x inside and a bound inside ``most``, which is not negative."""
+        low = np.maximum(np.minimum(self.low, most.low), -most.high)
+        high = np.minimum(np.maximum(self.high, -most.low), most.high)
+        return Intervals(low, high)
+
+
+def cosine(a: Intervals, b: Intervals) -> Intervals:
+    """``a/|(a, b)|`` for all numbers inside; all of [-1, 1] where both may vanish.
+
+    It grows with a; where a is positive it falls with abs(b), where a is negative it grows with it.
+    """
+    beside = abs(b)
+    low = _quotient(a.low, np.where(a.low < 0, beside.low, beside.high), -np.inf)
+    high = _quotient(a.high, np.where(a.high > 0, beside.low, beside.high), np.inf)
+    free = a.holds_zero & b.holds_zero
+    return Intervals(np.where(free, -1.0, np.maximum(low, -1.0)), np.where(free, 1.0, np.minimum(high, 1.0)))
+
+
+def _quotient(a: Floats, b: Floats, toward: float) -> Floats:
+    """``a/|(a, b)|`` rounded in one direction."""
+    size = (Intervals.of(a).square + Intervals.of(b).square).root
+    down = toward < 0
+    # the quotient is least in size where the divisor is largest
+    divisor = np.where((a < 0) == down, size.low, size.high)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.nextafter(a / divisor, toward)
+
+
+def _outward(low: Floats, high: Floats) -> Intervals:
+    """Ends that are correct to half a unit in the last place, moved outward by more than one."""
+    return Intervals(low - (np.abs(low) * UNITS + TINY), high + (np.abs(high) * UNITS + TINY))

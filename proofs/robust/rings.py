@@ -1,0 +1,131 @@
+"""The disc in which bodies end, for every array of a box: ring after ring on which every body comes nearer.
+
+On a ring ``inner <= |c| <= outer`` let ``c . v <= -kappa |c|`` for every array and every possible velocity.  It is
+shown on quadrangles that cover the ring, each divided where that is not enough.  ``(c . c)' = 2 c . v``, so that bodies
+within the largest ring come to the smallest one, in the time (outer - inner)/kappa, and do not leave.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Generic, TypeVar
+
+from flint import arb, ctx
+
+from nonsmooth.proofs.robust.annulus import Piece, ring
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.tolerances import Tolerance
+
+PRECISION = 64  # bits of the balls
+RINGS = 16  # of equal width, from the square inward
+GROWTH = Fraction(6, 5)  # of the least radius: what a faster rate may cost
+LEAST = Fraction(1, 2**20)  # of the radius of starts: smaller discs are not looked for
+
+Bound = TypeVar("Bound")
+
+
+@dataclass(frozen=True)
+class EndDisc:
+    """What holds for every array of the box.
+
+    Attributes:
+        radius: of the disc in which bodies end.
+        start: radius of the disc of starts.
+        kappa: rate at which the distance falls between the two (length/time).
+    """
+
+    radius: Fraction
+    start: Fraction
+    kappa: Fraction
+
+
+class RingProof(ABC, Generic[Bound]):
+    """Discs in which bodies end under one contact rule; a subclass says how the rate on a quadrangle is shown.
+
+    Attributes:
+        widest: width of a ring as a share of its outer radius, at most.
+        growth: of the width from one ring to the next.
+        halvings: of the ring in which the disc ends.
+        starts: shares of the square from which bodies may start, tried one after the other.
+        sectors: quadrangles of a ring before any is divided.
+        depth: how often a quadrangle is divided into four.
+    """
+
+    widest = Fraction(1)
+    growth = 1
+    halvings = 5
+    starts = tuple(Fraction(k, 16) for k in (16, 15, 14, 12, 10, 8))
+    sectors = 16
+    depth = 3
+
+    @abstractmethod
+    def over(self, box: Tolerance) -> Bound | None:
+        """What is known of all arrays of a box; None where nothing is, or the loads are not fixed."""
+
+    @abstractmethod
+    def rates(self, bound: Bound, pieces: Sequence[Piece]) -> Iterable[arb | None]:
+        """For each quadrangle a positive kappa with ``c . v <= -kappa |c|``; None where it must be divided."""
+
+    def comes_nearer(self, box: Tolerance, most: Fraction) -> bool:
+        """Whether on some ring within ``most`` of the point bodies come nearer."""
+        with ctx.workprec(PRECISION):
+            bound = self.over(box)
+            return bound is not None and self._first_ring(bound, most) is not None
+
+    def disc(self, box: Tolerance, most: Fraction) -> EndDisc | None:
+        """The disc in which bodies end that start in one of a radius up to ``most``; None where none is found."""
+        with ctx.workprec(PRECISION):
+            bound = self.over(box)
+            first = None if bound is None else self._first_ring(bound, most)
+            if bound is None or first is None:
+                return None
+            start, rate = first
+            return _fastest(list(self._inward(bound, start, rate)), start)
+
+    def _first_ring(self, bound: Bound, most: Fraction) -> tuple[Fraction, arb] | None:
+        """The outer radius of the first ring on which bodies come nearer, and their rate there."""
+        for share in self.starts:
+            outer = most * share
+            rate = self._rate(bound, outer * (1 - Fraction(1, RINGS)), outer)
+            if rate is not None:
+                return outer, rate
+        return None
+
+    def _inward(self, bound: Bound, start: Fraction, rate: arb) -> Iterator[tuple[Fraction, arb]]:
+        """Inner radii of rings one after the other, and the rate on each; the last ones ever narrower."""
+        inner, step, halvings = start * (1 - Fraction(1, RINGS)), start / RINGS, 0
+        yield inner, rate
+        while inner > LEAST * start and halvings <= self.halvings:
+            step = min(step, inner * self.widest)
+            found = self._rate(bound, inner - step, inner)
+            if found is None:
+                step, halvings = step / 2, halvings + 1
+                continue
+            inner, step = inner - step, step * self.growth
+            yield inner, found
+
+    def _rate(self, bound: Bound, inner: Fraction, outer: Fraction) -> arb | None:
+        """A positive kappa with ``c . v <= -kappa |c|`` on a ring; None where none is shown."""
+        return self._least(bound, list(ring(inner, outer, self.sectors)), self.depth)
+
+    def _least(self, bound: Bound, pieces: Sequence[Piece], depth: int) -> arb | None:
+        """The least rate on several quadrangles, divided where that is needed."""
+        least = None
+        for piece, shown in zip(pieces, self.rates(bound, pieces), strict=True):
+            rate = shown if shown is not None or not depth else self._least(bound, list(piece.parts), depth - 1)
+            if rate is None:
+                return None
+            least = rate if least is None else min(least, rate, key=rational_below)
+        return least
+
+
+def _fastest(found: list[tuple[Fraction, arb]], start: Fraction) -> EndDisc:
+    """Nearly the smallest disc, with the rate outside it that is largest."""
+    radius = max(found[-1][0], LEAST * start)
+    kept = [k for k, (inner, _) in enumerate(found) if inner <= GROWTH * radius] or [len(found) - 1]
+    rates = {k: min(rational_below(rate) for _, rate in found[: k + 1]) for k in kept}
+    best = max(kept, key=lambda k: (rates[k], -found[k][0]))
+    return EndDisc(found[best][0], start, rates[best])

@@ -1,0 +1,265 @@
+"""Rules ``ellipse`` and ``roller`` over a box of parameters: where every body comes nearer.
+
+At a place c with ``e = c/|c|`` the body moves with a twist that minimizes D.  Look at D on the plane ``e . v = -kappa``
+first.  At a least value there some subgradient is ``g = lambda (e, 0)``; where lambda is positive, ``D(xi') >= D +
+lambda (e . v' + kappa)`` for every twist xi', so that all minimizers of D have ``e . v < -kappa``.
+
+- *Where the least value is.* On the border of a square about a guess ``xi^`` let ``g . (xi - xi^) > 0`` for every
+  subgradient.  Then D increases outward there, and, being convex, has all its least values on the plane inside.
+- *The sign of lambda.* On each part of the square some direction zeta with ``zeta . (e, 0) > 0`` has ``g . zeta > 0``
+  for every subgradient of every array.  Where ``g = lambda (e, 0)``, that makes lambda positive.
+
+The directions come from floats; they may differ from part to part, and they are what makes the bound sharp: along one
+that no wheel's friction changes much, arrays differ little.  All places of a quadrangle and all arrays of the box are
+taken at once, in intervals.  Every parameter of a wheel enters its own force only, and forces are added with loads that
+are affine in c.  Twists are about the origin: ``c . v`` is the same for the velocity of the centre of mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.robust.annulus import Piece
+from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple
+from nonsmooth.proofs.robust.box_wheel import box_wheels
+from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.intervals import Intervals
+from nonsmooth.proofs.robust.load_box import load_box
+from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
+from nonsmooth.proofs.robust.rings import RingProof
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.tolerances import Tolerance
+
+SHARES = (0.4, 0.05)  # of the rate of the scene itself, tried one after the other
+INFLATIONS = (1.2, 1.5, 2.0, 3.0)  # of the least square that may do
+LEAST = 2.0**-40  # half-width of a square, in units in which D curves by one
+AT_ONCE = 8  # quadrangles
+SIDE_PARTS = 12  # of each side of the border
+SQUARE_PARTS = 6  # of each side of the square, at first
+DIVISIONS = 5  # of a part into four
+MOST_PARTS = 1000  # of one square at a time
+LEANINGS = (-2.5, -0.7, 0.0, 0.7, 2.5)  # of a direction, across e and by rotation
+ANGLES = 12  # of directions nearly in the plane
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+class SmoothDisc(RingProof[ArrayBox]):
+    """A centred scene under a rule with friction sets; what floats propose for it is kept for all boxes about it."""
+
+    widest = Fraction(1, 5)
+    growth = 2
+    halvings = 3
+    starts = (Fraction(1), Fraction(3, 4), Fraction(1, 2))
+    sectors = 32
+    depth = 1
+
+    def __init__(self, scene: Scene) -> None:
+        """For a scene whose loads are known."""
+        self._scene = scene
+        self._minima = PlaneMinima(scene)
+
+    def over(self, box: Tolerance) -> ArrayBox | None:
+        """The arrays of a box; None where springs may not fix the loads."""
+        loads = load_box(self._scene, box.position.ball())
+        law = FORCE_LAWS[self._scene.contact.rule]
+        return None if loads is None else ArrayBox(box_wheels(self._scene, box), loads, law)
+
+    def rates(self, bound: ArrayBox, pieces: Sequence[Piece]) -> Iterator[arb | None]:
+        """A few at a time: where one fails in the end, the others are not looked at."""
+        for k in range(0, len(pieces), AT_ONCE):
+            yield from self._rates(bound, pieces[k : k + AT_ONCE])
+
+    def _rates(self, bound: ArrayBox, pieces: Sequence[Piece]) -> list[arb | None]:
+        """The largest share of the scene's own rate that is shown on each."""
+        shown: dict[Piece, float] = {}
+        nearer = zip(pieces, self._minima.radial(pieces), strict=True)
+        open_ones = [piece for piece, rate in nearer if rate is not None and _is_carried(bound, piece)]
+        for share in SHARES:
+            guesses = [(piece, self._minima.on_plane(piece, share)) for piece in open_ones if piece not in shown]
+            known = [(piece, guess) for piece, guess in guesses if guess is not None]
+            if known:
+                found = _come_nearer(bound, [piece for piece, _ in known], [guess for _, guess in known])
+                shown |= {piece: guess.kappa for (piece, guess), near in zip(known, found, strict=True) if near}
+        return [arb(shown[piece]) if piece in shown else None for piece in pieces]
+
+
+def _is_carried(bound: ArrayBox, piece: Piece) -> bool:
+    """Whether every wheel of every array carries all over a quadrangle; loads are affine."""
+    corners = [(arb(as_fmpq(x)), arb(as_fmpq(y))) for x, y in piece.corners]
+    return all(load > 0 for corner in corners for load in bound.loads.at(corner))
+
+
+def _come_nearer(bound: ArrayBox, pieces: list[Piece], guesses: list[PlaneMinimum]) -> NDArray[np.bool_]:
+    """Whether all minimizers have ``e . v < -kappa`` on each of several quadrangles."""
+    plan = _Plan.of(guesses)
+    forces = PieceForces.of(bound, pieces)
+    nothing = Intervals.of(np.zeros((len(pieces), 1)))
+    _, first, second = plan.gradient(forces, nothing, nothing)
+    pull = (first.square + second.square).root.high[:, 0]
+    enclosed, sizes = np.zeros(len(pieces), dtype=bool), np.zeros(len(pieces))
+    for inflation in INFLATIONS:
+        left = np.flatnonzero(~enclosed)
+        if len(left):
+            size = inflation * pull[left] + LEAST
+            inside = _is_outward(plan.at(left), forces.at(left), size)
+            enclosed[left[inside]], sizes[left[inside]] = True, size[inside]
+    left = np.flatnonzero(enclosed)
+    nearer = np.zeros(len(pieces), dtype=bool)
+    if len(left):
+        nearer[left] = _is_positive(plan.at(left), forces.at(left), sizes[left])
+    return nearer
+
+
+def _is_outward(plan: _Plan, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+    """Whether D increases outward all along the border of each square."""
+    part, end = _intervals(SIDE_PARTS), Intervals.of(np.ones(SIDE_PARTS))
+    first, second = _joined([part, part, end, -end]), _joined([end, -end, part, part])
+    wide = Intervals.of(size[:, None])
+    first, second = first * wide, second * wide
+    lateral, spin = plan.offset(first, second)
+    middle = Intervals.of(lateral.middle), Intervals.of(spin.middle)
+    pulls = forces.forces(plan.twists(forces, first, second))
+    zero, one = Intervals.of(np.zeros((1, 1))), Intervals.of(np.ones((1, 1)))
+    radial, across, moment = (
+        forces.power(pulls, unit) for unit in ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+    )
+    # forces nearly cancel: T z is split into its middle, the rest, and what turning it from e_0 to the place adds
+    at_middle = forces.power(pulls, (zero, *middle))
+    rest = (lateral - middle[0]) * across + (spin - middle[1]) * moment
+    turned = lateral * ((forces.cosine - one) * across - forces.sine * radial)
+    return np.asarray(((at_middle + rest + turned).low > 0).all(axis=1))
+
+
+def _is_positive(plan: _Plan, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+    """Whether on each part of each square ``g . zeta > 0``, with a direction zeta that serves; parts are divided."""
+    count, grid = len(size), np.indices((SQUARE_PARTS, SQUARE_PARTS)).reshape(2, -1)
+    middles = (2 * grid + 1 - SQUARE_PARTS) / SQUARE_PARTS
+    owner = np.repeat(np.arange(count), len(middles[0]))
+    first, second = np.tile(middles[0], count), np.tile(middles[1], count)
+    half = 1 / SQUARE_PARTS
+    for _ in range(DIVISIONS):
+        shown = _are_positive(plan.at(owner), forces.at(owner), size[owner], (first, second), half)
+        owner, first, second = owner[~shown], first[~shown], second[~shown]
+        if not len(owner) or len(owner) > MOST_PARTS * count:
+            break
+        half /= 2
+        owner = np.tile(owner, 4)
+        first = np.concatenate([first + i * half for i in (-1, 1) for _ in range(2)])
+        second = np.concatenate([second + j * half for _ in range(2) for j in (-1, 1)])
+    found = np.ones(count, dtype=bool)
+    found[owner] = False
+    return found
+
+
+def _are_positive(
+    plan: _Plan, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float
+) -> NDArray[np.bool_]:
+    """The same for one part of each square."""
+    wide = Intervals.of(size[:, None])
+    first, second = (Intervals(entry - half, entry + half).widened[:, None] * wide for entry in middles)
+    pulls = forces.forces(plan.twists(forces, first, second))
+    zeta = _directions(forces, pulls)
+    along = zeta[0] * forces.cosine + zeta[1] * forces.sine
+    return np.asarray(((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0])
+
+
+def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:
+    """For each part the direction along which the least power is largest; (pieces, parts) each."""
+    best, chosen = np.array(-np.inf), [np.array(0.0)] * 3
+    for zeta in _candidates(2 * forces.sine.high, forces.length):
+        size = np.sqrt(sum((entry**2 for entry in zeta), np.array(0.0)))
+        value = forces.least_power(pulls, zeta) / size
+        chosen = [np.where(value > best, entry, old) for entry, old in zip(zeta, chosen, strict=True)]
+        best = np.maximum(value, best)
+    first, second, third = (Intervals.of(entry) for entry in chosen)
+    return first, second, third
+
+
+def _candidates(tilt: Floats, length: float) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Directions ``(along e, across e, rotation)``, each (pieces, 1)."""
+    one = np.ones_like(tilt)
+    for across in LEANINGS:
+        for turn in LEANINGS:
+            yield one, across * one, turn / length * one
+    for k in range(ANGLES):
+        angle = 2 * np.pi * k / ANGLES
+        yield tilt, np.cos(angle) * one, np.sin(angle) / length * one
+
+
+def _intervals(count: int) -> Intervals:
+    """Intervals that cover [-1, 1]."""
+    ends = np.linspace(-1.0, 1.0, count + 1)
+    return Intervals(ends[:-1], ends[1:])
+
+
+def _joined(several: list[Intervals]) -> Intervals:
+    return Intervals(np.concatenate([each.low for each in several]), np.concatenate([each.high for each in several]))
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Guesses for several quadrangles, as columns (pieces, 1).
+
+    Attributes:
+        kappa: speed of each plane.
+        lateral: of ``xi^``.
+        spin: of ``xi^``.
+        columns: of T, two by two.
+    """
+
+    kappa: Floats
+    lateral: Floats
+    spin: Floats
+    columns: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
+
+    @classmethod
+    def of(cls, guesses: list[PlaneMinimum]) -> _Plan:
+        """Side by side."""
+
+        def column(values: list[float]) -> Floats:
+            return np.array(values)[:, None]
+
+        (a, b), (c, d) = ([column([guess.columns[i][j] for guess in guesses]) for j in range(2)] for i in range(2))
+        kappa, lateral = column([g.kappa for g in guesses]), column([g.lateral for g in guesses])
+        return cls(kappa, lateral, column([g.spin for g in guesses]), ((a, b), (c, d)))
+
+    def at(self, chosen: NDArray[np.intp]) -> _Plan:
+        """Of some quadrangles."""
+        (a, b), (c, d) = self.columns
+        columns = (a[chosen], b[chosen]), (c[chosen], d[chosen])
+        return _Plan(self.kappa[chosen], self.lateral[chosen], self.spin[chosen], columns)
+
+    def offset(self, first: Intervals, second: Intervals) -> tuple[Intervals, Intervals]:
+        """``T z``: lateral velocity and spin."""
+        (a, b), (c, d) = ([Intervals.of(entry) for entry in row] for row in self.columns)
+        return a * first + b * second, c * first + d * second
+
+    def twists(self, forces: PieceForces, first: Intervals, second: Intervals) -> Triple:
+        """``xi^ + T z``, for every e of the quadrangle."""
+        lateral, spin = self.offset(first, second)
+        lateral, spin = lateral + Intervals.of(self.lateral), spin + Intervals.of(self.spin)
+        kappa = Intervals.of(self.kappa)
+        along = -(kappa * forces.cosine) - lateral * forces.sine
+        across = lateral * forces.cosine - kappa * forces.sine
+        return along, across, spin
+
+    def gradient(self, forces: PieceForces, first: Intervals, second: Intervals) -> Triple:
+        """Of D at ``xi^ + T z``: along ``(e, 0)``, and along the two columns of T."""
+        pulls = forces.forces(self.twists(forces, first, second))
+        zero, one = Intervals.of(np.zeros((1, 1))), Intervals.of(np.ones((1, 1)))
+        radial, across, moment = (
+            forces.power(pulls, unit) for unit in ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+        )
+        outward = forces.cosine * radial + forces.sine * across
+        sideways = forces.cosine * across - forces.sine * radial
+        (a, b), (c, d) = ([Intervals.of(entry) for entry in row] for row in self.columns)
+        return outward, a * sideways + c * moment, b * sideways + d * moment

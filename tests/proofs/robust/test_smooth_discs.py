@@ -1,0 +1,199 @@
+"""Discs in which bodies end under rules without cells, against arrays drawn from the box and solved in floats."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+from flint import arb
+
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.robust.decide import decided_statement
+from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.intervals import Intervals, cosine
+from nonsmooth.proofs.robust.nearest import inner_radius
+from nonsmooth.proofs.robust.rings import EndDisc
+from nonsmooth.proofs.robust.smooth import equilibrium_box
+from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
+from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.symbolic.contact_set import standing
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.tolerances import Tolerance
+from tests.proofs.robust.test_smooth_bounds import drawn
+from tests.thorough import keep, thorough
+
+DRAWN, PLACES = 12, 24
+SLACK = 1e-6  # of the speeds: velocities of numerical minimizers
+
+CASES = [("four-wheel", "ellipse"), ("four-wheel", "roller"), ("ring-6", "ellipse"), ("elliptic", "roller")]
+
+
+def box_of(scene: Scene, share: Fraction) -> Tolerance:
+    """A share of five millimetres on a metre, one degree, 2 % of speeds and 20 % of friction."""
+
+    def number(value: Fraction) -> object:
+        return scene.field(value * share)
+
+    fifth = number(Fraction(1, 5))
+    whole = number(Fraction(1, 200)), Fraction(1, 180) * share, number(Fraction(1, 50)), fifth, fifth, scene.field(0)
+    return Tolerance(*whole)  # type: ignore[arg-type]
+
+
+@cache
+def disc_of(name: str, rule: str, share: Fraction) -> tuple[Scene, EndDisc | None]:
+    scene = standing(load_scene(name, rule=rule)).recentred()
+    return scene, SmoothDisc(scene).disc(box_of(scene, share), Fraction(str(inner_radius(scene))))
+
+
+@pytest.mark.parametrize(("name", "rule"), keep(1, CASES))
+def test_every_array_comes_nearer_outside_the_disc(name: str, rule: str) -> None:
+    share = Fraction(1, 4)
+    scene, disc = disc_of(name, rule, share)
+    assert disc is not None
+    rng = np.random.default_rng(5)
+    for k in range(DRAWN):
+        model = drawn(scene, box_of(scene, share), rng, corner=k % 3 != 0)
+        radii = np.r_[float(disc.radius), rng.uniform(float(disc.radius), float(disc.start), PLACES - 1)]
+        angles = rng.uniform(0, 2 * np.pi, PLACES)
+        places = radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+        twists = EllipseInterior().minimize(model, loads_at(model, places)).twists
+        rates = (places * twists[:, :2]).sum(axis=1) / radii
+        assert rates.max() <= -float(disc.kappa) + SLACK
+
+
+@thorough
+def test_the_disc_shrinks_in_proportion_to_the_tolerances() -> None:
+    radii = []
+    for share in (Fraction(1, 8), Fraction(1, 32)):
+        _, disc = disc_of("four-wheel", "ellipse", share)
+        assert disc is not None
+        radii.append(float(disc.radius / share))
+    assert max(radii) < 1.5 * min(radii)
+
+
+@thorough
+def test_the_disc_reaches_further_than_the_equilibrium() -> None:
+    """Ten times the box on which Krawczyk's operator shows one equilibrium of every array; not what arrays refute."""
+    scene, disc = disc_of("four-wheel", "ellipse", Fraction(1, 2))
+    box = box_of(scene, Fraction(1, 2))
+    assert disc is not None
+    assert equilibrium_box(scene, box) is None
+    rng, farthest = np.random.default_rng(8), 0.0
+    for _ in range(DRAWN):
+        model = drawn(scene, box, rng, corner=True)
+        angles = rng.uniform(0, 2 * np.pi, PLACES)
+        for radius in (0.05, 0.08):
+            places = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+            twists = EllipseInterior().minimize(model, loads_at(model, places)).twists
+            if ((places * twists[:, :2]).sum(axis=1) > 0).any():
+                farthest = max(farthest, radius)
+    assert 0 < farthest <= float(disc.radius)
+
+
+def test_what_is_said() -> None:
+    scene = load_scene("four-wheel", rule="ellipse")
+    large = replace(scene, tolerances=box_of(scene, Fraction(1, 4)))
+    small = replace(scene, tolerances=box_of(scene, Fraction(1, 32)))
+    wide = decided_statement(large)
+    found = replace(wide, equilibrium=Fraction(1, 50), drift=Fraction(0))
+    assert wide.verdict is Certainty.CERTIFIED
+    assert wide.start is not None
+    assert wide.equilibrium is None
+    words = " ".join(fact.words for fact in robust_facts(small, found))
+    assert "the body ends within" in words
+    assert "has one equilibrium within" in words
+    assert "equilibrium within" not in " ".join(fact.words for fact in robust_facts(large, wide))
+
+
+def test_outward_arrays_have_no_disc() -> None:
+    _, disc = disc_of("outward", "ellipse", Fraction(1, 32))
+    assert disc is None
+
+
+# ---- intervals -----------------------------------------------------------------------------------
+
+
+def within(value: Fraction, low: float, high: float) -> bool:
+    return Fraction(low) <= value <= Fraction(high)
+
+
+def test_intervals_hold_exact_results() -> None:
+    rng = np.random.default_rng(3)
+    sizes = 10.0 ** rng.integers(-12, 12, (400, 4))
+    for a, b, c, d in (rng.normal(size=(400, 4)) * sizes).tolist():
+        x, y = Intervals.of(min(a, b)), Intervals.of(max(a, b))
+        first = Intervals(x.low, y.high)
+        second = Intervals(np.array(min(c, d)), np.array(max(c, d)))
+        for p in (a, b):
+            for q in (c, d):
+                for found, exact in (
+                    (first + second, Fraction(p) + Fraction(q)),
+                    (first - second, Fraction(p) - Fraction(q)),
+                    (first * second, Fraction(p) * Fraction(q)),
+                    (first.square, Fraction(p) ** 2),
+                    (abs(first), abs(Fraction(p))),
+                ):
+                    assert within(exact, float(found.low), float(found.high))
+        root = abs(first).root
+        assert within(Fraction(float(root.low)) ** 2, 0.0, abs(a) * (1 + 1e-9)) or a == 0
+        assert Fraction(float(root.high)) ** 2 >= max(abs(Fraction(a)), abs(Fraction(b)))
+
+
+def test_unit_vectors_stay_inside() -> None:
+    rng = np.random.default_rng(4)
+    low, width = rng.uniform(-1, 1, (2, 500)), rng.uniform(0, 1, (2, 500)) * rng.choice([0.0, 0.1, 1.0], (2, 500))
+    first, second = (Intervals(low[k], low[k] + width[k]) for k in range(2))
+    found = cosine(first, second)
+    for share in rng.uniform(0, 1, (40, 2)):
+        a, b = low[0] + share[0] * width[0], low[1] + share[1] * width[1]
+        assert (np.abs(np.clip(a / np.hypot(a, b), found.low, found.high) - a / np.hypot(a, b)) < 1e-15).all()
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+def test_forces_are_slopes_of_the_support_function(rule: str) -> None:
+    """``sigma(t) >= sigma(s) + f . (t - s)`` for every subgradient f, at single slips; wider boxes hold them."""
+    rng = np.random.default_rng(6)
+
+    def support(slips: np.ndarray) -> np.ndarray:
+        r, s = slips
+        if rule == "ellipse":
+            return np.asarray(np.hypot(roll * r, side * s))
+        stands = np.abs(s) * np.sqrt(np.maximum(roll**2 - side**2, 0)) <= side * np.abs(r)
+        turning = np.sqrt(np.maximum(roll**2 - side**2, 0)) * np.abs(r) + side * np.abs(s)
+        return np.where(stands | (side >= roll), roll * np.hypot(r, s), turning)
+
+    roll, side = 1.0, rng.uniform(0.1, 1.3, 300)
+    at = rng.normal(size=(2, 300)) * 10.0 ** rng.integers(-6, 1, 300)
+    point = [Intervals.of(entry) for entry in (np.full(300, roll), side, *at)]
+    along, across = FORCE_LAWS[rule](*point)
+    for _ in range(40):
+        other = rng.normal(size=(2, 300))
+        step = other - at
+        gain = along.middle * step[0] + across.middle * step[1]
+        assert (support(other) - support(at) - gain > -1e-9).all()
+    reach = rng.uniform(0, 0.3, (2, 300))
+    wide = FORCE_LAWS[rule](point[0], point[1], *(Intervals(x - d, x + d) for x, d in zip(at, reach, strict=True)))
+    for narrow, whole in zip((along, across), wide, strict=True):
+        assert (whole.low <= narrow.high).all()
+        assert (narrow.low <= whole.high).all()
+
+
+def test_a_slip_that_may_vanish_leaves_the_whole_friction_set() -> None:
+    about = Intervals(np.array([-0.1]), np.array([0.1]))
+    for rule, most in (("ellipse", 0.5), ("roller", 0.5)):
+        along, across = FORCE_LAWS[rule](Intervals.of(np.ones(1)), Intervals.of(np.full(1, most)), about, about)
+        assert along.low[0] <= -1 <= 1 <= along.high[0]
+        assert across.low[0] <= -most <= most <= across.high[0]
+
+
+def test_balls_become_intervals() -> None:
+    found = Intervals.about([arb(1) / 3, arb(2, 0.5)])
+    assert within(Fraction(1, 3), float(found.low[0]), float(found.high[0]))
+    assert found.low[1] <= 1.5
+    assert found.high[1] >= 2.5
