@@ -99,6 +99,23 @@ class SetMotion:
         loads, slopes = self._loads.continued(pose[:2])
         return self._newton.slope(self._regime, unknowns, loads, slopes @ rate[:2])
 
+    def jacobian(self, pose: Floats) -> Floats | None:
+        """Slopes of :meth:`rate` by the pose (3 x 3); None where the pose has no regime, or that cannot be continued.
+
+        Differences would not do: beside a place where the slip of a wheel vanishes, slopes change within distances at
+        which differences are lost in rounding.
+        """
+        self.rate(pose)
+        if self._quick is None or self._quick.last is None:
+            return None
+        self._regime, unknowns = self._quick.last
+        columns = []
+        for step in np.eye(3):
+            twist = self.slope(pose, step, unknowns)[:3]
+            columns.append(with_kinematics(twist, pose) + unknowns[2] * np.array([-step[1], step[0], 0.0]))
+        found = np.column_stack(columns)
+        return found if np.isfinite(found).all() else None
+
     def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
         """Whether a contact nearly sticks by now that the regime does not know."""
         return self._newton.is_near_rest(self._regime, unknowns, self._loads.continued(pose[:2])[0])

@@ -3,8 +3,8 @@
 Where friction ellipses are whole the field is analytic between its kinks (:mod:`nonsmooth.analysis.bodies.set_motion`).
 There Runge-Kutta steps of order 8 follow the pose together with twists and forces of the regime in which they begin; a
 step beyond the end of the regime is cut off there, so that kinks cost no order.  Where many such steps are needed the
-field is stiff, and LSODA goes on.  Drag makes the field so stiff that backward differentiation formulas follow it from
-the start.
+field is stiff, and LSODA goes on.  Where the slip of a wheel passes through zero, or drag acts, the field is so stiff
+that its own rounding is all that LSODA sees: backward differentiation formulas with wider tolerances follow it.
 """
 
 from __future__ import annotations
@@ -23,8 +23,10 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 TOLERANCE = 1e-12  # of the body's size, per step, with which events are right to 1e-10
 STIFF_TOLERANCES = 1e-12, 1e-14  # relative and absolute, of LSODA
-DRAG_TOLERANCES = 1e-10, 1e-12  # of the same where drag makes the field stiff and forces carry its rounding
+ROUGH_TOLERANCES = 1e-10, 1e-12  # of the last method, where the field is so stiff that its rounding counts
 MANY_STEPS = 150  # of Runge-Kutta in one stretch, after which the field is taken for stiff
+MANY_STIFF_STEPS = 1_000  # of LSODA, after which rounding is taken for the field
+DIFFERENCE = 1e-7  # of the body's size: for slopes of the field
 LOOKS = 8  # places within a step where regimes are looked at
 AHEAD = 1e-7  # of the time in which the body crosses itself: where the next regime is read off
 CLOSE = 1e-10  # of a step: error of the end of a regime, which enters the path by its square
@@ -67,13 +69,26 @@ class Parts:
         yield from self._stiff_parts(pose, time, until)
 
     def _stiff_parts(self, pose: Floats, time: float, until: float) -> Iterator[Part]:
-        """Steps of implicit methods."""
+        """Steps of implicit methods: LSODA, and where its steps become lost in rounding backward differentiation."""
         from scipy.integrate import BDF, LSODA
 
+        taken = 0
+        for part in () if self._drags else self._steps_of(LSODA, STIFF_TOLERANCES, pose, time, until):
+            yield part
+            time, pose, taken = part.end, part.state(part.end), taken + 1
+            if taken == MANY_STIFF_STEPS:
+                break
+        yield from self._steps_of(BDF, ROUGH_TOLERANCES, pose, time, until)
+
+    def _steps_of(
+        self, method: Any, tolerances: tuple[float, float], pose: Floats, time: float, until: float
+    ) -> Iterator[Part]:
+        """Steps of one of SciPy's methods, to the end."""
         if time >= until:
             return
-        relative, absolute = DRAG_TOLERANCES if self._drags else STIFF_TOLERANCES
-        solver = (BDF if self._drags else LSODA)(self._rate, time, pose, until, rtol=relative, atol=absolute)
+        relative, absolute = tolerances
+        options = {} if self._drags else {"jac": self._jacobian}
+        solver = method(self._rate, time, pose, until, rtol=relative, atol=absolute, **options)
         while solver.status == "running":
             before, state = solver.t, _stepped(solver)
             yield Part(before, solver.t, state)
@@ -81,6 +96,15 @@ class Parts:
     def _rate(self, time: float, pose: Floats) -> Floats:
         rate, self._weights = self._switching.rate(self._mode, pose, self._weights)
         return rate
+
+    def _jacobian(self, time: float, pose: Floats) -> Floats:
+        """Exact where one motion acts and has a regime, else by differences."""
+        exact = None if self._mode.sliding else self._motions[0].jacobian(pose)
+        if exact is not None:
+            return exact
+        step = DIFFERENCE * self._size
+        ahead = [self._rate(time, pose + step * unit) - self._rate(time, pose - step * unit) for unit in np.eye(3)]
+        return np.column_stack(ahead) / (2 * step)
 
     # ---- regimes ---------------------------------------------------------------------------------
 

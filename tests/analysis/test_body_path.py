@@ -25,6 +25,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Contact, Scene
+from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import WheelData
 from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under
 from tests.thorough import keep
@@ -285,3 +286,30 @@ def test_contacts_of_some_wheels_are_those_of_the_array_of_these_wheels() -> Non
     expected = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in wheels)))
     for entry in fields(ContactModel):
         assert np.array_equal(getattr(found, entry.name), getattr(expected, entry.name)), entry.name
+
+
+def test_a_path_passes_a_place_where_the_slip_of_a_wheel_vanishes() -> None:
+    """On a line of symmetry that attracts ever faster as the slip goes to zero, up to 4e7 times a second.
+
+    On the line itself the motion is in one coordinate and not stiff: an explicit method follows it.
+    """
+    scene = with_random_body(inward_grid(Fraction(1, 2)), np.random.default_rng(4), 0.5)
+    path = BodyPath(scene, ellipse()).follow([0.443, 0.011, 0.0], 0.3)
+    begins, ends = 0.05, 0.3
+    x, y, theta = path.at(begins)
+    assert abs(y) < 1e-12
+    mode = next(piece for piece in path.pieces if piece.end is not None and piece.end >= ends)
+    wheels = frozenset(int(name) - 1 for name in mode.cells)
+    motion = ContactSets(scene, ellipse()).motion(wheels, np.array([x, 0.0, theta]))
+    line = solve_ivp(
+        lambda t, place: [motion.rate(np.array([place[0], 0.0, theta]))[0]],
+        (begins, ends),
+        [x],
+        rtol=1e-11,
+        atol=1e-13,
+        method="DOP853",
+    )
+    assert mode.start < begins
+    assert abs(path.at(ends)[0] - line.y[0, -1]) < 1e-8
+    assert abs(path.at(ends)[1]) < 1e-9
+    assert len(mode.times) < 5_000
