@@ -9,15 +9,16 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from tests.thorough import examples
 
-RANDOM = settings(max_examples=200)
+RANDOM = examples(200)
 DIGITS = 40
 
 

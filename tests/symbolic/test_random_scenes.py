@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.symbolic.files.scene_file import SceneError, load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import examples, thorough
 
 Strategy: TypeAlias = st.SearchStrategy[Any]
 
@@ -123,7 +124,7 @@ def outcome(path: Path, **overrides: Any) -> Scene | SceneError:
         return error
 
 
-@settings(max_examples=600)
+@examples(600)
 @given(document=DOCUMENTS, overrides=OVERRIDES | st.just({}))
 def test_random_documents(folder: Path, document: dict[str, object], overrides: dict[str, str]) -> None:
     (folder / "random.toml").write_text(toml_document(document), encoding="utf-8")
@@ -139,11 +140,12 @@ def test_random_documents(folder: Path, document: dict[str, object], overrides: 
         assert "a TOML document" not in scene.expected  # the test wrote valid TOML
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> None:
     scenes: list[Scene] = []
     keys: set[str] = set()
 
-    @settings(max_examples=300)
+    @examples(300)
     @given(document=DOCUMENTS)
     def sample(document: dict[str, object]) -> None:
         (folder / "sample.toml").write_text(toml_document(document), encoding="utf-8")
@@ -158,7 +160,7 @@ def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> Non
     assert {"wheel", "ring", "grid", "friction", "field", "contact", "check"} <= keys
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_random_bytes(folder: Path, data: bytes) -> None:
     (folder / "bytes.toml").write_bytes(data)
@@ -174,7 +176,7 @@ def test_random_wheel_tables(folder: Path) -> None:
     """A table that is read has one wheel per row, where the row says, with the friction of the scene."""
     scenes = refused = 0
 
-    @settings(max_examples=400)
+    @examples(400)
     @given(table=st.tuples(HEADERS, ROWS) | st.tuples(st.sampled_from(["x,y", "y,x"]), GOOD_ROWS))
     def sample(table: tuple[str, list[str]]) -> None:
         nonlocal scenes, refused

@@ -20,6 +20,7 @@ from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import thorough
 
 MU: dict[str, Any] = {"mu_roll": 1, "mu_side": "1/2"}
 
@@ -139,6 +140,7 @@ def test_results_print_in_few_lines(name: str) -> None:
     assert "<table" in result._repr_html_()
 
 
+@thorough  # the small one: test_a_path_is_that_of_the_command, test_results.py
 def test_paths_of_every_kind() -> None:
     array = ring()
     opened, closed = (array.simulate((0.2, 0.1, 0.3), until=1, feedback=law) for law in (False, True))
