@@ -31,7 +31,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays, WheelData
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -270,6 +270,7 @@ def test_tampered_functions_are_refused() -> None:
             assert not replace(result, lyapunov=lyapunov).check()
 
 
+@thorough  # the small one: test_tampered_functions_are_refused
 def test_a_false_exclusion_is_refused() -> None:
     """A failure is about squares only, unless no P serves at all."""
     for seed in SEEDS:

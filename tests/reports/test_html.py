@@ -203,6 +203,7 @@ def test_sections_can_be_chosen() -> None:
         chosen_parts(("verdicts",), ())
 
 
+@thorough  # the small one: test_sections_can_be_chosen
 def test_sections_that_were_not_asked_for_are_not_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     def forbidden(*arguments: object) -> None:
         raise AssertionError(arguments)

@@ -84,6 +84,7 @@ def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.Capture
     assert "rule box: no path: required a start inside the domain" in text
 
 
+@thorough  # the small one: test_record_is_that_of_a_trajectory_with_body_and_velocity
 def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     files = {suffix: str(tmp_path / f"path{suffix}") for suffix in (".csv", ".json", ".svg", ".png")}
     for file in files.values():

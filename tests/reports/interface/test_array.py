@@ -168,6 +168,7 @@ def test_plots_draw_on_the_axes_given() -> None:
     plt.close("all")
 
 
+@thorough  # the small one: test_a_report_is_the_file_of_the_command, test_results.py
 def test_reports_are_written(tmp_path: Path) -> None:
     written = ring(name="mine").report(tmp_path / "mine.md")
     assert written.read_text(encoding="utf-8").startswith("# Derivation report: mine")
