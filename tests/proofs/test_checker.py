@@ -56,11 +56,11 @@ CHECKER = Path(checker.__file__)
 MUTANTS = 300
 EVIDENCE_MUTANTS = 40  # of each certificate; the benchmarks take 300
 WITH_FEEDBACK_EVIDENCE = (
-    ("spiral-30", "box"),
-    ("conveyor-3", "box"),
-    ("conveyor-3", "nearest"),
     ("differential-drive", "box"),
+    ("conveyor-3", "nearest"),
     ("axle", "nearest"),
+    ("conveyor-3", "box"),
+    ("spiral-30", "box"),
 )
 SUBJECTS = (
     ("four-wheel", "nearest"),

@@ -111,12 +111,12 @@ def test_auto_on_the_command_line(random_file: str, capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["eq-3"], "required an array of wheels for --at auto, received a plain system"),
+        (["off-center", "--radius", "1/100"], "required a rest point in the checked square, found none"),
         (
             ["off-center", "--rule", "ellipse"],
             "required a rest point with simple coordinates under rule ellipse",
         ),
-        (["eq-3"], "required an array of wheels for --at auto, received a plain system"),
-        (["off-center", "--radius", "1/100"], "required a rest point in the checked square, found none"),
     ],
 )
 def test_auto_refuses_in_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
