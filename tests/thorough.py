@@ -44,7 +44,7 @@ def keep(kept: int, cases: Iterable[Any]) -> list[Any]:
 
 def examples(number: int) -> settings:
     """Settings of a property that ``make bench`` tries on so many examples, and ``make test`` on fewer."""
-    return settings(max_examples=max(1, number * settings.default.max_examples // 100))
+    return settings(max_examples=max(1, number * settings().max_examples // 100))
 
 
 def mark_further(items: Iterable[pytest.Item]) -> None:
