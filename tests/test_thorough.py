@@ -37,6 +37,12 @@ def test_kept_cases_differ(names: str, number: int, kept: list[int]) -> None:
     assert unlike([set(name.split("-")) for name in names.split()], number) == kept
 
 
+def test_properties_inside_tests_have_all_their_examples() -> None:
+    """They carry no mark of Hypothesis, so that ``make bench`` would not run them again."""
+    inside = re.compile(r"^ +@examples\(", re.MULTILINE)
+    assert [path.name for path in TESTS.rglob("test_*.py") if inside.search(path.read_text(encoding="utf-8"))] == []
+
+
 def test_the_mark_is_the_one_of_the_makefile() -> None:
     makefile = (TESTS.parent / "Makefile").read_text(encoding="utf-8")
     assert f'-m "not {thorough.name}"' in makefile

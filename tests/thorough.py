@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+
 from tests.few import FEW
 
 SEEDED = {"seed": 3, "block": 1}  # parameters of random arrays, and how many of each check are kept
@@ -43,7 +44,10 @@ def keep(kept: int, cases: Iterable[Any]) -> list[Any]:
 
 
 def examples(number: int) -> settings:
-    """Settings of a property that ``make bench`` tries on so many examples, and ``make test`` on fewer."""
+    """Settings of a property that ``make bench`` tries on so many examples, and ``make test`` on fewer.
+
+    Only for properties that are tests themselves: pytest does not see those inside a test, nor would ``make bench``.
+    """
     return settings(max_examples=max(1, number * settings().max_examples // 100))
 
 

@@ -180,6 +180,7 @@ def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> Non
         assert response <= ZERO < min(smallest_response(data, (e, f)) for data in cells)
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_the_random_arrays_show_both_verdicts(arrays: Arrays) -> None:
     found = {decide(cocircular(seed)).verdict for seed in SEEDS}
     assert found == {Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE}

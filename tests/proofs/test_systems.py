@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nonsmooth.symbolic.files.scene_file
@@ -121,7 +121,7 @@ def test_random_text_is_refused_or_has_the_value_that_python_gives_it() -> None:
     names = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt, **{name: float(value) for name, value in point.items()}}
     values = {name: Polynomial.variable(field, PLANE, name) for name in PLANE}
 
-    @examples(300)
+    @settings(max_examples=300)
     @given(st.text(alphabet="xy0129+-*/(). signAbsqrt", max_size=30) | FORMULAS)
     def sample(text: str) -> None:
         nonlocal read, refused

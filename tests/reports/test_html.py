@@ -60,7 +60,7 @@ class Reader(HTMLParser):
         return (attributes[name] for _, attributes in self.elements if name in attributes)
 
 
-@pytest.fixture(scope="module", params=keep(2, ["four-wheel", "ring-5", "off-center"]))
+@pytest.fixture(scope="module", params=keep(2, ["four-wheel", "off-center", "ring-5"]))
 def text(request: pytest.FixtureRequest) -> str:
     return page(request.param)
 
@@ -153,7 +153,7 @@ def test_marked_pieces_become_links_and_frames() -> None:
 
 @thorough
 def test_equal_input_gives_equal_pages() -> None:
-    assert page("four-wheel") == render_report(derived_afresh("four-wheel"), ".html")
+    assert page("ring-5") == render_report(derived_afresh("ring-5"), ".html")
 
 
 # ---- formulas ------------------------------------------------------------------------------------

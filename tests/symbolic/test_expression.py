@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
@@ -18,7 +18,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from tests.thorough import examples
 
-RANDOM = examples(200)
+RANDOM = settings(max_examples=200)
 DIGITS = 40
 
 
@@ -138,7 +138,7 @@ LEAVES = st.one_of(
 TREES = st.recursive(LEAVES, lambda t: st.builds(combined, st.sampled_from("+-*"), t, t), max_leaves=5)
 
 
-@RANDOM
+@examples(200)
 @given(TREES)
 def test_random_formulas_agree_with_mpmath_and_come_back_from_their_text(tree: Tree) -> None:
     text, value, _ = tree
@@ -236,7 +236,7 @@ def test_random_text_is_refused_or_a_number_that_its_own_text_gives_back() -> No
 # ---- decimals ----------------------------------------------------------------------------------
 
 
-@RANDOM
+@examples(200)
 @given(st.decimals(allow_nan=False, allow_infinity=False, min_value=-(10**20), max_value=10**20, places=9))
 def test_decimals_are_exact(value: Decimal) -> None:
     assert decimal_value(str(value)) == Fraction(value)

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from flint import fmpq
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
@@ -18,9 +18,8 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.root_masks import bits
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from tests.thorough import examples
 
-RANDOM = examples(60)
+RANDOM = settings(max_examples=60)
 DIGITS = 60
 # A nonzero element of degree n <= 16 whose conjugates are below B = 10^3 and whose denominator divides
 # D = 12^4 is at least D^-n B^(1-n) > 10^-115 in theory; the samples below never come near this gap.

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nonsmooth.symbolic.files.scene_file import SceneError, load_scene
@@ -145,7 +145,7 @@ def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> Non
     scenes: list[Scene] = []
     keys: set[str] = set()
 
-    @examples(300)
+    @settings(max_examples=300)
     @given(document=DOCUMENTS)
     def sample(document: dict[str, object]) -> None:
         (folder / "sample.toml").write_text(toml_document(document), encoding="utf-8")
@@ -176,7 +176,7 @@ def test_random_wheel_tables(folder: Path) -> None:
     """A table that is read has one wheel per row, where the row says, with the friction of the scene."""
     scenes = refused = 0
 
-    @examples(400)
+    @settings(max_examples=400)
     @given(table=st.tuples(HEADERS, ROWS) | st.tuples(st.sampled_from(["x,y", "y,x"]), GOOD_ROWS))
     def sample(table: tuple[str, list[str]]) -> None:
         nonlocal scenes, refused

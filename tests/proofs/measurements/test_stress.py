@@ -47,7 +47,7 @@ def failed(rows: Iterator[ResultRow]) -> list[ResultRow]:
 # ---- whole scenes --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", keep(2, ["ring-3", "line-of-equilibria", "relay-oscillator-damped"]))
+@pytest.mark.parametrize("name", keep(1, ["line-of-equilibria", "ring-3", "relay-oscillator-damped"]))
 def test_a_built_in_scene_holds(name: str) -> None:
     rows = measure(load_any(name), CASES).rows
     assert len(rows) >= LEAST_ROWS
