@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.thorough import thorough
-
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 AT_THE_TOP = ("__init__.py", "__main__.py", "py.typed", "pyproject.toml", "README.md", "LICENSE")
@@ -32,7 +30,6 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@thorough  # the small one: test_listed_packages_are_those_on_disk, test_packages.py
 def test_the_wheel_holds_the_package_and_nothing_else(source: Path, tmp_path: Path) -> None:
     build = [sys.executable, "-m", "pip", "wheel", ".", "--no-deps", "--no-build-isolation", "--no-index", "-q", "-w"]
     done = subprocess.run([*build, str(tmp_path)], cwd=source, capture_output=True, text=True, check=False)
