@@ -62,7 +62,7 @@ format: $(INSTALLED) ## format the code and mend what ruff can mend
 
 bench: $(INSTALLED) ## run the further cases that `make test` leaves out, and the comparisons in tests/benchmarks
 	@$(PIP_INSTALL) --no-build-isolation -e '.[bench]'
-	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -m thorough -q
+	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -m "thorough or hypothesis" --hypothesis-profile all -q
 	$(BIN)/python -m pytest tests/benchmarks
 
 precision: $(PACKAGE) ## measure error against run time and write docs/precision.md (some minutes)

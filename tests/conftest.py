@@ -18,15 +18,13 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from tests.four_wheel import CORNERS, ROLL, SIDE
-from tests.thorough import mark_further
+from tests.thorough import SOME, mark_further
 
 Rational: TypeAlias = int | Fraction
 Pair: TypeAlias = tuple[Rational, Rational]
 Entry: TypeAlias = Rational | Number
 
-# The same examples in every run, and no failure because the machine is busy.
-settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
-settings.load_profile("repeatable")
+settings.load_profile(SOME)  # unless pytest is asked for another: `make bench` is for ALL
 
 HALF = Fraction(1, 2)
 FRICTIONS: dict[str, Pair] = {"side<roll": ROLL, "side>roll": SIDE, "side=roll": (1, 1)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import pkgutil
 import re
+import runpy
 import subprocess
 import sys
 from dataclasses import replace
@@ -20,6 +21,7 @@ import nonsmooth
 from nonsmooth.analysis import Kinematics, array_field, build_partition, simulate
 from nonsmooth.proofs import audit, check_theorem4, system_check
 from nonsmooth.symbolic import governing_equations, load_scene, load_system
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -63,14 +65,25 @@ EXAMPLES = [block.split("```")[0] for page in PAGES for block in page.split("```
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
-def test_every_program_of_the_page_runs_as_typed(example: str, tmp_path: Path) -> None:
-    command = [sys.executable, "-W", "error", "-c", example]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+def test_every_program_of_the_page_prints_what_it_says(
+    example: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("example.py").write_text(example, encoding="utf-8")
+    runpy.run_path("example.py", run_name="__main__")
+    output = capsys.readouterr()
+    assert output.err == ""
     assert len(example.splitlines()) <= 16
     for line in example.splitlines():  # what a comment says is printed
         said = re.fullmatch(r"print\(.*\)  # (.*)", line)
-        assert said is None or said[1] in done.stdout.splitlines()
+        assert said is None or said[1] in output.out.splitlines()
+
+
+@pytest.mark.parametrize("example", keep(1, EXAMPLES))
+def test_every_program_of_the_page_runs_in_a_process_of_its_own(example: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-W", "error", "-c", example]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_the_front_of_the_package() -> None:

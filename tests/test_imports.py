@@ -7,6 +7,7 @@ that lies beside sub-packages stands for itself.
 
 import ast
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,7 @@ def imports_of(text: str, modules: Mapping[str, object]) -> set[str]:
     return found & set(modules)
 
 
+@cache
 def import_graph() -> Graph:
     files = source_files()
     return {name: imports_of(path.read_text(encoding="utf-8"), files) - {name} for name, path in files.items()}

@@ -11,6 +11,8 @@ import pytest
 from nbclient import NotebookClient
 from nbconvert import HTMLExporter
 
+from tests.thorough import thorough
+
 ROOT = Path(__file__).resolve().parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 # Every warning is an error, but for those of the kernel about itself.
@@ -54,6 +56,7 @@ def test_notebook_is_stored_as_a_source(path: Path) -> None:
     assert sorted(notebook.metadata) == ["kernelspec", "language_info"]
 
 
+@thorough  # the small one: test_every_program_of_the_page_prints_what_it_says, test_api.py
 @every_notebook
 def test_notebook_runs_and_renders(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("IPYTHONDIR", "JUPYTER_CONFIG_DIR", "JUPYTER_RUNTIME_DIR"):

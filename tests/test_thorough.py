@@ -7,17 +7,43 @@ from pathlib import Path
 
 import pytest
 
-from tests.thorough import EVERY, thorough
+from tests.few import FEW
+from tests.thorough import thorough, unlike
 
 TESTS = Path(__file__).parent
 
 
-@pytest.mark.parametrize("check", EVERY)
-def test_a_listed_check_exists(check: str) -> None:
-    file, _, name = check.partition("::")
-    assert re.search(rf"^def {re.escape(name)}\(", (TESTS / file).read_text(encoding="utf-8"), re.MULTILINE), check
+def test_listed_checks_exist_and_keep_a_case() -> None:
+    for check, kept in FEW.items():
+        file, _, name = check.partition("::")
+        name = name.rpartition("::")[2]  # of a class
+        assert re.search(rf"^ *def {re.escape(name)}\(", (TESTS / file).read_text(encoding="utf-8"), re.MULTILINE), (
+            check
+        )
+        assert kept > 0
+    assert list(FEW) == sorted(FEW)
 
 
-def test_the_first_case_of_every_check_is_kept() -> None:
-    assert min(EVERY.values()) > 1
-    assert thorough.name == "thorough"
+@pytest.mark.parametrize(
+    ("names", "number", "kept"),
+    [
+        ("a b c d e", 1, [0]),
+        ("a b c d e", 3, [0, 4, 2]),  # far apart
+        ("ring-box ring-ellipse grid-box grid-ellipse", 2, [0, 3]),  # another rule and another scene
+        ("a b", 5, [0, 1]),
+    ],
+)
+def test_kept_cases_differ(names: str, number: int, kept: list[int]) -> None:
+    assert unlike([set(name.split("-")) for name in names.split()], number) == kept
+
+
+def test_properties_inside_tests_have_all_their_examples() -> None:
+    """They carry no mark of Hypothesis, so that ``make bench`` would not run them again."""
+    inside = re.compile(r"^ +@examples\(", re.MULTILINE)
+    assert [path.name for path in TESTS.rglob("test_*.py") if inside.search(path.read_text(encoding="utf-8"))] == []
+
+
+def test_the_mark_is_the_one_of_the_makefile() -> None:
+    makefile = (TESTS.parent / "Makefile").read_text(encoding="utf-8")
+    assert f'-m "not {thorough.name}"' in makefile
+    assert f'-m "{thorough.name} or hypothesis" --hypothesis-profile all' in makefile

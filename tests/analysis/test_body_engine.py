@@ -14,6 +14,7 @@ from tests.body_engine import (
     run_beside_engine,
     with_random_body,
 )
+from tests.thorough import thorough
 
 TWISTS = 1e-3, 1e-2  # median and largest; over many poses 1e-4 is the median, and one of ten above 6e-4
 LOADS = 2e-4  # of the weight
@@ -21,6 +22,7 @@ MARGIN = 0.05  # pitches: poses with a wheel nearer to the edge are left out
 LATE, FAR = 0.04, 0.03  # of a path of length 0.4 at wheels of speed one; the largest seen 0.014 and 0.012
 
 
+@thorough  # the small one: test_wheels_enter_and_leave_as_in_the_engine
 def test_twists_loads_and_falls_of_random_bodies() -> None:
     poses = [pose_beside_engine(seed) for seed in range(1, 25)]
     assert all(pose.fell == pose.tips for pose in poses)

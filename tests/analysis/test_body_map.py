@@ -21,6 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.small_steps import Contacts
+from tests.thorough import thorough
 
 PLACE_ERROR, HEADING_ERROR = 0.01, 0.02  # of the spacing, and radians: Heun's steps of 0.04, chattering at edges
 RATE_ERROR = {"ellipse": 1e-4, "roller": 2e-2}  # of the fastest wheel: norms are smoothed
@@ -77,6 +78,7 @@ def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int
         np.testing.assert_allclose(rate, [v_x - omega * pose[1], v_y + omega * pose[0], omega], atol=1e-9)
 
 
+@thorough  # the small one: test_ends_agree_with_paths_by_events
 def test_bodies_end_by_cells_where_their_paths_by_events_do(tmp_path: Path) -> None:
     scene = carton(tmp_path, "nearest", "1/2")
     rule = rule_of(scene)

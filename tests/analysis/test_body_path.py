@@ -28,7 +28,7 @@ from nonsmooth.symbolic.scene import Contact, Scene
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import WheelData
 from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -210,6 +210,7 @@ def chatter(motion: Motion, depths: Depths, start: Floats, until: float, steps: 
     return pose
 
 
+@thorough  # the small one: that of the same name in test_cell_path.py
 def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(arrays: Arrays) -> None:
     scene, depths = pushed_back(arrays)
     start, until = np.array([0.3, -0.2, 0.0]), 1.0

@@ -30,6 +30,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -212,6 +213,7 @@ def test_the_engine_turns_the_body_as_imposed(arrays: Arrays, side_friction: Fra
         assert relative_error(1e-4 * np.array([float(x) for x in imposed.twist]), plate.twist) < IMPOSED
 
 
+@thorough  # the small one: test_the_engine_turns_the_body_as_imposed
 def test_the_certified_law_brings_the_body_home_in_the_engine(arrays: Arrays) -> None:
     """Position and heading, with inward rims: twist tracking and the paper's law leave theta where it is."""
     scene, feedback = law_of(arrays, Fraction(1, 2))

@@ -21,6 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.four_wheel import ROLL, SIDE
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -33,6 +34,7 @@ def built_in(name: str, kinematics: Kinematics) -> ConstantField:
     return array_field(build_nearest_partition(load_scene(name, rule="nearest").recentred()), kinematics)
 
 
+@thorough  # the small one: test_maps_of_built_in_scenes_against_single_paths
 def test_four_wheel_equals_the_formula_at_every_start() -> None:
     """theta_inf = theta_0 + g ||y0| - |x0||/2 and T = (|x0| + |y0|)/sqrt2, on axes and diagonals too (g = 0)."""
     field = built_in("four-wheel", Kinematics.LEADING)

@@ -32,6 +32,7 @@ def ladder_study(scene: Scene, mass: float, count: int, start: tuple[float, floa
     return outline_mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, until)
 
 
+@thorough  # the small one: test_masses_are_compared_where_wheels_leave, reports/test_bodies.py
 def test_the_distance_from_rule_ellipse_falls_like_the_mass_through_changes_of_the_wheels() -> None:
     scene = whole(load_scene("carton-on-6x6"))
     start = (1.3, 0.15, 0.0)

@@ -21,6 +21,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
 from tests.oracles.small_steps import small_steps_of_mass
 from tests.outlined import Depths, Pair, on, polygon_depths, polygon_of
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -67,6 +68,7 @@ def pushed_back(arrays: Arrays) -> tuple[Scene, Depths]:
     return on(scene, polygon_of(scene, outline)), partial(polygon_depths, np.array(outline, float))
 
 
+@thorough  # the small one: test_wheels_enter_and_leave_as_in_small_steps
 def test_a_wheel_that_swings_across_the_edge_is_held_there(arrays: Arrays) -> None:
     scene, depths = pushed_back(arrays)
     start, until, masses = (0.3, -0.2, 0.0), 0.45, (0.01, 0.015)

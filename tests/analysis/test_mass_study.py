@@ -16,16 +16,16 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 START, UNTIL = (0.2, 0.4, 0.0), 2.0
 SLOPE = 0.15  # of log distance against log mass, where 1 is expected: what is left of the higher orders at m = 0.01
 
 
-@pytest.fixture(scope="module")
-def study() -> MassStudy:
+@pytest.fixture(scope="module", params=keep(1, [0.7, 2.0]))
+def study(request: pytest.FixtureRequest) -> MassStudy:
     scene = load_scene("four-wheel")
-    return mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 3), START, UNTIL)
+    return mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 3), START, request.param)
 
 
 def test_study_is_a_table_in_a_notebook(study: MassStudy) -> None:
@@ -72,9 +72,10 @@ def test_flat_functional_puts_the_fall_off_until_the_mass_is_tiny() -> None:
         assert np.log10(fall) == pytest.approx(power, abs=SLOPE)
 
 
-def test_rules_without_a_path_are_named() -> None:
+@pytest.mark.parametrize("until", keep(1, [0.05, 0.5]))
+def test_rules_without_a_path_are_named(until: float) -> None:
     scene = load_scene("conveyor-3")
-    study = mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 1), START, 0.5)
+    study = mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 1), START, until)
     assert set(study.skipped) == {"nearest", "box"}
     assert "required a start inside the domain" in study.skipped["box"]
     assert [own.rule for own in study.rows[0].distances] == ["ellipse", "roller"]

@@ -21,6 +21,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 from tests.conftest import Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -204,6 +205,7 @@ def test_rows_without_friction_are_never_taken(arrays: Arrays, seed: int) -> Non
         assert any(twist == pytest.approx([float(x) for x in t], rel=1e-6, abs=1e-6) for t in cell.twists)
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_arrays_of_every_kind_are_among_them(arrays: Arrays) -> None:
     """Cells of two and three wheels, and tied ones."""
     scenes = [frictionless(seed)(arrays) for seed in range(60)]

@@ -17,6 +17,7 @@ from nonsmooth.analysis.pushes.ranking import Direction, Ranked, differences, me
 from nonsmooth.analysis.pushes.records import angles, load_pushes
 from nonsmooth.analysis.pushes.supports import SUPPORTS, support_loads, support_points
 from nonsmooth.analysis.pushes.surfaces import exponents, fit_surface, monomials
+from tests.thorough import thorough
 
 BODIES = 60  # random pushes
 CLOSE = 1e-6
@@ -52,6 +53,7 @@ def test_the_sense_of_rotation_is_that_of_masons_votes() -> None:
     assert tips == {Tip.STICKS, Tip.SLIDES}
 
 
+@thorough  # the small one: test_supports_carry_the_block
 def test_contact_and_balance_hold_and_friction_opposes_the_slip() -> None:
     rng = np.random.default_rng(2)
     for _ in range(BODIES):

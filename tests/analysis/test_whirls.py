@@ -15,7 +15,7 @@ from nonsmooth.analysis.trajectories import whirls
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 STARTS = [((0.1, 0.1, 0.1), 8.0), ((0.1, 0.05, -0.1), 8.8), ((0.05, 0.2, 0.3), 5.9)]
 DRAWN = 5e-4 * 0.5  # of the size of the square: the turns that are drawn as their corner
@@ -27,6 +27,7 @@ def rectangle() -> CellwiseField:
     return feedback_field(build_nearest_partition(load_scene("rectangle")), gradient_law(1.0), Kinematics.EXACT)
 
 
+@thorough  # the small one: test_turns_end_neither_in_time_nor_at_rest
 @pytest.mark.parametrize(("start", "until"), keep(1, STARTS))
 def test_turns_ever_faster_are_followed_in_their_mean(
     rectangle: CellwiseField, monkeypatch: pytest.MonkeyPatch, start: tuple[float, float, float], until: float

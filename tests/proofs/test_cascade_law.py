@@ -26,6 +26,7 @@ from nonsmooth.proofs.verdicts import Feedback, Theorem4
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -105,7 +106,8 @@ def test_inward_slides_bring_the_body_home(arrays: Arrays) -> None:
     assert np.abs(end).max() < 1e-3
 
 
-def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro() -> None:
+@pytest.mark.parametrize("hundreds", keep(1, [2, 4]))
+def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro(hundreds: int) -> None:
     """The proof's function ``X^2 + Theta^2`` falls by about ``2 mu m x^3``: like ``1/t``, not exponentially."""
     scene = load_scene("conveyor-3").recentred()
     feedback = decide_feedback(build_nearest_partition(scene))
@@ -113,7 +115,7 @@ def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro() -> None:
     assert feedback.cascade.descent is Descent.SLOW_TURNS
     assert feedback.none_serves
     rate, pose, sizes = closed_loop(scene, feedback.cascade), np.array([0.05, 0.02, 0.1]), list[float]()
-    for _ in range(4):
+    for _ in range(hundreds):
         pose = followed(rate, pose, until=100, step=0.02)
         sizes.append(float(np.linalg.norm(pose)))
     assert 1e-4 < sizes[-1] < sizes[0] < 0.15 * 0.11  # |pose| itself goes up and down on the way
@@ -161,6 +163,7 @@ def test_the_simulated_law_is_the_written_one(arrays: Arrays, seed: int) -> None
     assert np.abs(np.array(end, dtype=float) - steps).max() < 1e-4
 
 
+@thorough  # the small one: test_the_simulated_law_is_the_written_one
 def test_the_simulated_tangential_law_is_the_written_one() -> None:
     scene = load_scene("conveyor-3").recentred()
     partition = build_nearest_partition(scene)
@@ -195,6 +198,7 @@ def test_where_a_quadratic_v_serves_so_do_signs(arrays: Arrays, seed: int) -> No
     assert not replace(law, descent=wrong).check()
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_most_arrays_are_decided(arrays: Arrays) -> None:
     """What is left open has an exact coincidence: a rim line through another wheel, or parallel rims."""
     left = [seed for seed in SEEDS if _is_open(decided(arrays, seed)[1])]

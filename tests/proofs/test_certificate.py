@@ -23,7 +23,7 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.built_in import checked
 from tests.four_wheel import CORNERS
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -226,6 +226,7 @@ def test_a_larger_disc_than_v_allows_is_rejected(growing: CellCheck) -> None:
     assert ("barrier" if limited else "a disc in the square") in check_certificate(certificate)
 
 
+@thorough  # the small one: test_each_built_in_scene_has_a_valid_certificate
 def test_verdicts_of_random_arrays_are_certified(arrays: Arrays) -> None:
     """All kinds of verdicts occur."""
     found = set[Translation]()

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 Record: TypeAlias = dict[str, Any]
 
-ARRAYS, BLOCKS, MUTANTS = 30, 5, 12
+ARRAYS, BLOCKS, MUTANTS = 30, 30, 12
 WORDS = ("asymptotically stable", "stable", "unstable", "undecided")
 FORBIDDEN: dict[str, set[End]] = {
     "asymptotically stable": {End.LEAVES, End.RESTS, End.CYCLES},

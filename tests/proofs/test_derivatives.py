@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
@@ -26,11 +26,12 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import examples
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
 
-RANDOM = settings(max_examples=150)
+RANDOM = examples(150)
 SOLVER_ERROR = 1e-7  # HiGHS, on numbers of size 10
 FIELD = NumberField()
 

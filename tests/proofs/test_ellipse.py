@@ -15,6 +15,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
 from tests.ruled import ruled
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -118,6 +119,7 @@ def test_a_common_translation_is_no_equilibrium(arrays: Arrays) -> None:
     assert (point.situation, point.equilibrium) == (Situation.CARRIED, Equilibrium.FAILS)
 
 
+@thorough  # the small one: test_random_arrays_agree_with_a_solver
 def test_an_off_centre_array_is_driven_away() -> None:
     point = point_of(load_scene("off-center", rule="ellipse").recentred())
     assert (point.situation, point.equilibrium) == (Situation.MOVED, Equilibrium.FAILS)

@@ -20,6 +20,7 @@ from nonsmooth.symbolic.plane import Vector, dot, separating_direction
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -46,6 +47,7 @@ def test_verdicts_agree_with_highs_on_random_arrays(arrays: Arrays, seed: int) -
         assert result.check()
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_both_verdicts_occur_among_the_random_arrays(arrays: Arrays) -> None:
     found = {decide(s).verdict for seed in range(30) for s in (arrays.random(seed, 4), arrays.cocircular(seed))}
     assert found == {Equilibrium.HOLDS, Equilibrium.FAILS}

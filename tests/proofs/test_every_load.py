@@ -34,6 +34,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import Arrays, WheelData
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -267,6 +268,7 @@ def test_linear_fields_against_known_loads(arrays: Arrays, seed: int, height: st
             assert known.results["translation"].verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_linear_fields_are_decided_both_ways(arrays: Arrays) -> None:
     """The test above is no empty promise."""
     verdicts = [
@@ -293,6 +295,7 @@ def test_the_witness_fails_as_a_known_load(name: str, rule: str) -> None:
     assert check_theorem4(under(scene.recentred(), load)).results["equilibrium"].verdict is Equilibrium.FAILS
 
 
+@thorough  # the small one: test_the_witness_fails_as_a_known_load
 def test_scattered_springs_have_a_witness_that_springs_reach() -> None:
     scene = scattered(load_scene("grid-4x4"), "ellipse", "1/10", "1/10")
     equilibrium, _ = of_points(checked(scene))

@@ -16,6 +16,7 @@ from nonsmooth.proofs.clauses.translation.fan import Evidence, FanResult, Move, 
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -321,6 +322,7 @@ def simulate_mixtures(cones: list[Cone], rng: np.random.Generator) -> tuple[floa
     return far, float(np.hypot(*point))
 
 
+@thorough  # the small one: test_random_fans_against_simulation
 def test_mixtures_of_tied_motions_never_refute_a_verdict() -> None:
     """Where the fan says asymptotically stable, no random mixture runs away."""
     rng, stable = np.random.default_rng(0), 0

@@ -28,6 +28,7 @@ from nonsmooth.symbolic.plane import dot, turned
 from nonsmooth.symbolic.scene import Friction, Scene
 from tests.conftest import HALF, Arrays, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -68,6 +69,7 @@ def law_coefficients(data: InputCell, point: tuple[Number, Number], theta: Numbe
     return dot(point, d) - dot(d, e) * b, b
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_both_verdicts_occur_among_the_random_arrays_and_nearly_all_cells_have_a_lever(arrays: Arrays) -> None:
     results = [decide(cocircular(seed)) for seed in SEEDS]
     seen = Counter((result.verdict, result.has_lyapunov) for result in results)
@@ -178,6 +180,7 @@ def test_the_criterion_agrees_with_brute_force(arrays: Arrays, seed: int) -> Non
         assert response <= ZERO < min(smallest_response(data, (e, f)) for data in cells)
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_the_random_arrays_show_both_verdicts(arrays: Arrays) -> None:
     found = {decide(cocircular(seed)).verdict for seed in SEEDS}
     assert found == {Feedback.STABILIZABLE, Feedback.NO_CERTIFICATE}

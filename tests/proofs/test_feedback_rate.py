@@ -17,6 +17,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.four_wheel import ROLL
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -53,6 +54,7 @@ def test_four_wheel_rate_in_closed_form(arrays: Arrays) -> None:
     assert 0 <= (3 - np.sqrt(5)) / 4 - float(rate.kappa) < 3e-4
 
 
+@thorough  # the small one: test_the_rate_is_certified_and_nearly_the_best
 def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays) -> None:
     with_rate = without = 0
     for seed in range(25):

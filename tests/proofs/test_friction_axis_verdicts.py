@@ -26,6 +26,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -78,6 +79,7 @@ def test_linearization_by_differences_of_the_minimizer(seed: int, rule: str) -> 
         assert stable == (unstable < 0)
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_some_of_these_are_smooth() -> None:
     points = [check_smooth(turning(seed, "ellipse")).equilibrium.point for seed in range(12)]
     assert sum(point.situation is Situation.SMOOTH for point in points) > 3

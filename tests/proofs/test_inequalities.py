@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 import z3
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.polygon import square
@@ -26,8 +26,9 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.thorough import examples
 
-RANDOM = settings(max_examples=120)
+RANDOM = examples(120)
 FLOAT_ERROR = 1e-9  # of a float evaluation, relative to the sum of the absolute terms
 SENSES = list(Sense)
 
@@ -344,7 +345,7 @@ def test_polynomials_on_polygons_and_cones(data: st.DataObject, sense: Sense, ap
     check_outcome(prove(sense, form, region, except_origin=apex), list(samples(region)))
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.data(), st.sampled_from(SENSES))
 def test_quadratics_on_polygons_are_always_decided(data: st.DataObject, sense: Sense) -> None:
     form = data.draw(forms(PLANE, (0, 1)))
@@ -355,7 +356,7 @@ def test_quadratics_on_polygons_are_always_decided(data: st.DataObject, sense: S
         check_outcome(outcome, list(samples(region)))
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.data(), st.sampled_from(SENSES), st.sampled_from([(1,), (2,), (0, 1, 2)]))
 def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[int, ...]) -> None:
     form = data.draw(forms(EXTENDED, degrees, roots=False))
@@ -369,7 +370,7 @@ def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[in
 # ---- Z3 ----------------------------------------------------------------------------------------
 
 
-@settings(max_examples=50)
+@examples(50)
 @given(st.data(), st.sampled_from(SENSES), st.booleans(), st.booleans())
 def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: bool) -> None:
     form = data.draw(forms(PLANE, (2, 3) if bounded else (3,), roots=False))

@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.polygon import Point
@@ -168,6 +168,7 @@ def test_margins_in_closed_form() -> None:
     assert spiral.value == pytest.approx(np.sin(np.pi / 12))
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_random_arrays_show_all_kinds() -> None:
     margins = [margin for key in SEEDS if (margin := margin_of(key)) is not None]
     assert {(bool(m.squared), m.is_exact) for m in margins} == {(False, True), (True, True), (True, False)}

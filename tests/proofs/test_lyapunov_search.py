@@ -21,6 +21,7 @@ from nonsmooth.proofs.systems.sublevel_region import largest_sublevel
 from nonsmooth.proofs.systems.system_stability import scene_cells, system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -69,6 +70,7 @@ def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> 
     assert np.all(lowest[inside] < 0.5 * eval(formula, names, {"x": radius / 2, "y": 0.0}) + slack(1.0))  # noqa: S307
 
 
+@thorough  # the small one: test_what_v_does_not_allow_is_not_claimed
 def test_nothing_is_found_where_there_is_nothing(load: Load) -> None:
     for first, second in (("y", "-x"), ("x", "-y"), ("y", "-sign(x)"), ("-sign(x) + y", "y")):
         assert find_lyapunov(load(first, second)) is None

@@ -16,6 +16,7 @@ from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Equilibrium
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -52,6 +53,7 @@ def test_the_oracle_sees_narrow_cells_and_only_real_ones() -> None:
     assert not Oracle(far).rests_at_origin()
 
 
+@thorough  # the small one: test_the_oracle_sees_narrow_cells_and_only_real_ones
 def test_the_oracle_finds_equilibria_and_escapes() -> None:
     line = Oracle(Tie(ZERO, (("(-1)", "y", ("0", "1")),)))
     assert line.rests_at(Fraction(1, 64), Fraction(0))

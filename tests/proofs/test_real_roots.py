@@ -7,15 +7,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from nonsmooth.proofs.inequalities.dense_polynomials import value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.thorough import examples
 
-RANDOM = settings(max_examples=80)
+RANDOM = examples(80)
 FIELD = NumberField()
 ROOT = FIELD.sqrt(2)
 

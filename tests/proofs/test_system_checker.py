@@ -20,6 +20,7 @@ from nonsmooth.proofs.systems.system_certificate import NoCertificateError, buil
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.switched_oracle import random_relay
+from tests.thorough import thorough
 
 Record: TypeAlias = dict[str, Any]
 Rhs: TypeAlias = Callable[[float, float], tuple[float, float]]
@@ -210,6 +211,7 @@ def attack(count: int, seed: int) -> int:
     return accepted
 
 
+@thorough  # the small one: test_false_claims_are_rejected
 def test_mutants_are_rejected_or_still_true() -> None:
     accepted = attack(160, 1)
     assert 0 < accepted < 160

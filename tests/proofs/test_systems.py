@@ -36,12 +36,12 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
-from tests.thorough import keep
+from tests.thorough import examples, keep, thorough
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
 
-RANDOM = settings(max_examples=60)
+RANDOM = examples(60)
 
 
 def float_field(scene: SwitchedSystem, x: float, y: float) -> tuple[float, float]:
@@ -301,6 +301,7 @@ def test_a_division_by_zero_on_some_cell_only(load: Load) -> None:
         system_check(scene)
 
 
+@thorough  # the small one: test_cells_hold_the_field_and_cover_the_plane
 def test_too_many_surfaces(load: Load) -> None:
     lines = "*".join(f"(x - {k}*y - {k * k})" for k in range(1, 9))
     scene = load(f"sign({lines})*sign({lines.replace('-', '+')})", "-y", radius="100")

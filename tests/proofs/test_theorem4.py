@@ -25,7 +25,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.clauses import drift, verdicts
 from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays, Pair
@@ -163,6 +163,7 @@ def test_pruning_changes_nothing_for_built_in_scenes(name: str) -> None:
     same_without_pruning(load_scene(name, rule="nearest"))
 
 
+@thorough  # the small one: test_pruning_changes_nothing_for_built_in_scenes
 @pytest.mark.parametrize(("side", "considered"), keep(1, [(5, 21), (6, 16)]))
 def test_pruning_of_grids_leaves_wheels_out_and_changes_nothing(arrays: Arrays, side: int, considered: int) -> None:
     scene = arrays.grid(side, side)

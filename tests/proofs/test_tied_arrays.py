@@ -21,7 +21,7 @@ from tests.oracles.tied_scenes import CENTRE, LEAVES_FROM_1E_9, LEAVES_LIKE_A_RO
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-TIED, UNTIED, BLOCKS = 300, 100, 6
+TIED, UNTIED, BLOCKS = 300, 100, 15
 
 
 def compare(arrays: Arrays, wheels: list[Wheel], seed: int) -> Translation:

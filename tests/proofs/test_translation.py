@@ -22,6 +22,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS, ROLL, SIDE
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -159,6 +160,7 @@ def literal_confirms(scene: Scene, witness: Witness) -> bool:
     return any(literal_rate(scene, ray + t * np.array([-ray[1], ray[0]])) > 0 for t in turns)
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_all_verdicts_of_this_file_occur(arrays: Arrays) -> None:
     results = [decide(arrays.cocircular(seed)) for seed in SEEDS]
     found = {result.verdict for result in results}

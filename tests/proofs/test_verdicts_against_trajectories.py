@@ -20,6 +20,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -91,6 +92,7 @@ def test_verdicts_agree_with_trajectories(arrays: Arrays, block: int) -> None:
     assert seen["undecided"] == 0
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_all_verdicts_occur(arrays: Arrays) -> None:
     seen = Counter(compare(arrays, seed, starts=4) for seed in range(60))
     assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(seen)

@@ -19,6 +19,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from tests.rehearsals.farthest import FarthestRule
 from tests.reports.conftest import Invoke
+from tests.thorough import keep
 
 SCENES = ["four-wheel", "conveyor-3", "ring-6", "rectangle"]
 
@@ -69,7 +70,12 @@ def test_the_commands_take_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytes
         "roller_nearest", "roller_box", "roller_farthest"
     }  # fmt: skip
     assert invoke("partition", "four-wheel", "--compare", "-o", "a.png").status == 0
-    assert invoke("derive", "four-wheel", "--rule", "farthest", "--without", "precision", "-o", "a.html").status == 0
+
+
+@pytest.mark.parametrize("parts", keep(1, ["--only verdict,cells,rules", "--without precision"]))
+def test_a_report_takes_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, parts: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert invoke("derive", "four-wheel", "--rule", "farthest", *parts.split(), "-o", "a.html").status == 0
     assert "farthest" in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 

@@ -202,7 +202,7 @@ def test_terminal_json_and_report_name_the_same_law(invoke: Invoke, tmp_path: Pa
     text = " ".join(invoke(*start).out.split())
     assert f"{law} law, certified by the feedback clause" in text
     assert clause["law"] in text
-    report = derived(name).document.sections
+    report = derive_report(load_scene(name), Invocation(name), ("feedback", "trajectories")).document.sections
     feedback, loop = (plain_text(find(report, title)) for title in ("Feedback law", "With feedback"))
     assert f"certifies the {law} law" in feedback
     assert f"Under the {law} law, certified by the feedback clause" in loop

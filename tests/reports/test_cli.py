@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError
@@ -28,6 +28,7 @@ from nonsmooth.symbolic.files.mode_file import mode_descriptions
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.thorough import examples
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -426,7 +427,7 @@ OPTIONS = st.lists(st.tuples(st.sampled_from(["--radius", "--at", "--rule"]), WO
 COMMANDS = st.sampled_from(["check", "partition", "scenes", "chec"])
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(COMMANDS, st.sampled_from(["four-wheel", "ring-3", "off-center", "nope"]), OPTIONS)
 def test_any_arguments_end_in_json_or_one_line(name: str, scene: str, options: list[tuple[str, str]]) -> None:
     out, err = StringIO(), StringIO()

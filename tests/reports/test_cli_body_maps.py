@@ -11,6 +11,7 @@ import pytest
 
 import nonsmooth
 from nonsmooth.symbolic.scene_error import SceneError
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -101,6 +102,7 @@ def test_refused_in_one_line(options: tuple[str, ...], received: str, carton: Pa
     assert received in done.err
 
 
+@thorough  # the small one: test_json_and_table_are_the_same_numbers
 def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
     array = nonsmooth.load(carton)
     assert isinstance(array, nonsmooth.Array)

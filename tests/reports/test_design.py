@@ -18,6 +18,7 @@ from nonsmooth.reports.designs.symmetry import largest_symmetry, orbits_of
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -38,6 +39,7 @@ def test_a_saddle_becomes_an_array_that_brings_bodies_home(invoke: Invoke, tmp_p
         assert np.hypot(*end[:2]) < 1e-6
 
 
+@thorough  # the small one: test_a_saddle_becomes_an_array_that_brings_bodies_home
 def test_a_design_is_no_worse_and_repeatable(invoke: Invoke) -> None:
     arguments = ("design", "rectangle", "--free", "headings,speeds", "--checks", "6", "--json")
     first, again = (invoke(*arguments).record for _ in range(2))
@@ -116,6 +118,7 @@ def test_bad_input_is_one_line(invoke: Invoke, options: tuple[str, ...], said: s
     assert len(outcome.err.strip().splitlines()) == 1
 
 
+@thorough  # the small one: test_a_saddle_becomes_an_array_that_brings_bodies_home
 def test_python_finds_what_the_command_finds(invoke: Invoke, tmp_path: Path) -> None:
     saddle = ns.load("saddle")
     assert isinstance(saddle, ns.Array)
@@ -173,6 +176,7 @@ position = "1/1000"
 """
 
 
+@thorough  # the small one: test_a_front_is_drawn
 def test_no_array_on_the_front_beats_another_and_checks_confirm_both_numbers(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "table.toml").write_text(FRONT_SCENE, encoding="utf-8")
     options = ("--free", "headings,speeds", "--checks", "9", "--seed", "3")

@@ -25,7 +25,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.interface.law_result import certified_law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -118,6 +118,7 @@ def test_a_path_beyond_the_reach_is_refused() -> None:
 # ---- in the report -------------------------------------------------------------------------------
 
 
+@thorough  # the small one: test_the_report_says_why_it_draws_none
 @pytest.mark.parametrize(("rule", "rows"), keep(1, [("box", 4), ("ellipse", 1)]))
 def test_the_report_tabulates_and_draws_the_closed_loop(invoke: Invoke, rule: str, rows: int) -> None:
     out = invoke("derive", "ring-3", "--rule", rule, "--only", "feedback").out

@@ -15,6 +15,7 @@ from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.interface.check_result import CheckResult, check_scene
 from nonsmooth.reports.sections.answers import _headings
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import thorough
 
 SWIRL = """
 name = "swirl"
@@ -36,6 +37,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> CheckResult:
     return check_scene(load_scene(file), ask_others=False)
 
 
+@thorough  # the small one: test_python_offers_the_list
 def test_the_record_lists_headings_that_return_first(result: CheckResult) -> None:
     record = result.to_dict()["answers"]["equilibrium_headings"]
     assert record["searched_within"] is None

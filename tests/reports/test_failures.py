@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.thorough import thorough
+
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
@@ -20,6 +22,7 @@ def test_check_lists_failures_and_names_the_worst(invoke: Invoke) -> None:
     assert invoke("check", "four-wheel", "--json").record["failures"] is None
 
 
+@thorough  # the small one: test_check_lists_failures_and_names_the_worst
 def test_every_rule_has_its_own_failures(invoke: Invoke) -> None:
     checks = invoke("check", "four-wheel", "--rule", "all", "--fail", "1", "--json").record["checks"]
     assert [len(check["failures"]) for check in checks] == [8] * 4

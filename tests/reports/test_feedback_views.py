@@ -9,6 +9,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.number_text import lower_text
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -83,15 +84,15 @@ def test_the_cascade_in_json(invoke: Invoke) -> None:
     assert invoke("check", "four-wheel", "--json").record["feedback"]["cascade"] is None
 
 
-def test_an_obstruction_in_json(invoke: Invoke) -> None:
-    for rule in ("nearest", "box", "ellipse", "roller"):
-        outcome = invoke("check", "differential-drive", "--rule", rule, "--json")
-        record = outcome.record
-        assert outcome.status == 1
-        assert record["feedback"]["obstruction"]["exact"]["normal"] == ["0", "1", "0"]
-        assert record["feedback"]["witness"] is not None
-        assert record["theorem4"]["verdict"] == "fails"
-        assert "no static feedback stabilizes" in record["theorem4"]["reason"]
+@pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box", "roller"]))
+def test_an_obstruction_in_json(invoke: Invoke, rule: str) -> None:
+    outcome = invoke("check", "differential-drive", "--rule", rule, "--json")
+    record = outcome.record
+    assert outcome.status == 1
+    assert record["feedback"]["obstruction"]["exact"]["normal"] == ["0", "1", "0"]
+    assert record["feedback"]["witness"] is not None
+    assert record["theorem4"]["verdict"] == "fails"
+    assert "no static feedback stabilizes" in record["theorem4"]["reason"]
 
 
 def test_twists_and_speeds_in_json(invoke: Invoke) -> None:

@@ -19,7 +19,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.figures.outline import outline_of, placed
 from nonsmooth.reports.files import OutputError
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 START = ("--from", "0.2,0.4,0.1")
 LARGEST_GIF = 3_000_000  # bytes
@@ -44,12 +44,13 @@ def test_frames_are_at_a_constant_pace_and_few(duration: float) -> None:
         assert seconds == pytest.approx(duration, abs=0.5 / RATE)  # real time
 
 
-def test_a_gif_has_its_frames_and_is_small(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("until", keep(1, [3, 4]))
+def test_a_gif_has_its_frames_and_is_small(tmp_path: Path, capsys: pytest.CaptureFixture[str], until: int) -> None:
     file = tmp_path / "path.gif"
-    assert run(app, ("simulate", "four-wheel", *START, "--feedback", "--until", "4", "-o", str(file))) == 0
+    assert run(app, ("simulate", "four-wheel", *START, "--feedback", "--until", str(until), "-o", str(file))) == 0
     assert capsys.readouterr().err == ""
     with Image.open(file) as film:
-        assert film.n_frames == 4 * RATE + 1  # type: ignore[attr-defined]
+        assert film.n_frames == until * RATE + 1  # type: ignore[attr-defined]
         assert film.info["duration"] == 1000 // RATE
         assert (film.width % 2, film.height % 2) == (0, 0)
     assert file.stat().st_size < LARGEST_GIF
@@ -174,6 +175,7 @@ def test_the_outline_follows_the_pose() -> None:
     assert outline_of(array.scene) is None
 
 
+@thorough  # the small one: test_the_outline_follows_the_pose
 def test_a_body_is_drawn_with_its_outline(tmp_path: Path) -> None:
     box = {"shape": "rectangle", "width": "5/2", "height": 3}
     array = ns.load("four-wheel").with_(body=box, rule="ellipse")

@@ -17,6 +17,7 @@ from nonsmooth.analysis.motion.frames import Contact, Frames, build_frames
 from nonsmooth.reports.choices import Method
 from nonsmooth.reports.interface.path_result import PathResult
 from nonsmooth.reports.simulate import PathRun, follow, loop_of
+from tests.thorough import thorough
 
 PATHS: dict[str, tuple[str, tuple[float, float, float], dict[str, Any]]] = {
     "open": ("four-wheel", (0.2, 0.4, 0.1), {}),
@@ -97,6 +98,7 @@ def test_a_law_gives_the_acting_wheels_what_their_rows_ask_for() -> None:
     assert (frames.contacts == Contact.STICKS).any()
 
 
+@thorough  # the small one: test_twists_are_in_the_hull_of_the_cells_that_hold_the_point
 def test_rule_ellipse_moves_with_its_minimizer_and_is_carried_by_loaded_wheels() -> None:
     path = followed("ellipse")
     frames = frames_of(path, 9)

@@ -97,7 +97,7 @@ def opened(browser: Browser, path: Path, width: int = WIDE, **options: Any) -> O
 
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])
-@pytest.mark.parametrize("name", keep(2, SCENES))
+@pytest.mark.parametrize("name", keep(1, SCENES))
 def test_a_report_opens_quietly_and_fits(browser: Browser, pages: Pages, name: str, width: int) -> None:
     seen = opened(browser, pages[name], width)
     assert seen.said == []

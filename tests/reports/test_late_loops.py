@@ -18,6 +18,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -133,6 +134,7 @@ def test_bad_values_end_in_one_line(errors: str, line: str, invoke: Invoke, tmp_
     assert len(found.err.splitlines()) == 1
 
 
+@thorough  # the small one: test_an_exact_pose_that_is_only_late_comes_home
 def test_closed_loops_of_imposed_twists_through_the_command(invoke: Invoke, tmp_path: Path) -> None:
     """Their speeds are those of the exported law; films and other laws are refused in one line."""
     run = ("simulate", "ring-5", "--feedback", "--rule", "ellipse", "--from", "0.02,0.01,0.02", "--until", "0.02")

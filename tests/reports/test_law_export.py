@@ -30,7 +30,7 @@ from nonsmooth.reports.interface.law_result import certified_law_of
 from nonsmooth.reports.law_table import LawKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -90,6 +90,7 @@ def test_a_cascade_is_exported(arrays: Arrays, turn: tuple[Fraction, Fraction], 
         assert_close(law["speeds"](*pose.tolist()), library_speeds(check, pose))
 
 
+@thorough  # the small one: test_under_nearest_the_program_is_the_law_that_is_followed
 def test_a_law_of_another_v_is_exported(arrays: Arrays, tmp_path: Path) -> None:
     shaped = 0
     for seed in range(60):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -53,6 +53,7 @@ def test_no_view_shows_a_number_that_is_none(invoke: Invoke, scene: str, views: 
         json.loads(outcome.out)
 
 
+@thorough  # the small one: test_free_motions_are_named_instead_of_numbers, analysis/test_proved_minima.py
 def test_the_missing_motion_is_named(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "free.toml").write_text(INWARD, encoding="utf-8")
     sentence = "no row with friction resists the motion xi = (0, 0, 1)"

@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 TABLE = """name = "table"
 [friction]
@@ -28,7 +28,7 @@ DRAWN = re.compile(r"Drawn by `([^`]*)`")
 SECTIONS = "array,cells,derivative,trajectories,rules"
 
 
-@pytest.mark.parametrize("rule", keep(1, ["nearest", "box", "ellipse"]))
+@pytest.mark.parametrize("rule", keep(1, ["ellipse", "nearest", "box"]))
 def test_commands_of_figures_run(
     rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -44,6 +44,7 @@ def test_commands_of_figures_run(
         assert Path(arguments[-1]).stat().st_size > 0
 
 
+@thorough  # the small one: test_commands_of_figures_run
 def test_the_path_that_a_command_draws_is_that_of_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

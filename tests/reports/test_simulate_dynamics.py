@@ -75,6 +75,7 @@ def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixt
             assert f"{own['rotation']:.3g} " in text
 
 
+@thorough  # the small one: test_rules_without_a_path_are_named, analysis/test_mass_study.py
 def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
     outward = ("simulate", "outward", "--from", "0.2,0.4,0", "--method", "dynamics", "--compare-masses")
     assert "rule nearest: compared until t = 0.0791001" in invoke(capsys, *outward)
@@ -83,6 +84,7 @@ def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.Capture
     assert "rule box: no path: required a start inside the domain" in text
 
 
+@thorough  # the small one: test_record_is_that_of_a_trajectory_with_body_and_velocity
 def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     files = {suffix: str(tmp_path / f"path{suffix}") for suffix in (".csv", ".json", ".svg", ".png")}
     for file in files.values():
@@ -96,6 +98,7 @@ def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
     assert Path(files[".png"]).read_bytes().startswith(PNG)
 
 
+@thorough  # the small one: test_a_body_with_mass_is_what_the_command_follows, reports/interface/test_results.py
 def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     arguments = (*DYNAMICS, "--until", "0.02", "--compare-masses", "-o")
     table, picture = tmp_path / "masses.csv", tmp_path / "masses.svg"

@@ -15,6 +15,7 @@ from nonsmooth.proofs.measurements import registry
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import INTERRUPTED, run
 from nonsmooth.reports.measurements import Stress
+from tests.thorough import thorough
 
 GOOD = judged("spirals", "loss 1e-3", "1e5 switches", 1e-13, 1e-12, condition=1e3, why="rounding")
 SILENT = refused("loads", "1e-3 outside", "the body tips there", expected=True)
@@ -30,6 +31,7 @@ def with_rows(monkeypatch: pytest.MonkeyPatch, *rows: ResultRow, interrupt: bool
     monkeypatch.setattr(registry, "CASES", (Case("family", array=case),))
 
 
+@thorough  # the small one: test_files
 def test_a_whole_system_prints_every_row(capsys: pytest.CaptureFixture[str]) -> None:
     status = run(app, ["stress", "line-of-equilibria", "--json"])
     output = capsys.readouterr()

@@ -10,6 +10,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from tests.thorough import thorough
 
 TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
 
@@ -84,6 +85,7 @@ def test_json_holds_the_load_that_refutes(tmp_path: Path, capsys: pytest.Capture
     assert sum(load) == pytest.approx(1)
 
 
+@thorough  # the small one: test_json_holds_the_load_that_refutes
 @pytest.mark.parametrize("rule", ["ellipse", "box"])
 def test_reports_show_the_load_that_refutes_and_say_what_is_about_one_load(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], rule: str

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -29,6 +29,7 @@ from nonsmooth.symbolic.formulas import LINE_BREAK, Formula, constant, number_la
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import examples
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 RADICAL = ("four-wheel", "rectangle", "off-center")  # SymPy decides sums of square roots by expanding
 SEEDS = range(6)
 ROUNDING = 1e-12  # relative, for floats of SymPy against floats of the field
-RANDOM = settings(max_examples=60)
+RANDOM = examples(60)
 
 
 def zero(expression: sympy.Expr) -> bool:

@@ -16,6 +16,7 @@ from mpmath import mp, mpf
 from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from tests.thorough import examples
 
 RANDOM = settings(max_examples=200)
 DIGITS = 40
@@ -137,7 +138,7 @@ LEAVES = st.one_of(
 TREES = st.recursive(LEAVES, lambda t: st.builds(combined, st.sampled_from("+-*"), t, t), max_leaves=5)
 
 
-@RANDOM
+@examples(200)
 @given(TREES)
 def test_random_formulas_agree_with_mpmath_and_come_back_from_their_text(tree: Tree) -> None:
     text, value, _ = tree
@@ -235,7 +236,7 @@ def test_random_text_is_refused_or_a_number_that_its_own_text_gives_back() -> No
 # ---- decimals ----------------------------------------------------------------------------------
 
 
-@RANDOM
+@examples(200)
 @given(st.decimals(allow_nan=False, allow_infinity=False, min_value=-(10**20), max_value=10**20, places=9))
 def test_decimals_are_exact(value: Decimal) -> None:
     assert decimal_value(str(value)) == Fraction(value)

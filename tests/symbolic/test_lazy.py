@@ -3,12 +3,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.thorough import examples
 
 FIELD = NumberField()
 ROOTS = [FIELD.sqrt(n) for n in (2, 3, 5, 7)]
@@ -23,7 +24,7 @@ def numbers(draw: st.DrawFn) -> Number:
     return total
 
 
-@settings(max_examples=150)
+@examples(150)
 @given(numbers(), numbers(), numbers())
 def test_lazy_arithmetic_equals_exact_arithmetic(a: Number, b: Number, c: Number) -> None:
     x, y, z = Lazy.of(a), Lazy.of(b), Lazy.of(c)

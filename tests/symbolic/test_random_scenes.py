@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.symbolic.files.scene_file import SceneError, load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import examples, thorough
 
 Strategy: TypeAlias = st.SearchStrategy[Any]
 
@@ -123,7 +124,7 @@ def outcome(path: Path, **overrides: Any) -> Scene | SceneError:
         return error
 
 
-@settings(max_examples=600)
+@examples(600)
 @given(document=DOCUMENTS, overrides=OVERRIDES | st.just({}))
 def test_random_documents(folder: Path, document: dict[str, object], overrides: dict[str, str]) -> None:
     (folder / "random.toml").write_text(toml_document(document), encoding="utf-8")
@@ -139,6 +140,7 @@ def test_random_documents(folder: Path, document: dict[str, object], overrides: 
         assert "a TOML document" not in scene.expected  # the test wrote valid TOML
 
 
+@thorough  # about all random cases, which `make bench` runs
 def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> None:
     scenes: list[Scene] = []
     keys: set[str] = set()
@@ -158,7 +160,7 @@ def test_random_documents_reach_both_outcomes_and_many_keys(folder: Path) -> Non
     assert {"wheel", "ring", "grid", "friction", "field", "contact", "check"} <= keys
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 def test_random_bytes(folder: Path, data: bytes) -> None:
     (folder / "bytes.toml").write_bytes(data)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.fields.system_field import system_field
@@ -18,6 +18,7 @@ from nonsmooth.symbolic.enclosures import Wave
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import examples
 
 NAMES = {
     **{"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt, "pi": math.pi, "Abs": abs, "Max": max, "Min": min},
@@ -74,7 +75,7 @@ def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
         assert min(values) - 1e-9 <= scale * expected <= max(values) + 1e-9
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(st.floats(-20, 20), st.sampled_from(["sin", "cos"]))
 def test_weights_of_waves_lie_between_zero_and_one(v: float, kind: str) -> None:
     e = wave_weight(Wave(kind, "v"), v)

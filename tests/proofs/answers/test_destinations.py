@@ -22,6 +22,7 @@ from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import keep, thorough
 
 # Eight wheels with headings and speeds drawn at random: the checked point is no equilibrium.
 RANDOM = """
@@ -95,11 +96,13 @@ def test_auto_takes_the_point_where_most_come_home() -> None:
     assert answers_of(check_theorem4(best))[0].verdict is Position.COMES_HOME
 
 
+@thorough  # the small one: test_auto_takes_the_point_where_most_come_home
 def test_auto_takes_the_middle_of_a_rest_area() -> None:
     best = at_best_point(load_scene("off-center", rule="box"))
     assert answers_of(check_theorem4(best))[0].verdict is Position.STAYS_NEAR
 
 
+@thorough  # the small one: test_auto_finds_a_point_where_the_body_stands, reports/test_bodies.py
 def test_auto_on_the_command_line(random_file: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(app, ["check", random_file, "--at", "auto", "--require", "position", "--json"]) in {0, 1, 3}
     assert '"answers"' in capsys.readouterr().out
@@ -108,12 +111,12 @@ def test_auto_on_the_command_line(random_file: str, capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["eq-3"], "required an array of wheels for --at auto, received a plain system"),
+        (["off-center", "--radius", "1/100"], "required a rest point in the checked square, found none"),
         (
             ["off-center", "--rule", "ellipse"],
             "required a rest point with simple coordinates under rule ellipse",
         ),
-        (["eq-3"], "required an array of wheels for --at auto, received a plain system"),
-        (["off-center", "--radius", "1/100"], "required a rest point in the checked square, found none"),
     ],
 )
 def test_auto_refuses_in_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -123,6 +126,7 @@ def test_auto_refuses_in_one_line(arguments: list[str], message: str, capsys: py
     assert message in err
 
 
+@thorough  # the small one: test_auto_without_cells_proves_the_point_that_floats_propose
 def test_without_cells_the_places_are_where_the_field_vanishes() -> None:
     found = destinations("off-center", rule="ellipse")
     (rest,) = [place for place in found.found if place.points]
@@ -136,12 +140,13 @@ def test_without_cells_the_places_are_where_the_field_vanishes() -> None:
     assert sum(place.share for place in found.found) == pytest.approx(1)
 
 
-def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand() -> None:
+@pytest.mark.parametrize("count", keep(1, [1, 3]))
+def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand(count: int) -> None:
     """Rollers turn all around it: the twist jumps there, and the field has no zero. Small steps end there too."""
     scene = load_scene("spiral-30", rule="roller")
-    ends = smooth_ends(scene, np.array([[0.3, 0.1], [-0.2, 0.25], [0.1, -0.3]]))
+    ends = smooth_ends(scene, np.array([[0.3, 0.1], [-0.2, 0.25], [0.1, -0.3]][:count]))
     assert ends.places.tolist() == [[0.0, 0.0]]
-    assert ends.reached.tolist() == [0, 0, 0]
+    assert ends.reached.tolist() == [0] * count
     place, step = np.array([0.3, 0.1]), 0.02
     for _ in range(40):
         ((vx, vy, omega),) = smooth_rule_of(scene).minima(scene, place[None]).twists

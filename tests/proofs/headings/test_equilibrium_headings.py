@@ -27,6 +27,7 @@ from nonsmooth.proofs.headings.slides import Fate
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 Field: TypeAlias = tuple[str, str]
@@ -186,6 +187,7 @@ def eval_fraction(text: str) -> float:
     return int(above) / int(below or 1)
 
 
+@thorough  # the small one: test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it
 def test_a_heading_returns_where_paths_come_back(tmp_path: Path) -> None:
     scene = fast(tmp_path)
     back = [entry for entry in found_at_point(scene).found if entry.verdict is Heading.RETURNS]
@@ -262,6 +264,7 @@ def test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it(
     assert np.abs(last - pose).max() < ARRIVED
 
 
+@thorough  # the small one: test_a_grid_of_headings_finds_what_is_listed_and_no_more
 def test_the_search_finds_the_mirror_images_of_what_it_finds(tmp_path: Path) -> None:
     """A half turn takes this scene into itself, and so its poses of rest."""
     found = headings_of_rest(swirl(tmp_path), around=True)

@@ -10,10 +10,12 @@ from nonsmooth.proofs.measurements.pruning import PRUNING, verdicts
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Rotation, Theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import thorough
 
 SECONDS = 120
 
 
+@thorough  # the small one: test_differing_verdicts_are_counted
 def test_no_verdict_differs_and_no_work_is_added() -> None:
     plan = PRUNING.build(load_scene("four-wheel"))
     found = {trial.method: trial.judge(trial.work(Clock(SECONDS))) for trial in plan.trials}

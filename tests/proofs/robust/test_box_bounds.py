@@ -24,6 +24,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -84,6 +85,7 @@ def test_no_array_of_the_box_breaks_the_rate(name: str, radius: str, monkeypatch
         assert (falling <= -float(found.kappa) * sizes + ROUNDING).all()
 
 
+@thorough  # the small one: test_no_array_of_the_box_breaks_the_rate
 def test_paths_end_in_the_disc_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Euler's steps; a path may be outside by a step, for it slides along borders of cells."""
     scene, found = disc_of("four-wheel", "7/10", monkeypatch)

@@ -19,6 +19,7 @@ from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
+from tests.thorough import thorough
 
 Record: TypeAlias = dict[str, Any]
 
@@ -33,6 +34,7 @@ def certificate(scene: Scene) -> Record:
     return build_certificate(check_cells(scene))
 
 
+@thorough  # the small one: test_arrays_of_the_box_obey_the_certificate
 def test_the_bound_is_nearly_the_one_of_the_check(scene: Scene, certificate: Record, tmp_path: Path) -> None:
     found = decide_robust(scene)
     assert found is not None
@@ -46,7 +48,7 @@ def test_the_bound_is_nearly_the_one_of_the_check(scene: Scene, certificate: Rec
     assert "within the tolerances: bodies from within 0.05 end within 0.003385" in text
 
 
-@pytest.mark.parametrize("name", ["ring-5", "ring-6", "rectangle"])
+@pytest.mark.parametrize("name", ["rectangle", "ring-5", "ring-6"])
 def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
     certificate = build_certificate(check_cells(with_box(name, tmp_path)))
     assert check_certificate(certificate) == ""

@@ -20,6 +20,7 @@ from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -126,6 +127,7 @@ def test_no_array_of_the_box_breaks_the_bound(name: str, tmp_path: Path) -> None
     assert ((points * moved).sum(axis=1) <= -float(bound.kappa) * sizes * (1 - ROUNDING)).all()
 
 
+@thorough  # the small one: test_no_array_of_the_box_breaks_the_bound
 def test_paths_end_in_the_disc_in_time_and_stay(tmp_path: Path) -> None:
     """Euler's steps of 100 arrays from 32 starts each: no path is outside after the time, but for one step."""
     scene = table(tmp_path)

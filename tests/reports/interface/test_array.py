@@ -20,6 +20,7 @@ from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import thorough
 
 MU: dict[str, Any] = {"mu_roll": 1, "mu_side": "1/2"}
 
@@ -139,6 +140,7 @@ def test_results_print_in_few_lines(name: str) -> None:
     assert "<table" in result._repr_html_()
 
 
+@thorough  # the small one: test_a_path_is_that_of_the_command, test_results.py
 def test_paths_of_every_kind() -> None:
     array = ring()
     opened, closed = (array.simulate((0.2, 0.1, 0.3), until=1, feedback=law) for law in (False, True))
@@ -166,6 +168,7 @@ def test_plots_draw_on_the_axes_given() -> None:
     plt.close("all")
 
 
+@thorough  # the small one: test_a_report_is_the_file_of_the_command, test_results.py
 def test_reports_are_written(tmp_path: Path) -> None:
     written = ring(name="mine").report(tmp_path / "mine.md")
     assert written.read_text(encoding="utf-8").startswith("# Derivation report: mine")

@@ -22,6 +22,7 @@ from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point, read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -231,6 +232,7 @@ def test_tables_files_and_python_say_the_same(invoke: Invoke, tmp_path: Path) ->
     assert json.loads(result.save(tmp_path / "t.json").read_text(encoding="utf-8"))["rows"] == record["rows"]
 
 
+@thorough  # the small one: test_tables_files_and_python_say_the_same
 def test_pictures_hold_strips_and_maps(invoke: Invoke, tmp_path: Path) -> None:
     store = ("--store", "r.sqlite", "--workers", "1")
     assert invoke("sweep", "four-wheel", "--vary", "mu_side=1/2:3/2:2", "-o", "a.svg", *store).status == 0
@@ -311,6 +313,7 @@ def test_a_record_may_be_made_twice() -> None:
     assert outcome_of(base, paths, ("1/2",)) == outcome_of(base, paths, ("1/2",))
 
 
+@thorough  # the small one: test_a_wheel_of_a_table_varies_on_its_own
 @pytest.mark.parametrize("name", ["ring-6", "grid-4x4"])
 def test_a_wheel_of_a_layout_varies_on_its_own(invoke: Invoke, tmp_path: Path, name: str) -> None:
     """As in the scene whose wheels are written one by one; the others stay where they are."""

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -22,9 +22,10 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import partition_forms
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.thorough import examples
 
 FIELD = NumberField()
-RANDOM = settings(derandomize=True, database=None, deadline=None, max_examples=60)
+RANDOM = examples(60)
 
 
 def directions(*pairs: tuple[int, int]) -> list[Direction]:
