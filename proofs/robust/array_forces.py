@@ -23,6 +23,7 @@ from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 
 Floats: TypeAlias = NDArray[np.float64]
 Pair: TypeAlias = tuple[Intervals, Intervals]
+BallPair: TypeAlias = tuple[arb, arb]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
 ROUNDED = arb(2) ** -40  # of a ray's angle: rays are rounded to doubles
@@ -74,11 +75,22 @@ class PieceForces:
     @classmethod
     def of(cls, bound: ArrayBox, pieces: Sequence[Piece]) -> PieceForces:
         """Of all arrays of a box."""
-        wheels, forms = bound.wheels, bound.loads.forms
         angles = [(arb(as_fmpq(piece.width)) * arb.pi() + ROUNDED) * arb(0, 1) for piece in pieces]
         turns = [arb(as_fmpq(2 * piece.start + piece.width)) for piece in pieces]
         rays = [(turn.cos_pi(), turn.sin_pi()) for turn in turns]
-        hulls = [_hull(piece, ray) for piece, ray in zip(pieces, rays, strict=True)]
+        return cls._of(bound, angles, rays, [_hull(piece, ray) for piece, ray in zip(pieces, rays, strict=True)])
+
+    @classmethod
+    def at_point(cls, bound: ArrayBox) -> PieceForces:
+        """With the body at the origin, as for one quadrangle; ``e_0`` is the x axis."""
+        zero, one = arb(0), arb(1)
+        return cls._of(bound, [zero], [(one, zero)], [((zero, zero), (zero, zero))])
+
+    @classmethod
+    def _of(
+        cls, bound: ArrayBox, angles: list[arb], rays: list[tuple[arb, arb]], hulls: list[tuple[BallPair, BallPair]]
+    ) -> PieceForces:
+        wheels, forms = bound.wheels, bound.loads.forms
         moved = [[_moved(wheel, *ray) for wheel in wheels] for ray in rays]
         along, across, turned = (
             (_table([[of[k][0] for of in row] for row in moved]), _table([[of[k][1] for of in row] for row in moved]))
@@ -156,7 +168,7 @@ def _moved(wheel: BoxWheel, x: arb, y: arb) -> list[tuple[arb, arb]]:
     return [wheel.moved((x, y, zero)), wheel.moved((-y, x, zero)), wheel.moved((zero, zero, arb(1)))]
 
 
-def _hull(piece: Piece, ray: tuple[arb, arb]) -> tuple[tuple[arb, arb], tuple[arb, arb]]:
+def _hull(piece: Piece, ray: BallPair) -> tuple[BallPair, BallPair]:
     """A point on the middle ray of a quadrangle, and balls of how far its places are from it, along and across."""
     x, y = ray
     corners = [(arb(as_fmpq(a)), arb(as_fmpq(b))) for a, b in piece.corners]

@@ -1,8 +1,9 @@
-"""Feedback under rule ``box``, the law computed from the scene, the true array anywhere within its tolerances.
+"""Feedback by imposed twists, the law computed from the scene, the true array anywhere within its tolerances.
 
 The law commands multiples of three twists ``xi_m``, by the rims' speeds of the scene.  Under these speeds every
-minimizer xi of every array of the box satisfies ``|xi - xi_m| <= rho`` (bounds of ``+-e_k . xi`` by
-:mod:`nonsmooth.proofs.robust.box_bound`), and so do multiples, for D is homogeneous in twist and speeds.  With
+minimizer xi of every array of the box satisfies ``|xi - xi_m| <= rho`` (rule ``box``: bounds of ``+-e_k . xi`` by
+:mod:`nonsmooth.proofs.robust.box_bound`; rules with friction sets: :mod:`nonsmooth.proofs.robust.imposed_twist`), and
+so do multiples, for D is homogeneous in twist and speeds.  With
 ``g = (c, l theta)``, ``V = |g|^2`` and the xi_m of the largest ``x = |g . xi_m|/|g| >= sqrt(kappa)``::
 
     V'/2 = -k (g . xi_m)(g . xi) <= -k (x^2 - rho x) |g|^2 <= -k sqrt(kappa) (sqrt(kappa) - rho) V.
@@ -13,9 +14,11 @@ the array is wrong in proportion to what is commanded.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,12 +27,16 @@ from flint import arb, ctx
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
 from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
+from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
 from nonsmooth.proofs.robust.load_box import LoadBox, load_box
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
@@ -38,6 +45,9 @@ if TYPE_CHECKING:
 
 PRECISION = 64  # bits of the balls
 PUSHES = (0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)  # of the friction of all wheels
+ONE_PAIR = (
+    "near the point the law drives one pair of wheels at a time, and within the tolerances another pair may carry there"
+)
 NEARBY = 1 - Fraction(1, 2**20)  # of a rate at the point: it holds near the point too
 STILL = Fraction(0)
 
@@ -65,28 +75,58 @@ def decide_robust_loop(scene: Scene, feedback: AnyFeedback) -> RobustLoop | None
     box = scene.tolerances
     if box is None or feedback.verdict is not Feedback.STABILIZABLE:
         return None
-    if scene.contact.rule != "box":
-        return RobustLoop(None, f"for feedback tolerances are followed under rule box, not under {scene.contact.rule}")
-    if box.centre_of_mass:
-        return RobustLoop(None, "the law measures the pose at the centre of mass, and that is not known exactly")
     cones: tuple[LawCone, ...] = getattr(feedback, "cones", ())
-    if len(cones) != 1:
-        return RobustLoop(None, "frictions balance exactly at the point, and within the tolerances they do not")
-    plain = with_rims_along_axes(scene.recentred())
-    if plain is None or len(scene.wheels) > MAX_WHEELS:
-        return RobustLoop(None, f"feedback is followed for up to {MAX_WHEELS} wheels driven along their friction axes")
+    reason = _why_not(scene, box, cones)
+    if reason:
+        return RobustLoop(None, reason)
     kappa = feedback.certified_kappa
     if kappa is None:
         return None
-    return _decided(plain, box, cones[0].vectors, kappa)
+    centred = scene.recentred()
+    if scene.contact.rule in FORCE_LAWS:
+        own = in_own_length(centred)
+        shrunk = box.scaled(1 / scene.check.length)
+        return _decided(own, shrunk, kappa, partial(_smooth_error, own, shrunk, cones[0], kappa))
+    plain = with_rims_along_axes(centred)
+    if plain is None or len(scene.wheels) > MAX_WHEELS:
+        return RobustLoop(None, f"feedback is followed for up to {MAX_WHEELS} wheels driven along their friction axes")
+    return _decided(plain, box, kappa, partial(_box_error, plain, box, cones[0]))
 
 
-def _decided(scene: Scene, box: Tolerance, twists: Sequence[Triple], kappa: Fraction) -> RobustLoop:
+def _why_not(scene: Scene, box: Tolerance, cones: Sequence[LawCone]) -> str:
+    """Why no law is followed; empty where it is."""
+    if scene.contact.rule not in ("box", *FORCE_LAWS):
+        return ONE_PAIR
+    if isinstance(scene.contact.loads, UnknownLoads):
+        return "the loads are not known"
+    if box.centre_of_mass:
+        return "the law measures the pose at the centre of mass, and that is not known exactly"
+    if len(cones) != 1:
+        return "frictions balance exactly at the point, and within the tolerances they do not"
+    return ""
+
+
+def _box_error(scene: Scene, box: Tolerance, cone: LawCone, number: int, loads: LoadBox) -> arb | None:
+    """Under rule ``box``."""
+    return _CommandedTwist(scene, box, loads, cone.vectors[number]).error()
+
+
+def _smooth_error(
+    own: Scene, box: Tolerance, cone: LawCone, kappa: Fraction, number: int, loads: LoadBox
+) -> arb | None:
+    """Under the rules ``ellipse`` and ``roller``."""
+    return distance_of_minimizers(own, box, loads, cone.twists[number], math.sqrt(kappa))
+
+
+def _decided(
+    scene: Scene, box: Tolerance, kappa: Fraction, error_of: Callable[[int, LoadBox], arb | None]
+) -> RobustLoop:
+    """From the errors of the three twists."""
     with ctx.workprec(PRECISION):
         loads = load_box(scene, box.position.ball())
         if loads is None or not all(load > 0 for load in loads.at((arb(0), arb(0)))):
             return RobustLoop(None, "a wheel may lift off at the point")
-        errors = [_CommandedTwist(scene, box, loads, twist).error() for twist in twists]
+        errors = [error_of(number, loads) for number in range(3)]
         known = [error for error in errors if error is not None]
         if len(known) < len(errors):
             return RobustLoop(None, "a twist that the law commands may slip away within the tolerances")

@@ -9,16 +9,23 @@ from typing import cast
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_sets
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.feedback import decide_robust_loop
+from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.tolerances import Tolerance
 from tests.built_in import checked
 from tests.proofs.robust.test_box_bounds import Floats, small_box
+from tests.proofs.robust.test_smooth_discs import box_of
+from tests.thorough import keep
 
 NAMES = ("ring-5", "spiral-30", "saddle", "conveyor-3")
 
@@ -87,7 +94,10 @@ def test_without_tolerances_the_rate_is_that_of_the_law() -> None:
 
 
 def test_what_is_not_followed_is_said() -> None:
-    for name, rule, said in (("four-wheel", "box", "balance exactly"), ("four-wheel", "nearest", "under rule box")):
+    for name, rule, said in (
+        ("four-wheel", "box", "balance exactly"),
+        ("four-wheel", "nearest", "another pair may carry"),
+    ):
         scene = load_scene(name, rule=rule)
         feedback = checked(name, rule).results["feedback"]
         loop = decide_robust_loop(replace(scene, tolerances=small_box(scene)), cast("DrivenFeedback", feedback))
@@ -98,3 +108,44 @@ def test_what_is_not_followed_is_said() -> None:
     loop = decide_robust_loop(scene, feedback)
     assert loop is not None
     assert loop.rate is None
+
+
+# ---- rules with friction sets --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "saddle", "spiral-30"]))
+def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str, rule: str) -> None:
+    """The speeds are those that the law states; minimizers by interior points, for corners of the box and others."""
+    scene = load_scene(name, rule=rule)
+    feedback = cast("DrivenFeedback", check_smooth(scene).results["feedback"])
+    box = box_of(scene, Fraction(1, 100))
+    loop = decide_robust_loop(replace(scene, tolerances=box), feedback)
+    assert loop is not None
+    assert loop.rate is not None
+    assert feedback.certified_kappa is not None
+    assert 0 < loop.rate < feedback.certified_kappa
+    own = in_own_length(replace(scene, tolerances=box).recentred())
+    cone, rng = feedback.cones[0], np.random.default_rng(9)
+    twists = np.array([[float(x) for x in twist] for twist in cone.vectors])
+    speeds = [np.array(rim_speeds(own, imposed)) for imposed in cone.twists]
+    assert own.tolerances is not None
+    for k in range(40):
+        g = rng.normal(size=3)
+        products = twists @ g
+        m = int(np.argmax(np.abs(products)))
+        model = drawn(own, own.tolerances, -products[m] * speeds[m], rng, corner=k % 2 == 0)
+        if rule == "roller":
+            pairs = model.friction.reshape(-1, 2).tolist()
+            model = with_friction_sets(model, [FrictionSet(a, a, min(b / a, 1.0)) for a, b in pairs])
+        moved = EllipseInterior().minimize(model, loads_at(model, 1e-9 * g[None, :2])).twists[0]
+        assert g @ moved <= -float(loop.rate) * (g @ g) + 1e-6
+
+
+def test_large_tolerances_leave_the_law_undecided() -> None:
+    scene = load_scene("ring-5", rule="ellipse")
+    feedback = cast("DrivenFeedback", check_smooth(scene).results["feedback"])
+    loop = decide_robust_loop(replace(scene, tolerances=box_of(scene, Fraction(3))), feedback)
+    assert loop is not None
+    assert loop.rate is None
+    assert "slip away" in loop.reason
