@@ -1,0 +1,70 @@
+"""Proofs of ``p > 0`` on basic semialgebraic sets: floats propose sums of squares, rational arithmetic decides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from flint import fmpq
+
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_ansatz
+from nonsmooth.proofs.sums_of_squares.certificate import Claim, SumOfSquares
+from nonsmooth.proofs.sums_of_squares.conic_program import solve
+from nonsmooth.proofs.sums_of_squares.rounding import rounded
+from nonsmooth.symbolic.numbers.polynomial import Exponents
+
+LEVELS = (0, 1)  # degrees beyond that of p, in steps of two
+INNER = (1 / 8, 0.0)  # parts of the margin by which Gram matrices beside guards are definite, tried in turn
+MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long
+
+
+@dataclass(frozen=True)
+class Proved:
+    """A claim with its evidence."""
+
+    claim: Claim
+    evidence: SumOfSquares
+
+    def check(self) -> bool:
+        """Compare coefficients and eliminate again."""
+        return self.evidence.proves(self.claim)
+
+
+def prove_positive(condition: Condition) -> Proved | None:
+    """A proof of a condition without parameters; None where none is found, which refutes nothing."""
+    scaled = normalized(condition)
+    for level in LEVELS:
+        ansatz = build_ansatz(scaled, level)
+        claim = Claim(scaled.constant, ansatz.guards, scaled.variables, scaled.at_origin)
+        if sum(len(block.monomials) ** 2 for block in ansatz.blocks) > 2 * MOST_UNKNOWNS:
+            return None
+        for inner in INNER:
+            solution = solve([(scaled, ansatz)], 0, inner=inner, bounded=False)
+            if solution is None:
+                continue
+            evidence = rounded(claim, ansatz, solution.grams[0])
+            if evidence is not None:
+                return Proved(claim, evidence)
+    return None
+
+
+def normalized(condition: Condition) -> Condition:
+    """The same condition with p and guards divided by powers of two near their largest coefficients."""
+    guards = tuple(_divided(guard, _size(guard)) for guard in condition.guards)
+    sizes = [_size(terms) for terms in (condition.constant, *condition.slopes.values()) if terms]
+    size = max(sizes, default=fmpq(1))
+    slopes = {k: _divided(slope, size) for k, slope in condition.slopes.items()}
+    return replace(condition, constant=_divided(condition.constant, size), slopes=slopes, guards=guards)
+
+
+def _size(terms: Mapping[Exponents, fmpq]) -> fmpq:
+    """A power of two that is at most twice the largest coefficient, and at least half of it."""
+    largest = max((abs(c) for c in terms.values()), default=fmpq(0))
+    if not largest:
+        return fmpq(1)
+    shift = int(largest.p).bit_length() - int(largest.q).bit_length()
+    return fmpq(2**shift) if shift >= 0 else fmpq(1, 2**-shift)
+
+
+def _divided(terms: Mapping[Exponents, fmpq], size: fmpq) -> dict[Exponents, fmpq]:
+    return {e: c / size for e, c in terms.items() if c}
