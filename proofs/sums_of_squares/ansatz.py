@@ -58,6 +58,36 @@ class Ansatz:
     blocks: tuple[Block, ...]
 
 
+def build_guards(condition: Condition) -> tuple[Mapping[Exponents, fmpq], ...]:
+    """The guards, ``1 - b^2`` for each bound, and ``1 - b``, ``1 + b``."""
+    one = {(0,) * condition.variables: fmpq(1)}
+    squares = [_less(one, multiply_terms(b, b)) for b in condition.bounds]
+    sides = [side for b in condition.bounds for side in (_less(one, b), _less(one, _negative(b)))]
+    return (*condition.guards, *squares, *sides)
+
+
+def without_idle(ansatz: Ansatz, support: Collection[Exponents]) -> Ansatz:
+    """Without monomials whose squares nothing can cancel: their rows of the plain Gram matrix could only be zero.
+
+    A square stands for itself where p, a product of two other monomials, or a block beside guards reaches it.
+    """
+    first, *others = ansatz.blocks
+    beside = {
+        tuple(map(int.__add__, e, shift))
+        for block in others
+        for shift in reached(block.monomials)
+        for e in block.product
+    }
+    kept = list(first.monomials)
+    while True:
+        mixed = {tuple(map(int.__add__, a, b)) for a, b in combinations(kept, 2)}
+        alive = {*support, *beside, *mixed}
+        needed = [a for a in kept if tuple(2 * e for e in a) in alive]
+        if len(needed) == len(kept):
+            return Ansatz(ansatz.guards, (Block((), first.product, tuple(kept)), *others))
+        kept = needed
+
+
 def build_ansatz(condition: Condition, level: int = 0) -> Ansatz:
     """The blocks for a condition.
 
@@ -72,11 +102,9 @@ def build_ansatz(condition: Condition, level: int = 0) -> Ansatz:
     low = 0 if beyond or condition.at_origin else order
     half = max((degree + 1) // 2, 1) + level
     one = {zero: fmpq(1)}
-    squares = [_less(one, multiply_terms(b, b)) for b in condition.bounds]
-    sides = [side for b in condition.bounds for side in (_less(one, b), _less(one, _negative(b)))]
-    guards = (*condition.guards, *squares, *sides)
+    guards = build_guards(condition)
     blocks = [Block((), one, monomials_between(count, (low + 1) // 2, half))]
-    for factors in _products(len(condition.guards), len(squares), guards):
+    for factors in _products(len(condition.guards), len(condition.bounds), guards):
         product: Terms = dict(one)
         for k in factors:
             product = multiply_terms(product, guards[k])

@@ -21,19 +21,21 @@ RationalMatrix: TypeAlias = tuple[tuple[fmpq, ...], ...]
 
 @dataclass(frozen=True)
 class Claim:
-    """``p > 0`` where all guards are ``>= 0``; at the origin only if ``at_origin``.
+    """``p > 0`` where all guards are ``>= 0``, at the origin only if ``at_origin``; or ``p >= 0`` there.
 
     Attributes:
         terms: of p, rational coefficients by exponents.
         guards: the same for each g.
         variables: how many.
         at_origin: whether p must be positive at the origin too.
+        strict: whether ``p >= 0`` is not enough.
     """
 
     terms: Mapping[Exponents, fmpq]
     guards: tuple[Mapping[Exponents, fmpq], ...]
     variables: int
     at_origin: bool = False
+    strict: bool = True
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ class SumOfSquares:
             total = add_terms(total, term.expanded(claim.guards))
         if total != {e: c for e, c in claim.terms.items() if c}:
             return False
+        if not claim.strict:
+            return all(is_semidefinite(term.gram) for term in self.terms)
         first, *others = self.terms
         separates = is_one(first.monomials) or (not claim.at_origin and has_pure_powers(first.monomials))
         return separates and is_definite(first.gram) and all(is_semidefinite(term.gram) for term in others)

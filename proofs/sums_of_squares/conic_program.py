@@ -53,7 +53,7 @@ class _Rows:
 
 
 def solve(
-    problems: Sequence[tuple[Condition, Ansatz]], parameters: int, *, inner: float, bounded: bool
+    problems: Sequence[tuple[Condition, Ansatz]], parameters: int, *, inner: float, bounded: bool, strict: bool = True
 ) -> Solution | None:
     """Maximize the margin; None where none is found.
 
@@ -62,6 +62,7 @@ def solve(
         parameters: how many the conditions share.
         inner: by which part of the margin the Gram matrices beside guards must be definite.
         bounded: whether the parameters lie between -1 and 1.
+        strict: whether the margin must be positive.
     """
     import clarabel
     from scipy import sparse
@@ -96,7 +97,7 @@ def solve(
     nothing = sparse.csc_matrix((total, total))
     found = clarabel.DefaultSolver(nothing, price, rows, np.array(right), cones, settings).solve()
     values = np.asarray(found.x)
-    if not len(values) or not np.all(np.isfinite(values)) or not values[margin] > 0:
+    if not len(values) or not np.all(np.isfinite(values)) or (strict and not values[margin] > 0):
         return None
     grams = tuple(
         tuple(_symmetric(values, start, len(block.monomials)) for block, start in zip(ansatz.blocks, own, strict=True))

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from flint import fmpq
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_ansatz
-from nonsmooth.proofs.sums_of_squares.certificate import Claim, SumOfSquares
+from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz, build_guards, without_idle
+from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares
 from nonsmooth.proofs.sums_of_squares.conic_program import solve
 from nonsmooth.proofs.sums_of_squares.rounding import rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
@@ -25,26 +25,45 @@ class Proved:
     claim: Claim
     evidence: SumOfSquares
 
-    def check(self) -> bool:
-        """Compare coefficients and eliminate again."""
-        return self.evidence.proves(self.claim)
+    def proves_condition(self, condition: Condition) -> bool:
+        """Whether the claim is a condition without parameters, and follows from the evidence."""
+        asked = claim_of(normalized(condition), strict=self.claim.strict)
+        return not condition.slopes and self.claim == asked and self.evidence.proves(self.claim)
 
 
-def prove_positive(condition: Condition) -> Proved | None:
-    """A proof of a condition without parameters; None where none is found, which refutes nothing."""
+def prove_positive(condition: Condition, *, weakly: bool = False) -> Proved | None:
+    """A proof of a condition without parameters; None where none is found, which refutes nothing.
+
+    Args:
+        condition: with numbers for all parameters.
+        weakly: whether ``p >= 0`` is proved where ``p > 0`` is not.
+    """
     scaled = normalized(condition)
     for level in LEVELS:
         ansatz = build_ansatz(scaled, level)
-        claim = Claim(scaled.constant, ansatz.guards, scaled.variables, scaled.at_origin)
         if sum(len(block.monomials) ** 2 for block in ansatz.blocks) > 2 * MOST_UNKNOWNS:
-            return None
-        for inner in INNER:
-            solution = solve([(scaled, ansatz)], 0, inner=inner, bounded=False)
-            if solution is None:
-                continue
-            evidence = rounded(claim, ansatz, solution.grams[0])
-            if evidence is not None:
-                return Proved(claim, evidence)
+            break
+        found = _found(scaled, ansatz, strict=True)
+        if found is not None:
+            return found
+    return _found(scaled, without_idle(build_ansatz(scaled), scaled.support), strict=False) if weakly else None
+
+
+def claim_of(condition: Condition, *, strict: bool) -> Claim:
+    """What a condition without parameters claims."""
+    guards = build_guards(condition)
+    return Claim(condition.constant, guards, condition.variables, condition.at_origin, strict)
+
+
+def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | None:
+    claim = claim_of(condition, strict=strict)
+    if not strict and not condition.constant:
+        return Proved(claim, SumOfSquares((SquareTerm((), (), ()),)))
+    for inner in INNER:
+        solution = solve([(condition, ansatz)], 0, inner=inner, bounded=False, strict=strict)
+        evidence = None if solution is None else rounded(claim, ansatz, solution.grams[0])
+        if evidence is not None:
+            return Proved(claim, evidence)
     return None
 
 

@@ -1,0 +1,163 @@
+"""The cells of a system in many states: the patterns of signs of its switching surfaces that the checked cube has.
+
+A pattern of affine surfaces is left out only where its open cell is proved to be empty in the cube (an exact linear
+program).  Curved surfaces are taken with both signs: a pattern too many adds an inequality, and never a wrong verdict,
+because F is then the hull of more velocities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from flint import fmpq
+
+from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
+
+MAX_SURFACES = 12
+MAX_CELLS = 160
+
+Signs: TypeAlias = tuple[int, ...]
+RationalTerms: TypeAlias = dict[Exponents, fmpq]
+
+
+class BeyondReachError(ValueError):
+    """A system or a V that is not decided here, with the reason for people."""
+
+
+@dataclass(frozen=True)
+class SignCell:
+    """An open cell of the cube.
+
+    Attributes:
+        signs: of every surface.
+        velocities: one for each right-hand side, in the displacement.
+    """
+
+    signs: Signs
+    velocities: tuple[tuple[RationalTerms, ...], ...]
+
+
+@dataclass(frozen=True)
+class SignCells:
+    """The cells of a cube about the checked point.
+
+    Attributes:
+        states: names of the states; every polynomial is in the displacement.
+        surfaces: the switching surfaces of the system, and of a V.
+        cells: the patterns of signs that the cube has, with the fields.
+        radius: half the side of the cube.
+    """
+
+    states: tuple[str, ...]
+    surfaces: tuple[Polynomial, ...]
+    cells: tuple[SignCell, ...]
+    radius: fmpq
+
+    @property
+    def are_cones(self) -> bool:
+        """Whether every surface is a hyperplane through the point."""
+        return all(s.degree == 1 and s.is_homogeneous for s in self.surfaces)
+
+
+def build_cells(
+    system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = (), *, backward: bool = False
+) -> SignCells:
+    """The cells of a cube.
+
+    Args:
+        system: in any number of states.
+        radius: half the side of the cube.
+        more: further surfaces, of a V.
+        backward: whether time is reversed.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        SceneError: for formulas that cannot be used.
+    """
+    states = system.displaced(system.states)
+    surfaces = tuple(dict.fromkeys(s for s in (*system.surfaces(states), *more) if s.degree))
+    if len(surfaces) > MAX_SURFACES:
+        raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
+    found = []
+    for signs in _patterns(surfaces, radius, ()):
+        if len(found) == MAX_CELLS:
+            raise BeyondReachError(f"over {MAX_CELLS} cells")
+        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        fields = (member.velocity(sign_of, states) for member in system.members)
+        turn = -1 if backward else 1
+        velocities = tuple(tuple(rational_terms(part * turn) for part in field) for field in fields)
+        found.append(SignCell(signs, velocities))
+    return SignCells(system.states, surfaces, tuple(found), rational(radius))
+
+
+def rational(number: Number) -> fmpq:
+    """A number as a fraction.
+
+    Raises:
+        BeyondReachError: for an irrational one.
+    """
+    found = number.as_rational()
+    if found is None:
+        raise BeyondReachError("numbers with roots in more than two states")
+    return found
+
+
+def rational_terms(polynomial: Polynomial) -> RationalTerms:
+    """A polynomial with rational coefficients.
+
+    Raises:
+        BeyondReachError: for irrational ones.
+    """
+    return {exponents: rational(value) for exponents, value in polynomial.terms.items()}
+
+
+def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[Polynomial, ...]:
+    """The surfaces on which a formula of the displacement switches.
+
+    Raises:
+        SceneError: for a formula that is no polynomial on any piece.
+    """
+    asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
+    return tuple(surface for surface in asked.surfaces() if surface.degree)
+
+
+def piece_on(system: SwitchedSystem, formula: PiecewiseExpression, signs: Mapping[Polynomial, int]) -> Polynomial:
+    """The polynomial that a formula of the displacement is where its surfaces have given signs."""
+    values = dict(zip(system.states, system.coordinates(), strict=True))
+    return formula.polynomial(values, signs_by_factors(signs))
+
+
+def _patterns(surfaces: Sequence[Polynomial], radius: Number, known: Signs) -> Iterator[Signs]:
+    """All patterns that begin with known signs, whose cells are not proved empty."""
+    if len(known) == len(surfaces):
+        yield known
+        return
+    for sign in (1, -1):
+        signs = (*known, sign)
+        affine = [s * e for s, e in zip(surfaces, signs, strict=False) if s.degree == 1]
+        if surfaces[len(known)].degree > 1 or not is_empty(affine, radius):
+            yield from _patterns(surfaces, radius, signs)
+
+
+def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
+    """Whether affine forms are positive together nowhere in the open cube: a mixture of all is not positive (Gordan)."""
+    if not forms:
+        return False
+    field, count = forms[0].field, len(forms[0].variables)
+    units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
+    zero = (0,) * count
+    columns = [(*(form.terms.get(unit, field.zero) for unit in units), field.one) for form in forms]
+    prices = [-form.terms.get(zero, field.zero) for form in forms]
+    for k in range(count):
+        for side in (1, -1):
+            columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
+            prices.append(-radius)
+    target = (*(field.zero for _ in range(count)), field.one)
+    found = best_mixture(columns, target, prices)
+    return found is not None and found.value.sign() >= 0
