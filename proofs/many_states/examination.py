@@ -80,7 +80,7 @@ class Examination:
     @property
     def is_homogeneous(self) -> bool:
         """Whether cells are cones and every inequality is about forms: then it holds at every distance."""
-        conditions = (i.question.condition for i in self.inequalities)
+        conditions = (with_values(i.question.condition, i.mu) for i in self.inequalities)
         return self.cells.are_cones and all(len({sum(e) for e in c.support}) <= 1 for c in conditions)
 
 

@@ -15,11 +15,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import combinations_with_replacement
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.many_states.faces import unit
+from nonsmooth.proofs.many_states.function_families import Function, formula_text
 from nonsmooth.proofs.many_states.samples import exact_value
 from nonsmooth.proofs.many_states.sign_cells import SignCell, SignCells, rational_terms
 from nonsmooth.proofs.sums_of_squares.certificate import RationalMatrix, is_definite
@@ -47,11 +49,13 @@ class LinearPart:
         matrix: A.
         spectrum: what is known of it.
         quadratic: P of a V with ``A^T P + P A`` negative definite; None unless A is Hurwitz.
+        is_whole: whether the field is ``A x`` in the whole space.
     """
 
     matrix: RationalMatrix
     spectrum: Spectrum
     quadratic: RationalMatrix | None
+    is_whole: bool
 
 
 def linear_part(cells: SignCells) -> LinearPart | None:
@@ -65,7 +69,8 @@ def linear_part(cells: SignCells) -> LinearPart | None:
     matrix = matrices.pop()
     linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
     spectrum = spectrum_of(matrix, linear=linear)
-    return LinearPart(matrix, spectrum, _quadratic(matrix) if spectrum is Spectrum.HURWITZ else None)
+    quadratic = _quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
+    return LinearPart(matrix, spectrum, quadratic, linear and not cells.surfaces)
 
 
 def adjoining(cells: SignCells) -> list[SignCell]:
@@ -124,6 +129,17 @@ def _quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
         if is_definite(found) and is_definite(lyapunov_product(matrix, found)):
             return found
     return exact
+
+
+def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
+    """``x^T P x`` as a formula."""
+    pairs = combinations_with_replacement(range(len(states)), 2)
+    functions, coefficients = [], []
+    for i, j in pairs:
+        text = f"{states[i]}**2" if i == j else f"{states[i]}*{states[j]}"
+        functions.append(Function(text, 2))
+        coefficients.append(quadratic[i][j] * (1 if i == j else 2))
+    return formula_text(functions, coefficients)
 
 
 def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:

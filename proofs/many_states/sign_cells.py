@@ -85,7 +85,7 @@ def build_cells(
     if len(surfaces) > MAX_SURFACES:
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
     found = []
-    for signs in _patterns(surfaces, radius, ()):
+    for signs in patterns(surfaces, radius):
         if len(found) == MAX_CELLS:
             raise BeyondReachError(f"over {MAX_CELLS} cells")
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
@@ -133,7 +133,7 @@ def piece_on(system: SwitchedSystem, formula: PiecewiseExpression, signs: Mappin
     return formula.polynomial(values, signs_by_factors(signs))
 
 
-def _patterns(surfaces: Sequence[Polynomial], radius: Number, known: Signs) -> Iterator[Signs]:
+def patterns(surfaces: Sequence[Polynomial], radius: Number, known: Signs = ()) -> Iterator[Signs]:
     """All patterns that begin with known signs, whose cells are not proved empty."""
     if len(known) == len(surfaces):
         yield known
@@ -142,7 +142,7 @@ def _patterns(surfaces: Sequence[Polynomial], radius: Number, known: Signs) -> I
         signs = (*known, sign)
         affine = [s * e for s, e in zip(surfaces, signs, strict=False) if s.degree == 1]
         if surfaces[len(known)].degree > 1 or not is_empty(affine, radius):
-            yield from _patterns(surfaces, radius, signs)
+            yield from patterns(surfaces, radius, signs)
 
 
 def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:

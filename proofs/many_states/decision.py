@@ -1,0 +1,270 @@
+"""Strong stability of the checked point of a plain system in three states and more.
+
+1. ``0`` must be in F at the point; otherwise every solution leaves it.
+2. The linearization, where there is one (:mod:`nonsmooth.proofs.many_states.linear_part`).
+3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
+4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
+   have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
+5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.instability`).
+6. A V that does not increase: ``stable``, and whether the point attracts is left open.
+
+Rays, fans, leading terms and LaSalle's principle are used for two states only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
+from nonsmooth.proofs.many_states.denominators import require_denominators
+from nonsmooth.proofs.many_states.examination import Examination, examine, questions_on
+from nonsmooth.proofs.many_states.instability import Growth, find_growth
+from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, adjoining, linear_part, quadratic_text
+from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, build_cells
+from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+class Method(StrEnum):
+    """What decided."""
+
+    EQUILIBRIUM = "no equilibrium"
+    LYAPUNOV = "Lyapunov function"
+    LINEARIZATION = "linearization"
+    GROWTH = "function that shows instability"
+    NONE = "nothing"
+
+
+@dataclass(frozen=True)
+class ProvedLyapunov:
+    """A V with its conditions.
+
+    Attributes:
+        formula: V, in the displacement under the states' names.
+        radius: half the side of the cube on which they are looked at.
+        examination: the conditions with their evidence.
+    """
+
+    formula: PiecewiseExpression
+    radius: Number
+    examination: Examination
+
+    def check(self, system: SwitchedSystem) -> bool:
+        """Verify the evidence, and that it is about the system and V."""
+        if self.examination.verdict not in (Decrease.STRICT, Decrease.WEAK):
+            return examine(system, self.formula, self.radius) == self.examination
+        cells, questions = questions_on(system, self.formula, self.radius)
+        found = self.examination.inequalities
+        if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
+            return False
+        strict = all(i.proved is not None and i.proved.claim.strict for i in found)
+        proved = all(i.proved is not None and i.check() for i in found)
+        return proved and (strict or self.examination.verdict is Decrease.WEAK)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that is known of the point.
+
+    Attributes:
+        equilibrium: whether 0 is in F.
+        linear: the linearization; None where there is none, or it was not reached.
+        named: the V of the scene (without one the sum of squares of the states).
+        searched: a V that was searched and falls; None where none was needed or found.
+        growth: a V that shows instability; None where none was needed or found.
+        beyond: why the system is not looked at; empty where it is.
+    """
+
+    equilibrium: Equilibrium
+    linear: LinearPart | None = None
+    named: ProvedLyapunov | None = None
+    searched: ProvedLyapunov | None = None
+    growth: Growth | None = None
+    beyond: str = ""
+
+    @property
+    def proving(self) -> ProvedLyapunov | None:
+        """The V that shows stability."""
+        if self.searched is not None:
+            return self.searched
+        shows = self.named is not None and self.named.examination.verdict in (Decrease.STRICT, Decrease.WEAK)
+        return self.named if shows else None
+
+
+@dataclass(frozen=True, repr=False)
+class ManyStateResult(ShortRepr):
+    """Stability of the checked point with everything that was proved about it.
+
+    Attributes:
+        scene: the system.
+        verdict: strong stability.
+        reason: one sentence for people.
+        method: what decided.
+        evidence: what it follows from.
+        region: starts that are certified to reach the point, of a V that falls on a cube; None where none is known.
+    """
+
+    scene: SwitchedSystem
+    verdict: Translation
+    reason: str
+    method: Method
+    evidence: Evidence
+    region: SublevelSet | None = None
+
+    def _repr_html_(self) -> str:
+        rows = [(self.verdict, self.method, self.reason)]
+        return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
+
+    @property
+    def exit_status(self) -> int:
+        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
+        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
+
+    @property
+    def proving(self) -> ProvedLyapunov | None:
+        """The V that shows stability, where the verdict is that or stronger."""
+        stable = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
+        return self.evidence.proving if self.verdict in stable else None
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether asymptotic stability is proved for starts in the whole space."""
+        strong = self.verdict is Translation.ASYMPTOTICALLY_STABLE
+        linear = self.evidence.linear is not None and self.evidence.linear.is_whole
+        return strong and (linear or (self.proving is not None and self.proving.examination.is_homogeneous))
+
+    def check(self) -> bool:
+        """Verify the evidence and the conclusion; decide equilibrium, linearization and what is beyond reach again."""
+        evidence = self.evidence
+        found = _begin(self.scene)
+        if (found.equilibrium, found.linear) != (evidence.equilibrium, evidence.linear):
+            return False
+        if found.beyond and found != evidence:
+            return False
+        own = all(v is None or v.check(self.scene) for v in (evidence.named, evidence.searched))
+        own = own and (evidence.named is None or evidence.named.formula == self.scene.check.lyapunov)
+        own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
+        own = own and (evidence.growth is None or evidence.growth.check(self.scene))
+        region = self.region is None or (
+            self.proving is not None
+            and self.verdict is Translation.ASYMPTOTICALLY_STABLE
+            and self.proving.examination.verdict is Decrease.STRICT
+            and self.region.check(self.proving.examination)
+        )
+        return own and region and conclude(evidence) == (self.verdict, self.reason, self.method)
+
+
+def decide_many(scene: SwitchedSystem) -> ManyStateResult:
+    """Decide the stability of the checked point of a system in three states and more.
+
+    Raises:
+        SceneError: for formulas that cannot be used, and for denominators that may vanish.
+    """
+    require_denominators(scene)
+    evidence = _begin(scene)
+    if not evidence.beyond and conclude(evidence)[0] is not Translation.UNSTABLE:
+        evidence = _with_functions(scene, evidence)
+    verdict, reason, method = conclude(evidence)
+    region = None
+    proving = evidence.proving
+    if verdict is Translation.ASYMPTOTICALLY_STABLE and proving is not None:
+        strict = proving.examination.verdict is Decrease.STRICT
+        region = largest_sublevel(proving.examination) if strict else None
+    return ManyStateResult(scene, verdict, reason, method, evidence, region)
+
+
+def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+    """The V of the scene; then what is searched, as far as that leaves it open."""
+    evidence = _with_named(scene, evidence)
+    named, spectrum = evidence.proving, None if evidence.linear is None else evidence.linear.spectrum
+    if spectrum is Spectrum.NEUTRAL or (named is not None and named.examination.verdict is Decrease.STRICT):
+        return evidence
+    evidence = _with_searched(scene, evidence)
+    return evidence if spectrum is Spectrum.HURWITZ else _with_growth(scene, evidence)
+
+
+def _begin(scene: SwitchedSystem) -> Evidence:
+    """The equilibrium and the linearization."""
+    try:
+        cells = build_cells(scene, scene.check.radius)
+        return Evidence(decide_equilibrium(scene, cells), linear_part(cells))
+    except BeyondReachError as error:
+        return Evidence(Equilibrium.UNDECIDED, beyond=str(error))
+
+
+def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
+    """Whether 0 is a mixture of the velocities at the point.
+
+    Beside curved surfaces a pattern of signs may have no cell: then a mixture may be none of F, and nothing is claimed.
+    """
+    zero = (0,) * len(cells.states)
+    near = adjoining(cells)
+    velocities = {tuple(scene.field(p.get(zero, 0)) for p in field) for cell in near for field in cell.velocities}
+    columns, target = mixtures_to_zero(sorted(velocities, key=str))
+    if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
+        return Equilibrium.FAILS
+    certain = all(surface.degree == 1 for surface in cells.surfaces) or not any(map(any, velocities))
+    return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
+
+
+def _with_named(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+    """The V of the scene."""
+    formula, radius = scene.check.lyapunov, scene.check.radius
+    try:
+        examined = examine(scene, formula, radius)
+    except BeyondReachError:
+        return evidence
+    return replace(evidence, named=ProvedLyapunov(formula, radius, examined))
+
+
+def _with_searched(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+    """A V that falls."""
+    found = find_lyapunov(scene)
+    if found is not None:
+        return replace(evidence, searched=ProvedLyapunov(found.formula, found.radius, found.examination))
+    linear = evidence.linear
+    if linear is None or linear.quadratic is None:
+        return evidence
+    formula = parse_piecewise(quadratic_text(linear.quadratic, scene.states), scene.states)
+    for scale in SCALES:
+        radius = scene.check.radius * scale
+        examined = examine(scene, formula, radius, weakly=False)
+        if examined.verdict is Decrease.STRICT:
+            return replace(evidence, searched=ProvedLyapunov(formula, radius, examined))
+    return evidence
+
+
+def _with_growth(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+    """A V that shows instability, unless the point is known to be stable."""
+    return replace(evidence, growth=None if evidence.proving is not None else find_growth(scene))
+
+
+def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
+    """Verdict, reason and what decided."""
+    spectrum = None if evidence.linear is None else evidence.linear.spectrum
+    proving = evidence.proving
+    if evidence.beyond:
+        return Translation.UNDECIDED, evidence.beyond, Method.NONE
+    if evidence.equilibrium is Equilibrium.FAILS:
+        return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", Method.EQUILIBRIUM
+    if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
+        return Translation.UNSTABLE, str(spectrum), Method.LINEARIZATION
+    if proving is not None and proving.examination.verdict is Decrease.STRICT:
+        return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, Method.LYAPUNOV
+    if spectrum is Spectrum.HURWITZ:
+        return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), Method.LINEARIZATION
+    if evidence.growth is not None:
+        return Translation.UNSTABLE, "V falls along every solution, from negative values at all distances", Method.GROWTH
+    if spectrum is Spectrum.NEUTRAL:
+        return Translation.STABLE, f"not asymptotically: {spectrum}", Method.LINEARIZATION
+    if proving is not None:
+        why = "whether the equilibrium attracts is not decided by it"
+        return Translation.STABLE, f"{proving.examination.reason}; {why}", Method.LYAPUNOV
+    return Translation.UNDECIDED, "no Lyapunov function was found, and none that shows instability", Method.NONE
