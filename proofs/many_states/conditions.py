@@ -169,7 +169,7 @@ class _Builder:
                     yield from asked
 
     def _is_smaller(self, face: Face, zero: Sequence[int]) -> bool:
-        """Whether another bending surface vanishes on all of the face, or it is the checked point or out of the cube."""
+        """Whether another bending surface vanishes on all of it, or it is the checked point or out of the cube."""
         if any(not face.restricted(self.surfaces[j]) for j in self.bending if j not in zero):
             return True
         origin = (0,) * face.dimension
@@ -251,9 +251,7 @@ def bending_surfaces(cells: SignCells, pieces: Pieces) -> tuple[int, ...]:
     return tuple(sorted(found))
 
 
-def _require_continuous(
-    cells: SignCells, own: Sequence[RationalTerms], other: Sequence[RationalTerms], j: int
-) -> None:
+def _require_continuous(cells: SignCells, own: Sequence[RationalTerms], other: Sequence[RationalTerms], j: int) -> None:
     face = build_face([rational_terms(cells.surfaces[j])], len(cells.states))
     for first, second in zip(own, other, strict=True):
         jump = add_terms(first, {e: -c for e, c in second.items()})

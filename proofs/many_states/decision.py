@@ -57,10 +57,11 @@ class ProvedLyapunov:
     examination: Examination
 
     def check(self, system: SwitchedSystem) -> bool:
-        """Verify the evidence, and that it is about the system and V."""
+        """Verify the evidence, and that it is about the system and the text of V."""
+        formula = parse_piecewise(self.formula.text, system.states)
         if self.examination.verdict not in (Decrease.STRICT, Decrease.WEAK):
-            return examine(system, self.formula, self.radius) == self.examination
-        cells, questions = questions_on(system, self.formula, self.radius)
+            return examine(system, formula, self.radius) == self.examination
+        cells, questions = questions_on(system, formula, self.radius)
         found = self.examination.inequalities
         if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
             return False
@@ -149,7 +150,7 @@ class ManyStateResult(ShortRepr):
         if found.beyond and found != evidence:
             return False
         own = all(v is None or v.check(self.scene) for v in (evidence.named, evidence.searched))
-        own = own and (evidence.named is None or evidence.named.formula == self.scene.check.lyapunov)
+        own = own and (evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text)
         own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
         own = own and (evidence.growth is None or evidence.growth.check(self.scene))
         region = self.region is None or (
@@ -250,8 +251,6 @@ def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
     """Verdict, reason and what decided."""
     spectrum = None if evidence.linear is None else evidence.linear.spectrum
     proving = evidence.proving
-    if evidence.beyond:
-        return Translation.UNDECIDED, evidence.beyond, Method.NONE
     if evidence.equilibrium is Equilibrium.FAILS:
         return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", Method.EQUILIBRIUM
     if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
@@ -261,10 +260,20 @@ def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
     if spectrum is Spectrum.HURWITZ:
         return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), Method.LINEARIZATION
     if evidence.growth is not None:
-        return Translation.UNSTABLE, "V falls along every solution, from negative values at all distances", Method.GROWTH
-    if spectrum is Spectrum.NEUTRAL:
-        return Translation.STABLE, f"not asymptotically: {spectrum}", Method.LINEARIZATION
-    if proving is not None:
+        return (
+            Translation.UNSTABLE,
+            "V falls along every solution, from negative values at all distances",
+            Method.GROWTH,
+        )
+    return _by_weak_evidence(evidence)
+
+
+def _by_weak_evidence(evidence: Evidence) -> tuple[Translation, str, Method]:
+    """What is said where nothing decides whether solutions attract."""
+    if evidence.linear is not None and evidence.linear.spectrum is Spectrum.NEUTRAL:
+        return Translation.STABLE, f"not asymptotically: {evidence.linear.spectrum}", Method.LINEARIZATION
+    if evidence.proving is not None:
         why = "whether the equilibrium attracts is not decided by it"
-        return Translation.STABLE, f"{proving.examination.reason}; {why}", Method.LYAPUNOV
-    return Translation.UNDECIDED, "no Lyapunov function was found, and none that shows instability", Method.NONE
+        return Translation.STABLE, f"{evidence.proving.examination.reason}; {why}", Method.LYAPUNOV
+    reason = evidence.beyond or "no Lyapunov function was found, and none that shows instability"
+    return Translation.UNDECIDED, reason, Method.NONE

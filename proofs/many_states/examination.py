@@ -86,7 +86,7 @@ class Examination:
 
 def potential_pieces(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpression) -> RationalPieces:
     """V on every cell."""
-    pieces = {}
+    pieces: RationalPieces = {}
     for cell in cells.cells:
         signs = dict(zip(cells.surfaces, cell.signs, strict=True))
         pieces[cell.signs] = (rational_terms(piece_on(system, formula, signs)),)

@@ -1,8 +1,8 @@
 """Families of functions whose sums are proposed as V in many states, from simple to rich.
 
 Quadratic forms; ``Abs(l)`` of hyperplanes l through the point on which the field jumps; products of these with states
-and with each other (continuous piecewise quadratics, after Johansson and Rantzer 1998); ``relu(s)**2`` of surfaces beside the
-point; monomials of degree four.  Each is continuous, so a sum is whatever its coefficients are.
+and with each other (continuous piecewise quadratics, after Johansson and Rantzer 1998); ``relu(s)**2`` of surfaces
+beside the point; monomials of degree four.  Each is continuous, so a sum is whatever its coefficients are.
 """
 
 from __future__ import annotations
@@ -103,5 +103,3 @@ def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
 
 def _less(a: RationalTerms, b: RationalTerms) -> RationalTerms:
     return add_terms(a, {e: -c for e, c in b.items()})
-
-

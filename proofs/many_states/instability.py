@@ -27,7 +27,7 @@ from nonsmooth.proofs.many_states.lyapunov_search import proposals
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
@@ -54,13 +54,14 @@ class Growth:
 
     def check(self, system: SwitchedSystem) -> bool:
         """Verify the inequalities and the direction, and that they are those of the system."""
-        cells, questions = questions_on(system, self.formula, self.radius)
+        formula = parse_piecewise(self.formula.text, system.states)
+        cells, questions = questions_on(system, formula, self.radius)
         falls = [q for q in questions.listed if q.sense is Sense.FALLS]
         if cells != self.cells or falls != [i.question for i in self.inequalities]:
             return False
         if not all(i.proved is not None and i.proved.claim.strict and i.check() for i in self.inequalities):
             return False
-        return is_negative_along(cells, potential_pieces(system, cells, self.formula), self.direction)
+        return is_negative_along(cells, potential_pieces(system, cells, formula), self.direction)
 
 
 def find_growth(system: SwitchedSystem) -> Growth | None:

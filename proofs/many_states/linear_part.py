@@ -6,8 +6,8 @@ P is positive definite iff all eigenvalues have negative real parts, and otherwi
 and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small ``alpha > 0``.
 
 A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common divisor h of
-``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the point is stable iff
-A is a zero of the polynomial in which these roots are taken once.
+``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the point is stable
+iff A is a zero of the polynomial in which these roots are taken once.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, pairwise
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
@@ -36,8 +36,10 @@ class Spectrum(StrEnum):
 
     HURWITZ = "all eigenvalues of the linearization have negative real parts"
     UNSTABLE = "an eigenvalue of the linearization has a positive real part"
-    NEUTRAL = "the field is linear, whose eigenvalues on the imaginary axis have full sets of eigenvectors, all others to its left"
-    GROWING = "the field is linear, with a multiple eigenvalue on the imaginary axis that has too few eigenvectors"
+    NEUTRAL = (
+        "the field is linear; no eigenvalue is right of the imaginary axis, those on it have full sets of eigenvectors"
+    )
+    GROWING = "the field is linear; a multiple eigenvalue on the imaginary axis has too few eigenvectors"
     UNDECIDED = "the linearization has eigenvalues on the imaginary axis, or too near it"
 
 
@@ -215,4 +217,4 @@ def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
 
 def _changes(values: Sequence[fmpq]) -> int:
     signs = [value > 0 for value in values if value]
-    return sum(a is not b for a, b in zip(signs, signs[1:], strict=False))
+    return sum(a is not b for a, b in pairwise(signs))

@@ -9,13 +9,13 @@ instability, Chetaev), because a solution that starts there cannot stay near.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpq
 
 from nonsmooth.proofs.many_states.conditions import Pieces, Questions, Sense, build_questions
-from nonsmooth.proofs.many_states.examination import Examination, examine, questions_on
+from nonsmooth.proofs.many_states.examination import Examination, examine
 from nonsmooth.proofs.many_states.function_families import Function, families, formula_text
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
@@ -25,9 +25,9 @@ from nonsmooth.proofs.many_states.sign_cells import (
     rational_terms,
 )
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
-from nonsmooth.proofs.sums_of_squares.conic_program import solve
+from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.parameters import round_parameters
-from nonsmooth.proofs.sums_of_squares.prove import INNER, normalized
+from nonsmooth.proofs.sums_of_squares.prove import normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.number import Number
@@ -37,7 +37,6 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked cube
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn
 MOST_UNKNOWNS = 12_000  # entries of Gram matrices in one program
-LEVELS = (0, 1)
 
 Problems = list[tuple[Condition, Ansatz]]
 
@@ -71,15 +70,22 @@ def find_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
 
 
 def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Number, PiecewiseExpression]]:
-    """Rounded proposals on the checked cube and on smaller ones."""
-    for scale in SCALES:
-        radius = system.check.radius * scale
-        cells = build_cells(system, radius)
-        if scale < 1 and _looks_alike(cells):
-            return
-        for basis in families(cells):
-            for formula in _of_family(system, cells, basis, positive=positive):
-                yield radius, formula
+    """Rounded proposals, family by family, on the checked cube and on smaller ones.
+
+    What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.
+    """
+    by_scale = [build_cells(system, system.check.radius * scale) for scale in SCALES]
+    if _looks_alike(by_scale[0]):
+        by_scale = by_scale[:1]
+    bases = [list(families(cells)) for cells in by_scale]
+    for number in range(len(bases[0])):
+        for k in (0, *range(len(by_scale) - 1, 0, -1)):
+            if number >= len(bases[k]):
+                continue
+            found = list(_of_family(system, by_scale[k], bases[k][number], positive=positive))
+            yield from ((system.check.radius * SCALES[k], formula) for formula in found)
+            if k and not found:
+                break
 
 
 def _looks_alike(cells: SignCells) -> bool:
@@ -96,27 +102,21 @@ def _of_family(
         questions = build_questions(cells, basis_pieces(system, cells, basis))
     except BeyondReachError:
         return
-    for level in LEVELS:
-        problems = _problems(questions, level, positive=positive)
-        if sum(len(b.monomials) ** 2 for _, ansatz in problems for b in ansatz.blocks) > 2 * MOST_UNKNOWNS:
+    problems = _problems(questions, positive=positive)
+    if sum(len(b.monomials) ** 2 for _, ansatz in problems for b in ansatz.blocks) > 2 * MOST_UNKNOWNS:
+        return
+    solution = solve_inside(problems, questions.parameters, bounded=True)
+    seen = {"0"}
+    for denominator in DENOMINATORS if solution is not None else ():
+        found = round_parameters(problems, solution, denominator) if solution is not None else None
+        text = "0" if found is None else formula_text(basis, _unscaled(basis, found, cells.radius))
+        if text in seen:
+            continue
+        seen.add(text)
+        try:
+            yield parse_piecewise(text, system.states)
+        except ExpressionError:
             return
-        seen = set()
-        for inner in INNER:
-            solution = solve(problems, questions.parameters, inner=inner, bounded=True)
-            for denominator in DENOMINATORS if solution is not None else ():
-                found = round_parameters(problems, solution, denominator) if solution is not None else None
-                if found is None:
-                    continue
-                text = formula_text(basis, _unscaled(basis, found, cells.radius))
-                if text in seen or text == "0":
-                    continue
-                seen.add(text)
-                try:
-                    yield parse_piecewise(text, system.states)
-                except ExpressionError:
-                    return
-            if solution is not None:
-                break
 
 
 def basis_pieces(system: SwitchedSystem, cells: SignCells, basis: Sequence[Function]) -> Pieces:
@@ -140,7 +140,7 @@ def _unscaled(basis: Sequence[Function], found: Sequence[fmpq], radius: fmpq) ->
     return values
 
 
-def _problems(questions: Questions, level: int, *, positive: bool) -> Problems:
+def _problems(questions: Questions, *, positive: bool) -> Problems:
     asked = [q.condition for q in questions.listed if positive or q.sense is Sense.FALLS]
     own = [normalized(condition) for condition in asked]
-    return [(condition, build_ansatz(condition, level)) for condition in own if condition.slopes]
+    return [(condition, build_ansatz(condition)) for condition in own if condition.slopes]

@@ -84,7 +84,7 @@ def build_cells(
     surfaces = tuple(dict.fromkeys(s for s in (*system.surfaces(states), *more) if s.degree))
     if len(surfaces) > MAX_SURFACES:
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
-    found = []
+    found: list[SignCell] = []
     for signs in patterns(surfaces, radius):
         if len(found) == MAX_CELLS:
             raise BeyondReachError(f"over {MAX_CELLS} cells")
@@ -146,7 +146,7 @@ def patterns(surfaces: Sequence[Polynomial], radius: Number, known: Signs = ()) 
 
 
 def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
-    """Whether affine forms are positive together nowhere in the open cube: a mixture of all is not positive (Gordan)."""
+    """Whether affine forms are positive together nowhere in the open cube: a mixture is not positive (Gordan)."""
     if not forms:
         return False
     field, count = forms[0].field, len(forms[0].variables)

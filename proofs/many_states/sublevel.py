@@ -1,12 +1,13 @@
 """The largest sublevel set of V that is certified to lie inside the cube on which V falls.
 
-If ``V >= c`` on the border of the cube, a solution that starts inside with ``V < c`` stays inside and reaches the point.
+If ``V >= c`` on the border of the cube, a solution that starts inside with ``V < c`` stays inside and reaches the
+point.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np

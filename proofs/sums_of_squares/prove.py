@@ -9,12 +9,11 @@ from flint import fmpq
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz, build_guards, without_idle
 from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares
-from nonsmooth.proofs.sums_of_squares.conic_program import solve
+from nonsmooth.proofs.sums_of_squares.conic_program import INNER, solve
 from nonsmooth.proofs.sums_of_squares.rounding import rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 LEVELS = (0, 1)  # degrees beyond that of p, in steps of two
-INNER = (1 / 8, 0.0)  # parts of the margin by which Gram matrices beside guards are definite, tried in turn
 MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long
 
 
@@ -59,8 +58,10 @@ def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | No
     claim = claim_of(condition, strict=strict)
     if not strict and not condition.constant:
         return Proved(claim, SumOfSquares((SquareTerm((), (), ()),)))
-    for inner in INNER:
-        solution = solve([(condition, ansatz)], 0, inner=inner, bounded=False, strict=strict)
+    problem = [(condition, ansatz)]
+    outer = solve(problem, 0, inner=0.0, bounded=False, strict=strict)
+    inside = solve(problem, 0, inner=INNER, bounded=False) if outer is not None and strict else None
+    for solution in (inside, outer):
         evidence = None if solution is None else rounded(claim, ansatz, solution.grams[0])
         if evidence is not None:
             return Proved(claim, evidence)

@@ -83,7 +83,7 @@ def _repaired(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Triangles |
 
 
 def _error(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Terms:
-    """p less the sum over the blocks."""
+    """What the sum over the blocks lacks of p."""
     total: Terms = {e: c for e, c in claim.terms.items() if c}
     for block, triangle in zip(ansatz.blocks, triangles, strict=True):
         plain: Terms = {}
