@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 from nonsmooth.proofs.many_states.decision import ProvedLyapunov
 from nonsmooth.proofs.many_states.denominators import require_denominators
-from nonsmooth.proofs.many_states.examination import examine
+from nonsmooth.proofs.many_states.examination import NotZeroError, examine
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_audit import KEY, AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.scene_error import SceneError, requirement
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -70,7 +71,10 @@ def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
     try:
         found = ProvedLyapunov(formula, scene.check.radius, examine(scene, formula, scene.check.radius))
     except BeyondReachError as error:
-        return ManyStateAudit(scene, lyapunov, AuditVerdict.UNDECIDED, None, str(error), None)
+        verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
+        return ManyStateAudit(scene, lyapunov, verdict, None, str(error), None)
+    except ExpressionError as error:
+        raise SceneError(scene.origin, KEY, requirement(error), lyapunov) from None
     return _result(scene, lyapunov, found)
 
 

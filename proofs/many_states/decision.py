@@ -20,9 +20,9 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import Examination, examine, questions_on
 from nonsmooth.proofs.many_states.instability import Growth, find_growth
-from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, adjoining, linear_part, quadratic_text
+from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, linear_part, quadratic_text
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, build_cells
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.verdicts import Equilibrium, Translation

@@ -11,8 +11,10 @@ from flint import fmpq
 from nonsmooth.proofs.many_states.conditions import Question, Questions, Sense, build_questions
 from nonsmooth.proofs.many_states.samples import Point, exact_value, refuting_point
 from nonsmooth.proofs.many_states.sign_cells import (
+    BeyondReachError,
     RationalTerms,
     SignCells,
+    adjoining,
     build_cells,
     piece_on,
     rational_terms,
@@ -29,6 +31,10 @@ from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 MU_DENOMINATORS = (1 << 6, 1 << 16)  # of the functions mu on faces, tried in turn
+
+
+class NotZeroError(BeyondReachError):
+    """A V that is no Lyapunov function because it is not zero at the equilibrium."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +87,11 @@ class Examination:
     def is_homogeneous(self) -> bool:
         """Whether cells are cones and every inequality is about forms: then it holds at every distance."""
         conditions = (with_values(i.question.condition, i.mu) for i in self.inequalities)
-        return self.cells.are_cones and all(len({sum(e) for e in c.support}) <= 1 for c in conditions)
+        return (
+            self.cells.are_cones
+            and self.cells.beyond
+            and all(len({sum(e) for e in c.support}) <= 1 for c in conditions)
+        )
 
 
 def potential_pieces(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpression) -> RationalPieces:
@@ -97,7 +107,7 @@ RationalPieces = dict[tuple[int, ...], tuple[RationalTerms, ...]]
 
 
 def examine(
-    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, backward: bool = False, weakly: bool = True
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, weakly: bool = True
 ) -> Examination:
     """Decide Lyapunov's conditions for a V.
 
@@ -105,14 +115,13 @@ def examine(
         system: in any number of states.
         formula: V, in the displacement under the states' names.
         radius: half the side of the cube.
-        backward: whether time is reversed.
         weakly: whether it is also asked if V merely does not increase.
 
     Raises:
         BeyondReachError: for a system or a V that is not decided here.
         SceneError: for formulas that cannot be used.
     """
-    cells, questions = questions_on(system, formula, radius, backward=backward)
+    cells, questions = questions_on(system, formula, radius)
     failure = find_failure(cells, questions)
     if failure is not None:
         return Examination(cells, (), Decrease.REFUTED, failure, failure.meaning)
@@ -126,12 +135,20 @@ def examine(
     return Examination(cells, tuple(inequalities), verdict, None, reason)
 
 
-def questions_on(
-    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, backward: bool = False
-) -> tuple[SignCells, Questions]:
-    """The cells of a cube for a V, and the inequalities that V has to satisfy there."""
-    cells = build_cells(system, radius, surfaces_of(system, formula), backward=backward)
-    questions = build_questions(cells, potential_pieces(system, cells, formula))
+def questions_on(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number) -> tuple[SignCells, Questions]:
+    """The cells of a cube for a V, and the inequalities that V has to satisfy there.
+
+    Raises:
+        NotZeroError: for a V that is not zero at the point.
+        BeyondReachError: for a system or a V that is not decided here.
+        SceneError: for formulas that cannot be used.
+    """
+    cells = build_cells(system, radius, surfaces_of(system, formula))
+    pieces = potential_pieces(system, cells, formula)
+    zero = (0,) * len(cells.states)
+    if any(zero in pieces[cell.signs][0] for cell in adjoining(cells)):
+        raise NotZeroError("V is not zero at the equilibrium")
+    questions = build_questions(cells, pieces)
     one = {k: fmpq(1) for k in range(questions.coefficients)}
     listed = tuple(replace(q, condition=with_values(q.condition, one)) for q in questions.listed)
     return cells, replace(questions, listed=listed)

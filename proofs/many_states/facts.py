@@ -47,7 +47,7 @@ def many_state_facts(result: ManyStateResult) -> Iterator[Fact]:
 
 def domain_words(function: ProvedLyapunov) -> str:
     """Where the conditions on a V are looked at."""
-    if function.examination.is_homogeneous and function.examination.inequalities:
+    if function.examination.is_homogeneous:
         return "the whole space"
     return _cube(function.examination.cells.states, function.radius)
 
@@ -88,7 +88,7 @@ def _potential(result: ManyStateResult) -> Iterator[Fact]:
 
 
 def _conditions(function: ProvedLyapunov) -> Iterator[Fact]:
-    whole = function.examination.is_homogeneous and bool(function.examination.inequalities)
+    whole = function.examination.is_homogeneous
     radius = None if whole else function.radius
     yield Fact("V", function.formula.text)
     yield Fact("pieces")

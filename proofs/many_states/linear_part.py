@@ -22,8 +22,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.many_states.faces import unit
 from nonsmooth.proofs.many_states.function_families import Function, formula_text
-from nonsmooth.proofs.many_states.samples import exact_value
-from nonsmooth.proofs.many_states.sign_cells import SignCell, SignCells, rational_terms
+from nonsmooth.proofs.many_states.sign_cells import SignCells, adjoining
 from nonsmooth.proofs.sums_of_squares.certificate import RationalMatrix, is_definite
 from nonsmooth.proofs.sums_of_squares.rounding import simplest
 
@@ -72,14 +71,7 @@ def linear_part(cells: SignCells) -> LinearPart | None:
     linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
     spectrum = spectrum_of(matrix, linear=linear)
     quadratic = _quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
-    return LinearPart(matrix, spectrum, quadratic, linear and not cells.surfaces)
-
-
-def adjoining(cells: SignCells) -> list[SignCell]:
-    """The cells whose closures may hold the point."""
-    origin = (fmpq(0),) * len(cells.states)
-    at_point = [exact_value(rational_terms(surface), origin) for surface in cells.surfaces]
-    return [cell for cell in cells.cells if all(s * v >= 0 for s, v in zip(cell.signs, at_point, strict=True))]
+    return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
 
 
 def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:

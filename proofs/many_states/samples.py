@@ -28,7 +28,9 @@ def refuting_point(condition: Condition, *, strictly: bool) -> Point | None:
     """
     rng = np.random.default_rng(0)
     cloud = rng.uniform(-1, 1, (POINTS, condition.variables))
-    halved = 0.5 ** rng.integers(0, HALVINGS, POINTS)
+    axes = np.eye(condition.variables)
+    cloud = np.vstack([axes, -axes, cloud])
+    halved = 0.5 ** rng.integers(0, HALVINGS, len(cloud))
     points = cloud * halved[:, None]
     inside = np.ones(POINTS, dtype=bool)
     for guard in condition.guards:

@@ -17,7 +17,7 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
 
 MAX_SURFACES = 12
 MAX_CELLS = 160
@@ -52,12 +52,14 @@ class SignCells:
         surfaces: the switching surfaces of the system, and of a V.
         cells: the patterns of signs that the cube has, with the fields.
         radius: half the side of the cube.
+        beyond: whether the fields are those of the system outside the cube too; denominators are positive inside only.
     """
 
     states: tuple[str, ...]
     surfaces: tuple[Polynomial, ...]
     cells: tuple[SignCell, ...]
     radius: fmpq
+    beyond: bool
 
     @property
     def are_cones(self) -> bool:
@@ -65,16 +67,13 @@ class SignCells:
         return all(s.degree == 1 and s.is_homogeneous for s in self.surfaces)
 
 
-def build_cells(
-    system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = (), *, backward: bool = False
-) -> SignCells:
+def build_cells(system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = ()) -> SignCells:
     """The cells of a cube.
 
     Args:
         system: in any number of states.
         radius: half the side of the cube.
         more: further surfaces, of a V.
-        backward: whether time is reversed.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -90,10 +89,16 @@ def build_cells(
             raise BeyondReachError(f"over {MAX_CELLS} cells")
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
         fields = (member.velocity(sign_of, states) for member in system.members)
-        turn = -1 if backward else 1
-        velocities = tuple(tuple(rational_terms(part * turn) for part in field) for field in fields)
+        velocities = tuple(tuple(rational_terms(part) for part in field) for field in fields)
         found.append(SignCell(signs, velocities))
-    return SignCells(system.states, surfaces, tuple(found), rational(radius))
+    return SignCells(system.states, surfaces, tuple(found), rational(radius), not system.denominators)
+
+
+def adjoining(cells: SignCells) -> list[SignCell]:
+    """The cells whose closures may hold the point."""
+    zero = (0,) * len(cells.states)
+    at_point = [surface.terms[zero].sign() if zero in surface.terms else 0 for surface in cells.surfaces]
+    return [cell for cell in cells.cells if all(s * v >= 0 for s, v in zip(cell.signs, at_point, strict=True))]
 
 
 def rational(number: Number) -> fmpq:
@@ -121,10 +126,22 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
     """The surfaces on which a formula of the displacement switches.
 
     Raises:
-        SceneError: for a formula that is no polynomial on any piece.
+        ExpressionError: for a formula that is no polynomial on some piece.
+        BeyondReachError: for too many surfaces.
     """
-    asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
-    return tuple(surface for surface in asked.surfaces() if surface.degree)
+    values = dict(zip(system.states, system.coordinates(), strict=True))
+    found: dict[Polynomial, None] = {}
+    waiting: list[dict[Polynomial, int]] = [{}]
+    while waiting:
+        signs = waiting.pop()
+        try:
+            formula.polynomial(values, signs_by_factors(signs))
+        except UnknownSign as unknown:
+            found[unknown.surface] = None
+            waiting += [{**signs, unknown.surface: sign} for sign in (-1, 1)]
+        if len(found) > MAX_SURFACES or len(waiting) > MAX_PATTERNS:
+            raise BeyondReachError(f"over {MAX_SURFACES} surfaces on which V switches")
+    return tuple(surface for surface in found if surface.degree)
 
 
 def piece_on(system: SwitchedSystem, formula: PiecewiseExpression, signs: Mapping[Polynomial, int]) -> Polynomial:
