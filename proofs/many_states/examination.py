@@ -86,6 +86,8 @@ class Examination:
     @property
     def is_homogeneous(self) -> bool:
         """Whether cells are cones and every inequality is about forms: then it holds at every distance."""
+        if self.verdict not in (Decrease.STRICT, Decrease.WEAK):
+            return False
         conditions = (with_values(i.question.condition, i.mu) for i in self.inequalities)
         return (
             self.cells.are_cones

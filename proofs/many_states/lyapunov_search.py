@@ -105,10 +105,10 @@ def _of_family(
     problems = _problems(questions, positive=positive)
     if sum(len(b.monomials) ** 2 for _, ansatz in problems for b in ansatz.blocks) > 2 * MOST_UNKNOWNS:
         return
-    solution = solve_inside(problems, questions.parameters, bounded=True)
+    solved = solve_inside(problems, questions.parameters, bounded=True)
     seen = {"0"}
-    for denominator in DENOMINATORS if solution is not None else ():
-        found = round_parameters(problems, solution, denominator) if solution is not None else None
+    for denominator in DENOMINATORS if solved is not None else ():
+        found = None if solved is None else round_parameters(*solved, denominator)
         text = "0" if found is None else formula_text(basis, _unscaled(basis, found, cells.radius))
         if text in seen:
             continue

@@ -32,7 +32,7 @@ def refuting_point(condition: Condition, *, strictly: bool) -> Point | None:
     cloud = np.vstack([axes, -axes, cloud])
     halved = 0.5 ** rng.integers(0, HALVINGS, len(cloud))
     points = cloud * halved[:, None]
-    inside = np.ones(POINTS, dtype=bool)
+    inside = np.ones(len(points), dtype=bool)
     for guard in condition.guards:
         inside &= values_at(guard, points) > 0
     points, halved = points[inside], halved[inside]

@@ -19,7 +19,7 @@ from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
 
-MAX_SURFACES = 12
+MAX_SURFACES = 24
 MAX_CELLS = 160
 
 Signs: TypeAlias = tuple[int, ...]

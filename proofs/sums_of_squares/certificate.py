@@ -83,17 +83,19 @@ class SumOfSquares:
         if not claim.strict:
             return all(is_semidefinite(term.gram) for term in self.terms)
         first, *others = self.terms
-        separates = is_one(first.monomials) or (not claim.at_origin and has_pure_powers(first.monomials))
-        return separates and is_definite(first.gram) and all(is_semidefinite(term.gram) for term in others)
+        apart = separates(first.monomials, at_origin=claim.at_origin)
+        return apart and is_definite(first.gram) and all(is_semidefinite(term.gram) for term in others)
 
 
-def is_one(monomials: Sequence[Exponents]) -> bool:
-    """Whether the constant is among the monomials."""
-    return any(not any(exponents) for exponents in monomials)
+def separates(monomials: Sequence[Exponents], *, at_origin: bool) -> bool:
+    """Whether monomials vanish together nowhere, or unless ``at_origin`` nowhere but at the origin.
 
-
-def has_pure_powers(monomials: Sequence[Exponents]) -> bool:
-    """Whether a power of every variable is among the monomials, so that they vanish together at the origin alone."""
+    The constant is among them, or a power of every variable.
+    """
+    if any(not any(exponents) for exponents in monomials):
+        return True
+    if at_origin:
+        return False
     alone = {next(k for k, e in enumerate(m) if e) for m in monomials if sum(1 for e in m if e) == 1}
     return bool(monomials) and len(alone) == len(monomials[0])
 

@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Block, Condition
+from nonsmooth.proofs.sums_of_squares.certificate import separates
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 Grams = tuple[NDArray[np.float64], ...]
 ITERATIONS = 60
 INNER = 1 / 8  # part of the margin by which Gram matrices beside guards are definite
+SMALL = 2.0**-12  # diagonal entries of solutions on the border of the cone that are taken for zero
 LEAST_MARGIN = 2.0**-22  # a smaller one is the noise of the solver, and no rounding survives it
 
 
@@ -54,11 +56,33 @@ class _Rows:
         self.values.append(value)
 
 
-def solve_inside(problems: Sequence[tuple[Condition, Ansatz]], parameters: int, *, bounded: bool) -> Solution | None:
-    """A solution well inside the cones, where there is one: that survives rounding best."""
-    outer = solve(problems, parameters, inner=0.0, bounded=bounded)
-    inside = None if outer is None else solve(problems, parameters, inner=INNER, bounded=bounded)
-    return inside or outer
+Problems = list[tuple[Condition, Ansatz]]
+
+
+def solve_inside(problems: Problems, parameters: int, *, bounded: bool) -> tuple[Problems, Solution] | None:
+    """A solution well inside the cones, where there is one: that survives rounding best.
+
+    Where none is strict, monomials whose squares have no part in any solution are left out, and the rest is tried.
+    """
+    outer = solve(problems, parameters, inner=0.0, bounded=bounded, strict=False)
+    if outer is not None and abs(outer.margin) <= LEAST_MARGIN:
+        problems = [_without_small(problem, grams) for problem, grams in zip(problems, outer.grams, strict=True)]
+        whole = all(separates(a.blocks[0].monomials, at_origin=c.at_origin) for c, a in problems)
+        outer = solve(problems, parameters, inner=0.0, bounded=bounded) if whole else None
+    if outer is None or outer.margin <= LEAST_MARGIN:
+        return None
+    return problems, solve(problems, parameters, inner=INNER, bounded=bounded) or outer
+
+
+def _without_small(problem: tuple[Condition, Ansatz], grams: Grams) -> tuple[Condition, Ansatz]:
+    """Without the monomials whose diagonal entries are nearly zero."""
+    condition, ansatz = problem
+    blocks = []
+    for block, gram in zip(ansatz.blocks, grams, strict=True):
+        kept = tuple(m for m, size in zip(block.monomials, np.diag(gram), strict=True) if size > SMALL)
+        if kept or not blocks:
+            blocks.append(Block(block.factors, block.product, kept))
+    return condition, Ansatz(ansatz.guards, tuple(blocks))
 
 
 def solve(

@@ -9,7 +9,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz, build_guards, without_idle
 from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares
-from nonsmooth.proofs.sums_of_squares.conic_program import INNER, solve
+from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
 from nonsmooth.proofs.sums_of_squares.rounding import rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
@@ -58,14 +58,21 @@ def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | No
     claim = claim_of(condition, strict=strict)
     if not strict and not condition.constant:
         return Proved(claim, SumOfSquares((SquareTerm((), (), ()),)))
-    problem = [(condition, ansatz)]
-    outer = solve(problem, 0, inner=0.0, bounded=False, strict=strict)
-    inside = solve(problem, 0, inner=INNER, bounded=False) if outer is not None and strict else None
-    for solution in (inside, outer):
-        evidence = None if solution is None else rounded(claim, ansatz, solution.grams[0])
-        if evidence is not None:
-            return Proved(claim, evidence)
-    return None
+    evidence = _strictly(claim, condition, ansatz) if strict else _weakly(claim, condition, ansatz)
+    return None if evidence is None else Proved(claim, evidence)
+
+
+def _strictly(claim: Claim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
+    found = solve_inside([(condition, ansatz)], 0, bounded=False)
+    if found is None:
+        return None
+    ((_, kept),), solution = found
+    return rounded(claim, kept, solution.grams[0])
+
+
+def _weakly(claim: Claim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
+    solution = solve([(condition, ansatz)], 0, inner=0.0, bounded=False, strict=False)
+    return None if solution is None else rounded(claim, ansatz, solution.grams[0])
 
 
 def normalized(condition: Condition) -> Condition:
