@@ -192,12 +192,15 @@ def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
 
 
 def _begin(scene: SwitchedSystem) -> Evidence:
-    """The equilibrium and the linearization."""
-    try:
-        cells = build_cells(scene, scene.check.radius)
-        return Evidence(decide_equilibrium(scene, cells), linear_part(cells))
-    except BeyondReachError as error:
-        return Evidence(Equilibrium.UNDECIDED, beyond=str(error))
+    """The equilibrium and the linearization: what is so near the point, on the first cube that is looked at."""
+    beyond = ""
+    for scale in SCALES:
+        try:
+            cells = build_cells(scene, scene.check.radius * scale)
+            return Evidence(decide_equilibrium(scene, cells), linear_part(cells))
+        except BeyondReachError as error:
+            beyond = beyond or str(error)
+    return Evidence(Equilibrium.UNDECIDED, beyond=beyond)
 
 
 def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
@@ -236,7 +239,10 @@ def _with_searched(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
     formula = parse_piecewise(quadratic_text(linear.quadratic, scene.states), scene.states)
     for scale in SCALES:
         radius = scene.check.radius * scale
-        examined = examine(scene, formula, radius, weakly=False)
+        try:
+            examined = examine(scene, formula, radius, weakly=False)
+        except BeyondReachError:
+            continue
         if examined.verdict is Decrease.STRICT:
             return replace(evidence, searched=ProvedLyapunov(formula, radius, examined))
     return evidence

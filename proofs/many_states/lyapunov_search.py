@@ -74,18 +74,31 @@ def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Numbe
 
     What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.
     """
-    by_scale = [build_cells(system, system.check.radius * scale) for scale in SCALES]
-    if _looks_alike(by_scale[0]):
-        by_scale = by_scale[:1]
-    bases = [list(families(cells)) for cells in by_scale]
-    for number in range(len(bases[0])):
-        for k in (0, *range(len(by_scale) - 1, 0, -1)):
+    cubes = _cubes(system)
+    bases = [list(families(cells)) for _, cells in cubes]
+    for number in range(max(map(len, bases), default=0)):
+        for k in (0, *range(len(cubes) - 1, 0, -1)):
             if number >= len(bases[k]):
                 continue
-            found = list(_of_family(system, by_scale[k], bases[k][number], positive=positive))
-            yield from ((system.check.radius * SCALES[k], formula) for formula in found)
+            radius, cells = cubes[k]
+            found = list(_of_family(system, cells, bases[k][number], positive=positive))
+            yield from ((radius, formula) for formula in found)
             if k and not found:
                 break
+
+
+def _cubes(system: SwitchedSystem) -> list[tuple[Number, SignCells]]:
+    """The checked cube and smaller ones, as far as their cells are looked at; one where all look alike."""
+    found: list[tuple[Number, SignCells]] = []
+    for scale in SCALES:
+        radius = system.check.radius * scale
+        try:
+            found.append((radius, build_cells(system, radius)))
+        except BeyondReachError:
+            continue
+        if scale == 1 and _looks_alike(found[0][1]):
+            break
+    return found
 
 
 def _looks_alike(cells: SignCells) -> bool:

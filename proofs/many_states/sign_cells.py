@@ -11,7 +11,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
 from flint import fmpq
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.symbolic.numbers.number import Number
@@ -21,6 +23,7 @@ from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, Unk
 
 MAX_SURFACES = 24
 MAX_CELLS = 160
+SAMPLES = 3_000
 
 Signs: TypeAlias = tuple[int, ...]
 RationalTerms: TypeAlias = dict[Exponents, fmpq]
@@ -150,16 +153,37 @@ def piece_on(system: SwitchedSystem, formula: PiecewiseExpression, signs: Mappin
     return formula.polynomial(values, signs_by_factors(signs))
 
 
-def patterns(surfaces: Sequence[Polynomial], radius: Number, known: Signs = ()) -> Iterator[Signs]:
-    """All patterns that begin with known signs, whose cells are not proved empty."""
-    if len(known) == len(surfaces):
-        yield known
-        return
-    for sign in (1, -1):
-        signs = (*known, sign)
-        affine = [s * e for s, e in zip(surfaces, signs, strict=False) if s.degree == 1]
-        if surfaces[len(known)].degree > 1 or not is_empty(affine, radius):
-            yield from patterns(surfaces, radius, signs)
+def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Signs]:
+    """All patterns of signs whose cells are not proved to be empty in the open cube."""
+    affine = [surface.degree == 1 for surface in surfaces]
+    sides = _sampled_signs(surfaces, radius)
+    waiting: list[Signs] = [()]
+    while waiting:
+        signs = waiting.pop()
+        if len(signs) == len(surfaces):
+            yield signs
+            continue
+        for sign in (-1, 1):
+            longer = (*signs, sign)
+            known = [k for k in range(len(longer)) if affine[k]]
+            seen = bool(np.all(sides[:, known] == [longer[k] for k in known], axis=1).any())
+            if seen or not affine[len(signs)] or not is_empty([surfaces[k] * longer[k] for k in known], radius):
+                waiting.append(longer)
+
+
+def _sampled_signs(surfaces: Sequence[Polynomial], radius: Number) -> NDArray[np.float64]:
+    """Signs at points of the cube, in floats: where a pattern is seen, no proof of its emptiness is looked for."""
+    if not surfaces:
+        return np.zeros((1, 0))
+    count = len(surfaces[0].variables)
+    cloud = np.random.default_rng(0).uniform(-1, 1, (SAMPLES, count)) * float(radius)
+    columns = []
+    for surface in surfaces:
+        value = np.zeros(SAMPLES)
+        for exponents, coefficient in surface.terms.items():
+            value += float(coefficient) * np.prod(cloud**exponents, axis=1)
+        columns.append(np.sign(value))
+    return np.column_stack(columns)
 
 
 def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
