@@ -24,10 +24,10 @@ from flint import fmpq
 from nonsmooth.proofs.many_states.faces import Face, build_face, unit, whole_space
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
+    Pattern,
     RationalTerms,
     SignCell,
     SignCells,
-    Signs,
     rational_terms,
 )
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, monomials_between
@@ -57,12 +57,12 @@ class Question:
 
     sense: Sense
     condition: Condition
-    signs: Signs
+    signs: Pattern
     zero: tuple[int, ...]
     group: int
 
 
-Pieces = Mapping[Signs, tuple[RationalTerms, ...]]  # on each cell, the polynomial of every function of a basis
+Pieces = Mapping[Pattern, tuple[RationalTerms, ...]]  # on each cell, the polynomial of every function of a basis
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class _Builder:
             if by_bends.setdefault(self.at_bends(signs), own) != own:
                 raise BeyondReachError("V bends on a curved surface")
 
-    def at_bends(self, signs: Signs, but: Sequence[int] = ()) -> tuple[tuple[int, int], ...]:
+    def at_bends(self, signs: Pattern, but: Sequence[int] = ()) -> tuple[tuple[int, int], ...]:
         """The signs of the bending surfaces, less some."""
         return tuple((j, signs[j]) for j in self.bending if j not in but)
 
@@ -203,7 +203,7 @@ class _Builder:
 
     def _agree(self, face: Face, zero: Sequence[int], cells: Sequence[SignCell]) -> bool:
         """Whether on the face the fields are those of the cells on one side of all its surfaces."""
-        by_side: dict[Signs, dict[Signs, object]] = {}
+        by_side: dict[Pattern, dict[Pattern, object]] = {}
         for cell in cells:
             side = tuple(cell.signs[j] for j in zero)
             rest = tuple(s for j, s in enumerate(cell.signs) if j not in zero)

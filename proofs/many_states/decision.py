@@ -18,12 +18,13 @@ from enum import StrEnum
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.many_states.denominators import require_denominators
-from nonsmooth.proofs.many_states.examination import Examination, examine, questions_on
+from nonsmooth.proofs.many_states.examination import Examination, examine, find_failure, questions_on
 from nonsmooth.proofs.many_states.instability import Growth, find_growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, linear_part, quadratic_text
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
+from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
@@ -57,11 +58,13 @@ class ProvedLyapunov:
     examination: Examination
 
     def check(self, system: SwitchedSystem) -> bool:
-        """Verify the evidence, and that it is about the system and the text of V."""
-        formula = parse_piecewise(self.formula.text, system.states)
-        if self.examination.verdict not in (Decrease.STRICT, Decrease.WEAK):
-            return examine(system, formula, self.radius) == self.examination
-        cells, questions = questions_on(system, formula, self.radius)
+        """Verify the evidence, and that it is about the system and the text of V; undecided, it claims nothing."""
+        if self.examination.verdict is Decrease.UNDECIDED:
+            return True
+        cells, questions = questions_on(system, parse_piecewise(self.formula.text, system.states), self.radius)
+        if self.examination.verdict is Decrease.REFUTED:
+            failure = self.examination.failure
+            return failure is not None and find_failure(cells, questions) == failure
         found = self.examination.inequalities
         if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
             return False
@@ -182,13 +185,21 @@ def decide_many(scene: SwitchedSystem) -> ManyStateResult:
 
 
 def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
-    """The V of the scene; then what is searched, as far as that leaves it open."""
-    evidence = _with_named(scene, evidence)
+    """The V of the scene; then what is searched, as far as that leaves it open.
+
+    A sum of squares that nobody named is asked at first with little work, and again where nothing else is found.
+    """
+    default = scene.check.is_default
+    evidence = _with_named(scene, evidence, hasty=default)
     named, spectrum = evidence.proving, None if evidence.linear is None else evidence.linear.spectrum
     if spectrum is Spectrum.NEUTRAL or (named is not None and named.examination.verdict is Decrease.STRICT):
-        return evidence
+        return _with_named(scene, evidence, hasty=False) if default and named is None else evidence
     evidence = _with_searched(scene, evidence)
-    return evidence if spectrum is Spectrum.HURWITZ else _with_growth(scene, evidence)
+    if spectrum is Spectrum.HURWITZ or evidence.searched is not None:
+        return evidence
+    if default:
+        evidence = _with_named(scene, evidence, hasty=False)
+    return _with_growth(scene, evidence)
 
 
 def _begin(scene: SwitchedSystem) -> Evidence:
@@ -218,11 +229,11 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 
 
-def _with_named(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+def _with_named(scene: SwitchedSystem, evidence: Evidence, *, hasty: bool) -> Evidence:
     """The V of the scene."""
     formula, radius = scene.check.lyapunov, scene.check.radius
     try:
-        examined = examine(scene, formula, radius)
+        examined = examine(scene, formula, radius, effort=Effort.HASTY if hasty else Effort.FULL)
     except BeyondReachError:
         return evidence
     return replace(evidence, named=ProvedLyapunov(formula, radius, examined))
@@ -240,7 +251,7 @@ def _with_searched(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
     for scale in SCALES:
         radius = scene.check.radius * scale
         try:
-            examined = examine(scene, formula, radius, weakly=False)
+            examined = examine(scene, formula, radius, effort=Effort.STRICT)
         except BeyondReachError:
             continue
         if examined.verdict is Decrease.STRICT:

@@ -21,9 +21,9 @@ from nonsmooth.proofs.many_states.sign_cells import (
     surfaces_of,
 )
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_ansatz
-from nonsmooth.proofs.sums_of_squares.conic_program import solve
+from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.parameters import round_parameters
-from nonsmooth.proofs.sums_of_squares.prove import Proved, normalized, prove_positive
+from nonsmooth.proofs.sums_of_squares.prove import Effort, Proved, normalized, prove_positive
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import add_terms
@@ -109,7 +109,7 @@ RationalPieces = dict[tuple[int, ...], tuple[RationalTerms, ...]]
 
 
 def examine(
-    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, weakly: bool = True
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, effort: Effort = Effort.FULL
 ) -> Examination:
     """Decide Lyapunov's conditions for a V.
 
@@ -117,7 +117,7 @@ def examine(
         system: in any number of states.
         formula: V, in the displacement under the states' names.
         radius: half the side of the cube.
-        weakly: whether it is also asked if V merely does not increase.
+        effort: how far proofs are looked for, and whether it is also asked if V merely does not increase.
 
     Raises:
         BeyondReachError: for a system or a V that is not decided here.
@@ -129,7 +129,7 @@ def examine(
         return Examination(cells, (), Decrease.REFUTED, failure, failure.meaning)
     inequalities = []
     for asked in by_face(questions.listed):
-        answered = answers(asked, weakly=weakly)
+        answered = answers(asked, effort)
         inequalities += answered
         if any(i.proved is None for i in answered):
             break
@@ -202,38 +202,44 @@ def by_face(listed: Sequence[Question]) -> Iterator[list[Question]]:
         yield together
 
 
-def answers(asked: Sequence[Question], *, weakly: bool) -> list[Inequality]:
+def answers(asked: Sequence[Question], effort: Effort) -> list[Inequality]:
     """Proofs of the inequalities of one cell or one face, as far as they are found."""
     open_ones = [Inequality(question, {}, None) for question in asked]
     if asked[0].group < 0:
-        return [_answer(question, {}, weakly=weakly) for question in asked]
-    for mu in _proposals(asked):
-        found = [_answer(question, mu, weakly=weakly) for question in asked]
-        if all(i.proved is not None for i in found):
+        return [_answer(question, {}, effort) for question in asked]
+    for mu in _proposals(asked, weakly=effort is Effort.FULL):
+        found = []
+        for question in asked:
+            found.append(_answer(question, mu, effort))
+            if found[-1].proved is None:
+                break
+        else:
             return found
     return open_ones
 
 
-def _answer(question: Question, mu: Mapping[int, fmpq], *, weakly: bool) -> Inequality:
-    weak = weakly and question.sense is Sense.FALLS
-    return Inequality(question, mu, prove_positive(with_values(question.condition, mu), weakly=weak))
+def _answer(question: Question, mu: Mapping[int, fmpq], effort: Effort) -> Inequality:
+    """A proof of one inequality; V itself must be positive."""
+    own = Effort.STRICT if effort is Effort.FULL and question.sense is Sense.POSITIVE else effort
+    return Inequality(question, mu, prove_positive(with_values(question.condition, mu), own))
 
 
-def _proposals(asked: Sequence[Question]) -> Iterator[dict[int, fmpq]]:
+def _proposals(asked: Sequence[Question], *, weakly: bool) -> Iterator[dict[int, fmpq]]:
     """Functions mu for one face."""
     numbers = sorted({k for question in asked for k in question.condition.slopes})
-    yield dict.fromkeys(numbers, fmpq(0))
     place = {k: i for i, k in enumerate(numbers)}
     own = []
     for question in asked:
         slopes = {place[k]: slope for k, slope in question.condition.slopes.items()}
         own.append(normalized(replace(question.condition, slopes=slopes)))
     problems = [(condition, build_ansatz(condition)) for condition in own]
-    solution = solve(problems, len(numbers), inner=0.0, bounded=False)
-    for denominator in MU_DENOMINATORS if solution is not None else ():
-        values = round_parameters(problems, solution, denominator) if solution is not None else None
+    solved = solve_inside(problems, len(numbers), bounded=False)
+    for denominator in MU_DENOMINATORS if solved is not None else ():
+        values = None if solved is None else round_parameters(*solved, denominator)
         if values is not None:
             yield dict(zip(numbers, values, strict=True))
+    if weakly and solved is None:
+        yield dict.fromkeys(numbers, fmpq(0))
 
 
 def _conclude(inequalities: Sequence[Inequality]) -> tuple[Decrease, str]:

@@ -25,6 +25,7 @@ from nonsmooth.proofs.many_states.examination import (
 )
 from nonsmooth.proofs.many_states.lyapunov_search import proposals
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
+from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -78,7 +79,7 @@ def find_growth(system: SwitchedSystem) -> Growth | None:
             continue
         inequalities: list[Inequality] = []
         for asked in by_face(falls.listed):
-            inequalities += answers(asked, weakly=False)
+            inequalities += answers(asked, Effort.STRICT)
             if inequalities[-1].proved is None:
                 break
         if all(i.proved is not None for i in inequalities):

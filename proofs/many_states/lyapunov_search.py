@@ -27,7 +27,7 @@ from nonsmooth.proofs.many_states.sign_cells import (
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.parameters import round_parameters
-from nonsmooth.proofs.sums_of_squares.prove import normalized
+from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.number import Number
@@ -63,7 +63,7 @@ def find_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
         BeyondReachError: for a system that is not decided here.
     """
     for radius, formula in proposals(system, positive=True):
-        examined = examine(system, formula, radius, weakly=False)
+        examined = examine(system, formula, radius, effort=Effort.STRICT)
         if examined.verdict is Decrease.STRICT:
             return FoundLyapunov(formula, radius, examined)
     return None

@@ -25,7 +25,7 @@ MAX_SURFACES = 24
 MAX_CELLS = 160
 SAMPLES = 3_000
 
-Signs: TypeAlias = tuple[int, ...]
+Pattern: TypeAlias = tuple[int, ...]
 RationalTerms: TypeAlias = dict[Exponents, fmpq]
 
 
@@ -42,7 +42,7 @@ class SignCell:
         velocities: one for each right-hand side, in the displacement.
     """
 
-    signs: Signs
+    signs: Pattern
     velocities: tuple[tuple[RationalTerms, ...], ...]
 
 
@@ -153,11 +153,11 @@ def piece_on(system: SwitchedSystem, formula: PiecewiseExpression, signs: Mappin
     return formula.polynomial(values, signs_by_factors(signs))
 
 
-def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Signs]:
+def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Pattern]:
     """All patterns of signs whose cells are not proved to be empty in the open cube."""
     affine = [surface.degree == 1 for surface in surfaces]
     sides = _sampled_signs(surfaces, radius)
-    waiting: list[Signs] = [()]
+    waiting: list[Pattern] = [()]
     while waiting:
         signs = waiting.pop()
         if len(signs) == len(surfaces):
@@ -172,7 +172,7 @@ def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Signs]:
 
 
 def _sampled_signs(surfaces: Sequence[Polynomial], radius: Number) -> NDArray[np.float64]:
-    """Signs at points of the cube, in floats: where a pattern is seen, no proof of its emptiness is looked for."""
+    """Pattern at points of the cube, in floats: where a pattern is seen, no proof of its emptiness is looked for."""
     if not surfaces:
         return np.zeros((1, 0))
     count = len(surfaces[0].variables)

@@ -77,7 +77,7 @@ def solve_inside(problems: Problems, parameters: int, *, bounded: bool) -> tuple
 def _without_small(problem: tuple[Condition, Ansatz], grams: Grams) -> tuple[Condition, Ansatz]:
     """Without the monomials whose diagonal entries are nearly zero."""
     condition, ansatz = problem
-    blocks = []
+    blocks: list[Block] = []
     for block, gram in zip(ansatz.blocks, grams, strict=True):
         kept = tuple(m for m, size in zip(block.monomials, np.diag(gram), strict=True) if size > SMALL)
         if kept or not blocks:

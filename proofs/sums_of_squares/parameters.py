@@ -12,7 +12,7 @@ from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, reached
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, entries
-from nonsmooth.proofs.sums_of_squares.rounding import simplest
+from nonsmooth.proofs.sums_of_squares.rounding import nearest
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 
@@ -24,10 +24,10 @@ def round_parameters(
     Args:
         problems: as they were solved.
         solution: in floats.
-        denominator: at most, of those parameters that are free, and of numbers beside guards in the equations.
+        denominator: of those parameters that are free, and of numbers beside guards in the equations.
     """
     count = len(solution.parameters)
-    values = [simplest(float(value), denominator) for value in solution.parameters]
+    values = [nearest(float(value), denominator) for value in solution.parameters]
     rows: list[dict[int, fmpq]] = []
     rights: list[fmpq] = []
     for (condition, ansatz), grams in zip(problems, solution.grams, strict=True):
@@ -37,7 +37,7 @@ def round_parameters(
         for block, entry in found:
             gram = grams[block]
             column = next(c for c in range(len(gram)) if (c + 1) * (c + 2) // 2 > entry)
-            values.append(simplest(float(gram[entry - column * (column + 1) // 2, column]), denominator))
+            values.append(nearest(float(gram[entry - column * (column + 1) // 2, column]), denominator))
     if not rows:
         return tuple(values)
     return _solved(rows, rights, values, count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 
 from flint import fmpq
 
@@ -30,22 +31,32 @@ class Proved:
         return not condition.slopes and self.claim == asked and self.evidence.proves(self.claim)
 
 
-def prove_positive(condition: Condition, *, weakly: bool = False) -> Proved | None:
+class Effort(Enum):
+    """How far a proof is looked for."""
+
+    HASTY = "p > 0, with the lowest degrees"
+    STRICT = "p > 0"
+    FULL = "p > 0, else p >= 0"
+
+
+def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> Proved | None:
     """A proof of a condition without parameters; None where none is found, which refutes nothing.
 
     Args:
         condition: with numbers for all parameters.
-        weakly: whether ``p >= 0`` is proved where ``p > 0`` is not.
+        effort: how far it is looked for.
     """
     scaled = normalized(condition)
-    for level in LEVELS:
+    for level in LEVELS[:1] if effort is Effort.HASTY else LEVELS:
         ansatz = build_ansatz(scaled, level)
         if sum(len(block.monomials) ** 2 for block in ansatz.blocks) > 2 * MOST_UNKNOWNS:
             break
         found = _found(scaled, ansatz, strict=True)
         if found is not None:
             return found
-    return _found(scaled, without_idle(build_ansatz(scaled), scaled.support), strict=False) if weakly else None
+    if effort is not Effort.FULL:
+        return None
+    return _found(scaled, without_idle(build_ansatz(scaled), scaled.support), strict=False)
 
 
 def claim_of(condition: Condition, *, strict: bool) -> Claim:

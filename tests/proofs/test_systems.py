@@ -36,6 +36,7 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from tests.built_in import planar_systems
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ def test_surfaces_are_split_into_curves(text: str, sign: int, factors: set[str])
     assert {str(factor) for factor in found[1]} == factors
 
 
-@pytest.mark.parametrize("name", builtin_systems())
+@pytest.mark.parametrize("name", planar_systems())
 def test_cells_hold_the_field_and_cover_the_plane(name: str) -> None:
     scene = load_system(name)
     cells = plane_cells(scene)
@@ -442,7 +443,7 @@ def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: 
             assert fan.verdict is Translation.UNSTABLE
 
 
-@pytest.mark.parametrize("name", builtin_systems())
+@pytest.mark.parametrize("name", planar_systems())
 def test_modes_by_sign_pattern(name: str) -> None:
     """Only patterns that occur are kept, and at random points each gives the field of the formulas."""
     scene = load_system(name)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import pytest
@@ -23,8 +25,8 @@ class Known(NamedTuple):
     rhs: list[Any]
     truth: Translation
     source: str
-    check: dict[str, Any] = {}
-    parameters: dict[str, Any] = {}
+    check: Mapping[str, Any] = MappingProxyType({})
+    parameters: Mapping[str, Any] = MappingProxyType({})
     said: Translation | None = None  # where that is less than the truth
 
 
@@ -65,9 +67,7 @@ KNOWN = [
     Known(
         "x y z", MAY, ATTRACTS, "May and Leonard 1975, sum below 2", {"equilibrium": ["2/5"] * 3}, parameters={"c": 1}
     ),
-    Known(
-        "x y z", MAY, LEAVES, "May and Leonard 1975, sum above 2", {"equilibrium": ["2/7"] * 3}, parameters={"c": 2}
-    ),
+    Known("x y z", MAY, LEAVES, "May and Leonard 1975, sum above 2", {"equilibrium": ["2/7"] * 3}, parameters={"c": 2}),
     Known(
         "x y z",
         [["-x + y", "-2*y + 3*z", "-z"], ["-2*x - 5*y + z", "-y", "-3*z"]],
@@ -121,8 +121,8 @@ KNOWN = [
 def build(known: Known) -> SwitchedSystem:
     system: dict[str, Any] = {"states": known.states.split(), "rhs": known.rhs}
     if known.parameters:
-        system["parameters"] = known.parameters
-    return build_system({"system": system, "check": known.check}, "t", Path("t.toml"))
+        system["parameters"] = dict(known.parameters)
+    return build_system({"system": system, "check": dict(known.check)}, "t", Path("t.toml"))
 
 
 @pytest.mark.parametrize("known", KNOWN, ids=[known.source[:40] for known in KNOWN])
