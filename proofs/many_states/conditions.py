@@ -53,6 +53,7 @@ class Question:
         signs: of the surfaces on the cell whose field it is about.
         zero: numbers of the surfaces that vanish on the face; empty on a cell.
         group: the face, by number; inequalities of one face share mu. -1 on a cell.
+        functions: what V is a sum of, there.
     """
 
     sense: Sense
@@ -60,6 +61,7 @@ class Question:
     signs: Pattern
     zero: tuple[int, ...]
     group: int
+    functions: tuple[RationalTerms, ...]
 
 
 Pieces = Mapping[Pattern, tuple[RationalTerms, ...]]  # on each cell, the polynomial of every function of a basis
@@ -140,7 +142,7 @@ class _Builder:
             seen.add(signs)
             slopes = dict(enumerate(self.pieces[cell.signs]))
             condition = self.condition(slopes, self.guards(signs, space) or (), space, away=False)
-            yield Question(Sense.POSITIVE, condition, cell.signs, (), -1)
+            yield Question(Sense.POSITIVE, condition, cell.signs, (), -1, self.pieces[cell.signs])
 
     def on_cells(self) -> Iterator[Question]:
         """``-grad V . f`` on closed cells."""
@@ -150,7 +152,7 @@ class _Builder:
             for field in dict.fromkeys(map(_frozen, cell.velocities)):
                 slopes = {k: _along(p, _thawed(field), self.count) for k, p in enumerate(self.pieces[cell.signs])}
                 condition = self.condition(slopes, guards, space, away=False)
-                yield Question(Sense.FALLS, condition, cell.signs, (), -1)
+                yield Question(Sense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs])
 
     def on_faces(self) -> Iterator[Question]:
         """The same on faces on which V bends, with mu."""
@@ -184,7 +186,7 @@ class _Builder:
         away = any(form.get(origin) for form in face.coordinates)
         degree = max((sum(e) for piece in pieces for p in piece for e in p), default=1) - 1
         shapes = monomials_between(face.dimension, 0, max(degree, 0))
-        start = self.parameters
+        start, functions = self.parameters, tuple(map(face.restricted, pieces[0]))
         for cell in cells:
             others = [(j, s) for j, s in enumerate(cell.signs) if j not in zero]
             guards = self.guards(others, face)
@@ -198,7 +200,7 @@ class _Builder:
                     for k, shape in enumerate(shapes):
                         slopes[start + i * len(shapes) + k] = multiply_terms(push, {shape: fmpq(1)})
                 condition = self.condition(slopes, guards, face, away=away)
-                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number)
+                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number, functions)
         self.parameters += len(zero) * len(shapes)
 
     def _agree(self, face: Face, zero: Sequence[int], cells: Sequence[SignCell]) -> bool:

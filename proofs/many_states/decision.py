@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
+from nonsmooth.proofs.many_states.decay import DecayRate, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import Examination, examine, find_failure, questions_on
 from nonsmooth.proofs.many_states.instability import Growth, find_growth
@@ -113,6 +114,7 @@ class ManyStateResult(ShortRepr):
         method: what decided.
         evidence: what it follows from.
         region: starts that are certified to reach the point, of a V that falls on a cube; None where none is known.
+        rate: how fast that V falls, where that is proved.
     """
 
     scene: SwitchedSystem
@@ -121,6 +123,7 @@ class ManyStateResult(ShortRepr):
     method: Method
     evidence: Evidence
     region: SublevelSet | None = None
+    rate: DecayRate | None = None
 
     def _repr_html_(self) -> str:
         rows = [(self.verdict, self.method, self.reason)]
@@ -156,13 +159,17 @@ class ManyStateResult(ShortRepr):
         own = own and (evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text)
         own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
         own = own and (evidence.growth is None or evidence.growth.check(self.scene))
-        region = self.region is None or (
-            self.proving is not None
-            and self.verdict is Translation.ASYMPTOTICALLY_STABLE
-            and self.proving.examination.verdict is Decrease.STRICT
-            and self.region.check(self.proving.examination)
-        )
-        return own and region and conclude(evidence) == (self.verdict, self.reason, self.method)
+        own = own and conclude(evidence) == (self.verdict, self.reason, self.method)
+        return own and (self._reach_is_genuine() if self.region is not None or self.rate is not None else True)
+
+    def _reach_is_genuine(self) -> bool:
+        """Whether the region and the rate are those of the V that proves asymptotic stability."""
+        proving = self.proving
+        if proving is None or proving.examination.verdict is not Decrease.STRICT:
+            return False
+        region = self.region is None or self.region.check(proving.examination)
+        rate = self.rate is None or (self.scene.scale is None and self.rate.check(proving.examination))
+        return region and rate and self.verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
 def decide_many(scene: SwitchedSystem) -> ManyStateResult:
@@ -176,12 +183,11 @@ def decide_many(scene: SwitchedSystem) -> ManyStateResult:
     if not evidence.beyond and conclude(evidence)[0] is not Translation.UNSTABLE:
         evidence = _with_functions(scene, evidence)
     verdict, reason, method = conclude(evidence)
-    region = None
-    proving = evidence.proving
-    if verdict is Translation.ASYMPTOTICALLY_STABLE and proving is not None:
-        strict = proving.examination.verdict is Decrease.STRICT
-        region = largest_sublevel(proving.examination) if strict else None
-    return ManyStateResult(scene, verdict, reason, method, evidence, region)
+    region, rate, proving = None, None, evidence.proving
+    if proving is not None and proving.examination.verdict is Decrease.STRICT:
+        region = largest_sublevel(proving.examination)
+        rate = None if scene.scale else decay_rate(proving.examination)  # a scaled field has another rate
+    return ManyStateResult(scene, verdict, reason, method, evidence, region, rate)
 
 
 def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
+from nonsmooth.proofs.many_states.decay import DecayRate
 from nonsmooth.proofs.many_states.decision import ManyStateResult, Method, ProvedLyapunov
 from nonsmooth.proofs.many_states.examination import Failure
 from nonsmooth.proofs.many_states.sublevel import SublevelSet
@@ -43,6 +44,8 @@ def many_state_facts(result: ManyStateResult) -> Iterator[Fact]:
         yield row_fact("on", f"{_cube(result.scene.states, growth.radius)}; V < 0 in the direction ({direction})")
     if result.region is not None:
         yield row_fact("region", region_words(result.region, result.scene.states))
+    if result.rate is not None:
+        yield row_fact("rate", str(result.rate))
 
 
 def domain_words(function: ProvedLyapunov) -> str:
@@ -82,7 +85,7 @@ def _potential(result: ManyStateResult) -> Iterator[Fact]:
         yield from _conditions(shown)
     yield Fact("proves", proving is not None)
     yield Fact("region", None if result.region is None else _region_record(result.region, result.scene.states))
-    yield Fact("rate")
+    yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
     own = named if proving is not None and named is not proving else None
     yield Fact("tried", None if own is None else unsaid(_conditions(own)))
 
@@ -105,6 +108,10 @@ def _region_record(region: SublevelSet, states: tuple[str, ...]) -> dict[str, ob
         "within": Quantity(region.radius),
         "text": region_words(region, states),
     }
+
+
+def _rate_record(rate: DecayRate) -> dict[str, object]:
+    return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
 
 
 def _witness(failure: Failure | None) -> Fact:

@@ -15,8 +15,10 @@ from nonsmooth.proofs.many_states.audit import audit_many
 from nonsmooth.proofs.many_states.decision import Method, decide_many
 from nonsmooth.proofs.many_states.linear_part import Spectrum, spectrum_of
 from nonsmooth.proofs.many_states.sign_cells import build_cells, is_empty
+from nonsmooth.proofs.systems.decay_rate import Decay
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
@@ -135,6 +137,8 @@ def test_forged_results_are_refused() -> None:
     assert result.region is not None
     higher = replace(result.region, level=result.region.level * 2)
     assert not replace(result, region=higher).check()
+    assert result.rate is not None
+    assert not replace(result, rate=replace(result.rate, kappa=result.rate.kappa * 2)).check()
     proving = result.evidence.proving
     assert proving is not None
     fewer = replace(proving.examination, inequalities=proving.examination.inequalities[:-1])
@@ -192,3 +196,15 @@ def test_cells_are_those_that_points_are_in(seed: int) -> None:
         if cell.signs not in seen:  # a thin one: not proved to be empty
             guards = [s * e for s, e in zip(cells.surfaces, cell.signs, strict=True)]
             assert not is_empty(guards, system.check.radius)
+
+
+def test_a_chain_of_relays_arrives_in_time() -> None:
+    """``V = |x| + |y| + |z|``: the proved bound on the time of arrival is kept by a solution that slides twice."""
+    result = decide_many(built(CHAIN, lyapunov="Abs(x) + Abs(y) + Abs(z)"))
+    assert result.rate is not None
+    assert result.rate.decay is Decay.FINITE
+    start = (0.2, -0.15, 0.1)
+    path = System(["x", "y", "z"], CHAIN).simulate(start, 2.0).trajectory
+    sizes = np.array([np.abs(np.asarray(place, dtype=float)).sum() for place in path.states])
+    times = np.array([float(time) for time in path.times])
+    assert (sizes <= np.maximum(sizes[0] - float(result.rate.kappa) * times, 0) + 1e-9).all()

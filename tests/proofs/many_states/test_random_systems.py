@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many
+from nonsmooth.proofs.systems.decay_rate import Decay
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.interface.system import System
@@ -86,17 +87,19 @@ def test_relays_against_their_sliding_motion(seed: int) -> None:
         decided += 1
         assert result.verdict is (ATTRACTS if slide < 0 else LEAVES)
         if result.region is not None and result.proving is not None and decided == 1:
-            _follow_inside(rhs, count, result.proving.formula.text, float(result.region.level), rng)
+            _follow_inside(rhs, result, rng)
     assert decided >= 2
 
 
-def _follow_inside(rhs: list[str], count: int, potential: str, level: float, rng: np.random.Generator) -> None:
-    """A start of the certified region stays in it and comes nearer."""
-    names = list(NAMES[:count])
-    code = compile(potential, "V", "eval")
+def _follow_inside(rhs: list[str], result: ManyStateResult, rng: np.random.Generator) -> None:
+    """A start of the certified region stays in it and comes nearer, as fast as the rate says."""
+    assert result.proving is not None
+    assert result.region is not None
+    names, text = list(result.scene.states), result.proving.formula.text
+    count, level = len(names), float(result.region.level)
 
     def value(x: Matrix) -> float:
-        return float(eval(code, {"Abs": abs, **dict(zip(names, x, strict=True))}))  # noqa: S307 - of this file
+        return potential(text, names, x)
 
     direction = rng.normal(size=count)
     low, high = 0.0, 1.0
@@ -105,9 +108,16 @@ def _follow_inside(rhs: list[str], count: int, potential: str, level: float, rng
         low, high = (middle, high) if value(middle * direction) < 0.9 * level else (low, middle)
     start = low * direction
     path = System(names, rhs).simulate(start.tolist(), 10.0).trajectory
-    values = [value(np.asarray(place)) for place in path.states]
+    values = np.array([value(np.asarray(place)) for place in path.states])
+    times = np.array([float(time) for time in path.times])
     assert values[-1] < values[0]
-    assert max(values) <= values[0] * (1 + 1e-6)
+    if result.rate is None:
+        bound = np.full(len(times), values[0])
+    elif result.rate.decay is Decay.EXPONENTIAL:
+        bound = values[0] * np.exp(-float(result.rate.kappa) * times)
+    else:
+        bound = np.maximum(values[0] - float(result.rate.kappa) * times, 0)
+    assert (values <= bound + 1e-6 * values[0]).all()
 
 
 def growth_of_cones(a: Matrix, b: Matrix, rng: np.random.Generator) -> tuple[float, float]:
