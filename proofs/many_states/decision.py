@@ -1,7 +1,8 @@
 """Strong stability of the checked point of a plain system in three states and more.
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
-2. The linearization, where there is one (:mod:`nonsmooth.proofs.many_states.linear_part`).
+2. A velocity that leads from the point into a cell (:mod:`nonsmooth.proofs.many_states.escape`), and the
+   linearization, where there is one (:mod:`nonsmooth.proofs.many_states.linear_part`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
@@ -19,6 +20,7 @@ from enum import StrEnum
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.many_states.decay import DecayRate, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
+from nonsmooth.proofs.many_states.escape import Velocity, escaping_velocity
 from nonsmooth.proofs.many_states.examination import Examination, examine, find_failure, questions_on
 from nonsmooth.proofs.many_states.instability import Growth, find_growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, linear_part, quadratic_text
@@ -40,6 +42,7 @@ class Method(StrEnum):
     EQUILIBRIUM = "no equilibrium"
     LYAPUNOV = "Lyapunov function"
     LINEARIZATION = "linearization"
+    ESCAPE = "solution that leaves"
     GROWTH = "function that shows instability"
     NONE = "nothing"
 
@@ -81,6 +84,7 @@ class Evidence:
     Attributes:
         equilibrium: whether 0 is in F.
         linear: the linearization; None where there is none, or it was not reached.
+        escape: a velocity with which a solution leaves the point; None where none is found.
         named: the V of the scene (without one the sum of squares of the states).
         searched: a V that was searched and falls; None where none was needed or found.
         growth: a V that shows instability; None where none was needed or found.
@@ -89,6 +93,7 @@ class Evidence:
 
     equilibrium: Equilibrium
     linear: LinearPart | None = None
+    escape: Velocity | None = None
     named: ProvedLyapunov | None = None
     searched: ProvedLyapunov | None = None
     growth: Growth | None = None
@@ -151,7 +156,8 @@ class ManyStateResult(ShortRepr):
         """Verify the evidence and the conclusion; decide equilibrium, linearization and what is beyond reach again."""
         evidence = self.evidence
         found = _begin(self.scene)
-        if (found.equilibrium, found.linear) != (evidence.equilibrium, evidence.linear):
+        known = evidence.equilibrium, evidence.linear, evidence.escape
+        if (found.equilibrium, found.linear, found.escape) != known:
             return False
         if found.beyond and found != evidence:
             return False
@@ -214,7 +220,7 @@ def _begin(scene: SwitchedSystem) -> Evidence:
     for scale in SCALES:
         try:
             cells = build_cells(scene, scene.check.radius * scale)
-            return Evidence(decide_equilibrium(scene, cells), linear_part(cells))
+            return Evidence(decide_equilibrium(scene, cells), linear_part(cells), escaping_velocity(scene, cells))
         except BeyondReachError as error:
             beyond = beyond or str(error)
     return Evidence(Equilibrium.UNDECIDED, beyond=beyond)
@@ -276,6 +282,9 @@ def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
     proving = evidence.proving
     if evidence.equilibrium is Equilibrium.FAILS:
         return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", Method.EQUILIBRIUM
+    if evidence.escape is not None:
+        place = ", ".join(map(str, evidence.escape))
+        return Translation.UNSTABLE, f"a solution leaves the point with velocity ({place}), into a cell", Method.ESCAPE
     if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
         return Translation.UNSTABLE, str(spectrum), Method.LINEARIZATION
     if proving is not None and proving.examination.verdict is Decrease.STRICT:

@@ -2,7 +2,7 @@
 
 A polynomial p is positive wherever ``g_j >= 0``, but perhaps at the origin, if ``p = sum_j G_j z_j^T Q_j z_j`` with
 ``G_0 = 1``, every other G_j a product of the g, z_j vectors of monomials, ``Q_0`` positive definite, every other Q_j
-positive semidefinite, and z_0 zero nowhere but at the origin (Putinar 1993; Schmuedgen 1991 for products).  Here that
+positive semidefinite, and z_0 zero nowhere but at the origin (Putinar 1993; Schmüdgen 1991 for products).  Here that
 is verified: by comparing coefficients, and by ``L D L^T`` in rationals.
 """
 
