@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.proofs.many_states.decision import ProvedLyapunov
+from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import NotZeroError, examine
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError

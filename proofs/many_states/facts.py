@@ -7,8 +7,9 @@ from fractions import Fraction
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
+from nonsmooth.proofs.many_states.conclusion import Method, ProvedLyapunov
 from nonsmooth.proofs.many_states.decay import DecayRate
-from nonsmooth.proofs.many_states.decision import ManyStateResult, Method, ProvedLyapunov
+from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.examination import Failure
 from nonsmooth.proofs.many_states.sublevel import SublevelSet
 from nonsmooth.proofs.systems.system_facts import rewriting_words

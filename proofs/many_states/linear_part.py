@@ -15,18 +15,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import combinations_with_replacement, pairwise
+from itertools import combinations, combinations_with_replacement, pairwise
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.many_states.faces import unit
 from nonsmooth.proofs.many_states.function_families import Function, formula_text
-from nonsmooth.proofs.many_states.sign_cells import SignCells, adjoining
+from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCells, adjoining
 from nonsmooth.proofs.sums_of_squares.certificate import RationalMatrix, is_definite
 from nonsmooth.proofs.sums_of_squares.rounding import simplest
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
+WEIGHTS = (fmpq(1, 4), fmpq(1, 2), fmpq(3, 4))  # of the second of two right-hand sides
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 12, 1 << 24)  # of a quadratic V, tried in turn
 
 
@@ -62,16 +64,45 @@ class LinearPart:
 def linear_part(cells: SignCells) -> LinearPart | None:
     """The linearization; None where the field has none at the point."""
     fields = [field for cell in adjoining(cells) for field in cell.velocities]
-    count = len(cells.states)
-    zero = (0,) * count
-    matrices = {tuple(tuple(p.get(unit(count, k), fmpq(0)) for k in range(count)) for p in field) for field in fields}
-    if len(matrices) != 1 or any(p.get(zero) for field in fields for p in field):
+    matrix = _common_jacobian(fields)
+    if matrix is None:
         return None
-    matrix = matrices.pop()
     linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
     spectrum = spectrum_of(matrix, linear=linear)
     quadratic = _quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
     return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
+
+
+def unstable_mixture(system: SwitchedSystem, cells: SignCells) -> LinearPart | None:
+    """Under arbitrary switching: the linearization of one right-hand side, or a mixture of two, that is unstable.
+
+    A mixture of right-hand sides is a field that the system may follow.  Those that only enclose one show nothing.
+    """
+    if not system.others or system.waves:
+        return None
+    near = adjoining(cells)
+    members = [_common_jacobian([cell.velocities[k] for cell in near]) for k in range(len(near[0].velocities))]
+    known = [matrix for matrix in members if matrix is not None]
+    mixed = [_mixture(a, b, weight) for a, b in combinations(known, 2) for weight in WEIGHTS]
+    for matrix in (*known, *mixed):
+        if spectrum_of(matrix, linear=False) is Spectrum.UNSTABLE:
+            return LinearPart(matrix, Spectrum.UNSTABLE, None, is_whole=False)
+    return None
+
+
+def _mixture(a: RationalMatrix, b: RationalMatrix, weight: fmpq) -> RationalMatrix:
+    rows = zip(a, b, strict=True)
+    return tuple(tuple(x + weight * (y - x) for x, y in zip(first, second, strict=True)) for first, second in rows)
+
+
+def _common_jacobian(fields: Sequence[Sequence[RationalTerms]]) -> RationalMatrix | None:
+    """The one Jacobian of fields that vanish at the point; None where there is none."""
+    count = len(fields[0])
+    zero = (0,) * count
+    matrices = {tuple(tuple(p.get(unit(count, k), fmpq(0)) for k in range(count)) for p in field) for field in fields}
+    if len(matrices) != 1 or any(p.get(zero) for field in fields for p in field):
+        return None
+    return matrices.pop()
 
 
 def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
