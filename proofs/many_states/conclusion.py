@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from fractions import Fraction
 
 from nonsmooth.proofs.many_states.escape import Velocity
 from nonsmooth.proofs.many_states.examination import Examination, find_failure, questions_on
@@ -65,6 +66,7 @@ class Evidence:
         equilibrium: whether 0 is in F.
         linear: the linearization; None where there is none, or it was not reached.
         escape: a velocity with which a solution leaves the point; None where none is found.
+        ray_rate: a lower bound of the rate at which solutions leave along a ray in a cone; None where none is found.
         named: the V of the scene (without one the sum of squares of the states).
         searched: a V that was searched and falls; None where none was needed or found.
         growth: a V that shows instability; None where none was needed or found.
@@ -74,6 +76,7 @@ class Evidence:
     equilibrium: Equilibrium
     linear: LinearPart | None = None
     escape: Velocity | None = None
+    ray_rate: Fraction | None = None
     named: ProvedLyapunov | None = None
     searched: ProvedLyapunov | None = None
     growth: Growth | None = None
@@ -97,6 +100,8 @@ def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
     if evidence.escape is not None:
         place = ", ".join(map(str, evidence.escape))
         return Translation.UNSTABLE, f"a solution leaves the point with velocity ({place}), into a cell", Method.ESCAPE
+    if evidence.ray_rate is not None:
+        return Translation.UNSTABLE, "solutions leave along a ray inside a cone with a linear field", Method.ESCAPE
     if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
         return Translation.UNSTABLE, str(spectrum), Method.LINEARIZATION
     if proving is not None and proving.examination.verdict is Decrease.STRICT:

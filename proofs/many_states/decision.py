@@ -20,7 +20,7 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_
 from nonsmooth.proofs.many_states.conclusion import Evidence, Method, ProvedLyapunov, conclude
 from nonsmooth.proofs.many_states.decay import DecayRate, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
-from nonsmooth.proofs.many_states.escape import escaping_velocity
+from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
@@ -83,8 +83,8 @@ class ManyStateResult(ShortRepr):
         """Verify the evidence and the conclusion; decide equilibrium, linearization and what is beyond reach again."""
         evidence = self.evidence
         found = _begin(self.scene)
-        known = evidence.equilibrium, evidence.linear, evidence.escape
-        if (found.equilibrium, found.linear, found.escape) != known:
+        known = evidence.equilibrium, evidence.linear, evidence.escape, evidence.ray_rate
+        if (found.equilibrium, found.linear, found.escape, found.ray_rate) != known:
             return False
         if found.beyond and found != evidence:
             return False
@@ -148,7 +148,9 @@ def _begin(scene: SwitchedSystem) -> Evidence:
         try:
             cells = build_cells(scene, scene.check.radius * scale)
             linear = linear_part(cells) or unstable_mixture(scene, cells)
-            return Evidence(decide_equilibrium(scene, cells), linear, escaping_velocity(scene, cells))
+            escape = escaping_velocity(scene, cells)
+            rate = None if linear is not None else escaping_rate(scene, cells)
+            return Evidence(decide_equilibrium(scene, cells), linear, escape, rate)
         except BeyondReachError as error:
             beyond = beyond or str(error)
     return Evidence(Equilibrium.UNDECIDED, beyond=beyond)

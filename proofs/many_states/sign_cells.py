@@ -24,6 +24,7 @@ from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, Unk
 MAX_SURFACES = 24
 MAX_CELLS = 160
 SAMPLES = 3_000
+MAX_MAGNITUDE = 40  # bits before or after the point: sixteenth powers of such numbers are floats
 
 Pattern: TypeAlias = tuple[int, ...]
 RationalTerms: TypeAlias = dict[Exponents, fmpq]
@@ -108,11 +109,13 @@ def rational(number: Number) -> fmpq:
     """A number as a fraction.
 
     Raises:
-        BeyondReachError: for an irrational one.
+        BeyondReachError: for an irrational one, and for one so large or small that its powers are no floats.
     """
     found = number.as_rational()
     if found is None:
         raise BeyondReachError("numbers with roots in more than two states")
+    if found and abs(int(found.p).bit_length() - int(found.q).bit_length()) > MAX_MAGNITUDE:
+        raise BeyondReachError(f"numbers beyond 2**{MAX_MAGNITUDE} or below 2**-{MAX_MAGNITUDE}")
     return found
 
 

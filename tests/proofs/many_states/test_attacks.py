@@ -103,6 +103,8 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
         (["x**2", "-y", "-z"], {LEAVES, Translation.UNDECIDED}),
         (["-sgn(x)", "-sgn(y)", "0"], {STAYS, Translation.UNDECIDED}),
         (["sqrt(2)*x", "-y", "-z"], {Translation.UNDECIDED}),  # irrational numbers are not looked at
+        (["-10**30*x", "-y", "-z"], {Translation.UNDECIDED}),  # nor are those whose powers are no floats
+        (["-x**16", "-y**15", "-z"], {Translation.UNDECIDED, LEAVES}),
     ],
 )
 def test_verdicts_are_never_too_strong(rhs: list[Any], verdicts: set[Translation]) -> None:
@@ -130,6 +132,17 @@ def test_the_point_need_not_be_the_origin() -> None:
     assert decide_many(built(["-sgn(x - 1)", "-y", "-z"])).evidence.equilibrium is Equilibrium.FAILS
 
 
+def test_rays_that_leave() -> None:
+    """``(1, 1, 1)`` grows at the rate 1/2 in its cone; with other signs no such ray lies in its own cone."""
+    leaves = ["-x/2 + Abs(y)", "-y/2 + Abs(z)", "-z/2 + Abs(x)"]
+    result = decide_many(built(leaves))
+    assert result.method is Method.ESCAPE
+    assert result.evidence.ray_rate is not None
+    assert 0 < result.evidence.ray_rate <= 1 / 2
+    assert result.check()
+    assert decide_many(built(["-x/2 - Abs(y)/4", "-y/2 - Abs(z)/4", "-z/2 - Abs(x)/4"])).verdict is ATTRACTS
+
+
 def test_forged_results_are_refused() -> None:
     result = decide_many(built(CHAIN))
     assert result.check()
@@ -145,7 +158,7 @@ def test_forged_results_are_refused() -> None:
     fewer = replace(proving.examination, inequalities=proving.examination.inequalities[:-1])
     forged = replace(result.evidence, named=replace(proving, examination=fewer))
     assert not replace(result, evidence=forged).check()
-    unstable = decide_many(built(["-x", "-y + Abs(x)", "z - sat(y, -1/4, 1/4)"]))
+    unstable = decide_many(built(["y", "z - y/4", "-4*x + Abs(y) - y - z/8"]))
     growth = unstable.evidence.growth
     assert growth is not None
     turned = replace(unstable.evidence, growth=replace(growth, direction=(fmpq(1), fmpq(0), fmpq(0))))
