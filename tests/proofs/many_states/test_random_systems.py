@@ -120,6 +120,28 @@ def _follow_inside(rhs: list[str], result: ManyStateResult, rng: np.random.Gener
     assert (values <= bound + 1e-6 * values[0]).all()
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_crossed_relays_against_small_steps(seed: int) -> None:
+    """Two or three relays: solutions slide along lines and at the point; small steps tell where they go."""
+    rng = np.random.default_rng(500 + seed)
+    count = int(rng.integers(2, 4))
+    a, b = rng.integers(-3, 4, (3, 3)), rng.integers(-1, 2, (3, count)) + 3 * np.eye(3, dtype=int)[:, :count]
+    c = np.eye(3, dtype=int)[:count] if seed % 2 else rng.integers(-1, 2, (count, 3)) + np.eye(3, dtype=int)[:count]
+    rhs = [
+        linear(4 * row) + "".join(f" - ({int(push)})*sgn({linear(4 * c[j])})" for j, push in enumerate(pushes) if push)
+        for row, pushes in zip(a, b, strict=True)
+    ]
+    result = decide_many(built(rhs, 3))
+    assert result.check()
+    x = rng.normal(size=(16, 3))
+    x *= 0.02 / np.linalg.norm(x, axis=1)[:, None]
+    for _ in range(30_000):
+        x = np.clip(x + 4e-5 * (x @ a.T - np.sign(x @ c.T) @ b.T), -1, 1)
+    sizes = np.linalg.norm(x, axis=1)
+    assert result.verdict is not ATTRACTS or sizes.max() < 0.3
+    assert result.verdict is not LEAVES or sizes.max() > 0.002
+
+
 def growth_of_cones(a: Matrix, b: Matrix, rng: np.random.Generator) -> tuple[float, float]:
     """The least and largest exponent of ``x' = A x + B |x|`` from random starts."""
     x = rng.normal(size=(40, len(a)))
