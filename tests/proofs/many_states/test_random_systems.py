@@ -46,7 +46,7 @@ def largest_real_part(matrix: Matrix) -> float:
 @pytest.mark.parametrize("seed", range(12))
 def test_linear_systems_against_eigenvalues(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    for _ in range(8):
+    for _ in range(5):
         count = int(rng.integers(3, 7))
         matrix = random_matrix(rng, count)
         result = decide_many(built([linear(row) for row in matrix], count))
@@ -78,7 +78,7 @@ def relay(rng: np.random.Generator) -> tuple[int, list[str], float | None]:
 def test_relays_against_their_sliding_motion(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     decided = 0
-    for _ in range(4):
+    for _ in range(2):
         count, rhs, slide = relay(rng)
         result = decide_many(built(rhs, count))
         assert result.check()
@@ -88,7 +88,7 @@ def test_relays_against_their_sliding_motion(seed: int) -> None:
         assert result.verdict is (ATTRACTS if slide < 0 else LEAVES)
         if result.region is not None and result.proving is not None and decided == 1:
             _follow_inside(rhs, result, rng)
-    assert decided >= 2
+    assert decided >= 1
 
 
 def _follow_inside(rhs: list[str], result: ManyStateResult, rng: np.random.Generator) -> None:
@@ -135,8 +135,8 @@ def test_crossed_relays_against_small_steps(seed: int) -> None:
     assert result.check()
     x = rng.normal(size=(16, 3))
     x *= 0.02 / np.linalg.norm(x, axis=1)[:, None]
-    for _ in range(30_000):
-        x = np.clip(x + 4e-5 * (x @ a.T - np.sign(x @ c.T) @ b.T), -1, 1)
+    for _ in range(15_000):
+        x = np.clip(x + 8e-5 * (x @ a.T - np.sign(x @ c.T) @ b.T), -1, 1)
     sizes = np.linalg.norm(x, axis=1)
     assert result.verdict is not ATTRACTS or sizes.max() < 0.3
     assert result.verdict is not LEAVES or sizes.max() > 0.002
@@ -145,7 +145,7 @@ def test_crossed_relays_against_small_steps(seed: int) -> None:
 def growth_of_cones(a: Matrix, b: Matrix, rng: np.random.Generator) -> tuple[float, float]:
     """The least and largest exponent of ``x' = A x + B |x|`` from random starts."""
     x = rng.normal(size=(40, len(a)))
-    total, step, steps = np.zeros(40), 0.01, 5000
+    total, step, steps = np.zeros(40), 0.01, 3000
 
     def field(x: Matrix) -> Matrix:
         return np.asarray(x @ a.T + np.abs(x) @ b.T)
@@ -207,7 +207,7 @@ def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_mutated_functions_are_refused_or_still_true(seed: int) -> None:
     rng = np.random.default_rng(400 + seed)
-    for _ in range(3):
+    for _ in range(2):
         count, rhs, _ = relay(rng)
         system = built(rhs, count)
         result = decide_many(system)
