@@ -12,8 +12,7 @@ from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-    from nonsmooth.proofs.systems.system_stability import SystemResult
+    from nonsmooth.proofs.system_decision import StabilityResult
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
 
@@ -87,20 +86,17 @@ def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
 
 
-def write_system_certificate(result: SystemResult | ScalarResult, path: Path) -> None:
+def write_system_certificate(result: StabilityResult, path: Path) -> None:
     """The certificate of a plain system.
 
     Raises:
         RefusedError: for a verdict that has none.
     """
-    from nonsmooth.proofs.systems.system_certificate import (
-        NoCertificateError,
-        build_system_certificate,
-        certificate_text,
-    )
+    from nonsmooth.proofs.system_decision import certificate_of
+    from nonsmooth.proofs.systems.system_certificate import NoCertificateError, certificate_text
 
     try:
-        certificate = build_system_certificate(result)
+        certificate = certificate_of(result)
     except NoCertificateError as error:
         raise RefusedError(f"{result.scene.origin}: {error}") from None
     write_whole(path, certificate_text(certificate).encode())

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answers import answers_of, exit_status, full_answers
-from nonsmooth.proofs.systems.decision import decide_system
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.console import BAD_INPUT, UNDECIDED

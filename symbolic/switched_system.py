@@ -2,7 +2,8 @@
 
 The right-hand sides are formulas with ``sign``, ``Abs``, ``Max``, ``Min``: polynomials on each cell that the switching
 surfaces cut.  On the surfaces the values of f are ignored (Filippov 1988, sec. 4).  Solutions are followed in any
-number of states; stability is decided for two (:func:`require_plane`), in the displacement from the checked point.
+number of states, and stability is decided in any number; cells are drawn and derived for two (:func:`require_plane`).
+Verdicts are about the displacement from the checked point.
 """
 
 from __future__ import annotations
@@ -174,10 +175,7 @@ def require_plane(system: SwitchedSystem) -> None:
         SceneError: for such a system.
     """
     if len(system.states) != len(PLANE):
-        expected = "two states"
-        if len(system.states) > len(PLANE):
-            expected += " (stability is decided in one or two)"
-        raise SceneError(system.origin, "system.states", expected, list(system.states))
+        raise SceneError(system.origin, "system.states", "two states", list(system.states))
 
 
 def require_single(system: SwitchedSystem) -> None:

@@ -6,10 +6,16 @@ from functools import cache
 
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.scene_file import builtin_systems, load_scene
+from nonsmooth.symbolic.files.system_file import load_system
 
 
 @cache
 def checked(name: str, rule: str) -> CellCheck:
     """The check of a built-in scene under a rule with cells."""
     return check_cells(load_scene(name, rule=rule))
+
+
+def planar_systems() -> list[str]:
+    """The names of the built-in systems in two states: what has cells, pictures and stress cases."""
+    return [name for name in builtin_systems() if len(load_system(name).states) == 2]

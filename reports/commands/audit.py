@@ -32,7 +32,7 @@ def audit(
 
     Exit status: 0 valid, 1 invalid, 2 bad input, 3 undecided.
     """
-    from nonsmooth.proofs.systems.lyapunov_audit import audit as audit_function
+    from nonsmooth.proofs.system_decision import audit_function
     from nonsmooth.proofs.verified import verified
     from nonsmooth.symbolic.files.system_file import load_any
 

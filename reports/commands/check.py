@@ -210,7 +210,7 @@ def _require_array(scene: SwitchedSystem, asked: dict[str, bool]) -> None:
 
 def _check_system(scene: SwitchedSystem, certificate: Path | None, *, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
-    from nonsmooth.proofs.systems.decision import decide_system
+    from nonsmooth.proofs.system_decision import decide_system
     from nonsmooth.proofs.verified import verified
     from nonsmooth.reports.progress import steps
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.systems.decision import decide_system
+from nonsmooth.proofs.many_states.decision import ManyStateResult
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_text
-from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.facts import fact_rows
 from nonsmooth.reports.interface.rows import Tabular
@@ -28,7 +28,7 @@ class SystemCheckResult(Tabular):
         evidence: everything that was proved; ``evidence.check()`` verifies it again.
     """
 
-    evidence: SystemResult | ScalarResult
+    evidence: StabilityResult
 
     @property
     def verdict(self) -> str:
@@ -43,6 +43,8 @@ class SystemCheckResult(Tabular):
     @property
     def lyapunov(self) -> str | None:
         """The function that shows stability, as text; None where none does."""
+        if isinstance(self.evidence, ManyStateResult):
+            return None if self.evidence.proving is None else self.evidence.proving.formula.text
         if isinstance(self.evidence, ScalarResult) or self.evidence.certificate is None:
             return None
         return proving_text(self.evidence)

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+from nonsmooth.proofs.system_decision import certificate_of
 from nonsmooth.proofs.systems import system_certificate
-from nonsmooth.proofs.systems.system_certificate import NoCertificateError, build_system_certificate
+from nonsmooth.proofs.systems.system_certificate import NoCertificateError
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.cells_result import drawn
@@ -86,7 +87,7 @@ def _array_text(array: Array) -> str:
 
 
 def _system_text(system: System) -> str:
-    return system_certificate.certificate_text(build_system_certificate(system.check().evidence))
+    return system_certificate.certificate_text(certificate_of(system.check().evidence))
 
 
 _KINDS: dict[str, Callable[[Mapping[str, Any], Array | System], File]] = {

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult
+from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
@@ -17,7 +17,6 @@ from nonsmooth.reports.workbench.shapes import point
 from nonsmooth.symbolic.number_text import brief_text
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.systems.system_stability import SystemResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -91,7 +90,7 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
     }
     facts = [{"label": row["what"], "text": row["found"]} for row in result.rows()]
     shown: dict[str, Any] = {"V": result.lyapunov, "level_sets": [], "region": []}
-    if not isinstance(evidence, ScalarResult) and is_planar(evidence.scene):
+    if isinstance(evidence, SystemResult) and is_planar(evidence.scene):
         shown |= _level_sets(evidence)
     return {
         "answers": [answer],

@@ -82,6 +82,7 @@ _SYSTEMS = (
     "eq-3",
     "eq-4",
     "stick-slip",
+    "relay-chain",
 )
 _MODES = ("thermostat",)
 _VEHICLES = (

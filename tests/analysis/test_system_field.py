@@ -12,8 +12,8 @@ import pytest
 from nonsmooth.analysis.fields.switched_field import DIFFERENCE_STEP, Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.scene_file import builtin_systems
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.built_in import planar_systems
 
 ROUNDING = 1e-14
 
@@ -37,7 +37,7 @@ LITERAL: dict[str, Callable[[float, float], tuple[float, float]]] = {
 }
 
 
-@pytest.mark.parametrize("name", builtin_systems())
+@pytest.mark.parametrize("name", planar_systems())
 def test_modes_are_the_formulas_off_the_surfaces(name: str) -> None:
     field, rng = system_field(load_system(name)), np.random.default_rng(1)
     for x in rng.uniform(-0.5, 0.5, (40, 2)):
@@ -51,7 +51,7 @@ def test_relays_may_ask_for_patterns_without_a_cell() -> None:
         assert np.isfinite(field.flow(signs)(0.0, np.array([0.1, 0.2]))).all()
 
 
-@pytest.mark.parametrize("name", [name for name in builtin_systems() if name not in {"flower", "stick-slip"}])
+@pytest.mark.parametrize("name", [name for name in planar_systems() if name not in {"flower", "stick-slip"}])
 def test_constant_systems_have_closed_forms(name: str) -> None:
     scene = load_system(name)
     smooth, exact = system_field(scene), constant_system(scene, exact=True)

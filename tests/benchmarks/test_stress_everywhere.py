@@ -9,8 +9,9 @@ import pytest
 
 from nonsmooth.analysis.measurements.harness import measure
 from nonsmooth.proofs.measurements.registry import CASES
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
+from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.files.system_file import load_any
+from tests.built_in import planar_systems
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -33,7 +34,7 @@ def hold(name: str, scene: Scene | SwitchedSystem, stopwatch: Stopwatch) -> None
     assert seconds <= 60 * MINUTES
 
 
-@pytest.mark.parametrize("name", [*builtin_scenes(), *builtin_systems()])
+@pytest.mark.parametrize("name", [*builtin_scenes(), *planar_systems()])
 def test_built_in(name: str, stopwatch: Stopwatch) -> None:
     hold(name, load_any(name), stopwatch)
 

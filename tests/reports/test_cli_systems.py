@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.reports.console import BAD_INPUT
 
 if TYPE_CHECKING:
@@ -22,15 +23,17 @@ VERDICTS = {
     "eq-3": ("stable", 0),
     "eq-4": ("asymptotically stable", 0),
 }
+MANY = {"relay-chain": ("asymptotically stable", 0)}
 
 
-@pytest.mark.parametrize("name", VERDICTS)
+@pytest.mark.parametrize("name", [*VERDICTS, *MANY])
 def test_built_in_systems(invoke: Invoke, name: str) -> None:
-    verdict, expected = VERDICTS[name]
+    verdict, expected = {**VERDICTS, **MANY}[name]
     outcome = invoke("check", name, "--json")
     record = outcome.record
     assert (record["translation"]["verdict"], outcome.status) == (verdict, expected)
-    assert {"V", "naive", "shevitz_paden", "bacciotti_ceragioli", "verdict", "witness"} <= set(record["lyapunov"])
+    ladder = {"naive", "shevitz_paden", "bacciotti_ceragioli"} if name in VERDICTS else {"proves"}
+    assert {"V", *ladder, "verdict", "witness"} <= set(record["lyapunov"])
     shown = invoke("check", name)
     assert shown.status == expected
     assert verdict in " ".join(shown.out.replace("│", " ").split())
@@ -86,11 +89,32 @@ def test_the_function_of_the_scene_is_audited_unless_one_is_given(
     assert (given.status, given.record["V"]) == (1, other)
 
 
-@pytest.mark.parametrize("command", [["check"], ["audit", "--lyapunov", "a**2 + b**2 + c**2"], ["stress"]])
-def test_three_states_are_followed_but_not_judged(invoke: Invoke, tmp_path: Path, command: list[str]) -> None:
+THREE = '[system]\nstates = ["a", "b", "c"]\nrhs = ["-sign(a)", "-b", "-c"]\n'
+
+
+def test_three_states_are_followed_and_judged(invoke: Invoke, tmp_path: Path) -> None:
     scene = tmp_path / "three.toml"
-    scene.write_text('[system]\nstates = ["a", "b", "c"]\nrhs = ["-sign(a)", "-b", "-c"]\n', encoding="utf-8")
+    scene.write_text(THREE, encoding="utf-8")
     assert invoke("simulate", str(scene), "--from=1,1,1", "--json").record["states"] == ["a", "b", "c"]
+    checked = invoke("check", str(scene))
+    assert checked.status == 0
+    assert "asymptotically stable" in checked.out
+    assert "every start with V < " in checked.out
+    record = invoke("check", str(scene), "--json").record
+    assert record["lyapunov"]["domain"]["kind"] == "cube"
+    assert record["lyapunov"]["proves"] is True
+    assert ns.System(["a", "b", "c"], ["-sign(a)", "-b", "-c"]).check().lyapunov == record["lyapunov"]["V"]
+    audited = invoke("audit", str(scene), "--lyapunov", "Abs(a) + b**2 + c**2", "--json")
+    assert (audited.status, audited.record["proves"]) == (0, "asymptotically stable")
+    refuted = invoke("audit", str(scene), "--lyapunov", "a**2 + b**2 - c**2")
+    assert refuted.status == 1
+    assert "V is not positive at (" in refuted.out
+
+
+@pytest.mark.parametrize("command", [["derive"], ["partition"], ["stress"]])
+def test_what_is_planar_is_refused_in_three_states(invoke: Invoke, tmp_path: Path, command: list[str]) -> None:
+    scene = tmp_path / "three.toml"
+    scene.write_text(THREE, encoding="utf-8")
     refused = invoke(command[0], str(scene), *command[1:])
     assert (refused.status, refused.out) == (BAD_INPUT, "")
     assert "three.toml: system.states: required two states" in refused.err

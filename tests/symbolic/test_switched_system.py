@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.scene_file import builtin_systems
 from nonsmooth.symbolic.files.system_file import MAX_STATES, holds_system, load_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
+from tests.built_in import planar_systems
 
 
 def sign_at(point: tuple[Fraction, Fraction], inner: Polynomial) -> int:
@@ -56,7 +56,7 @@ def test_surfaces_are_irreducible_and_listed_once(load: Load, rhs: list[str], su
     assert len(found) == len(surfaces)
 
 
-@pytest.mark.parametrize("name", builtin_systems())
+@pytest.mark.parametrize("name", planar_systems())
 def test_pieces_in_the_displacement_are_those_in_the_states(name: str) -> None:
     """For every pattern of signs, whatever point is checked."""
     system = load_system(name, at="1/3,-2/7")

@@ -1,0 +1,89 @@
+"""Somebody else's V of a system in three states and more: valid, invalid with a witness, or undecided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
+from nonsmooth.proofs.many_states.denominators import require_denominators
+from nonsmooth.proofs.many_states.examination import NotZeroError, examine
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.lyapunov_audit import KEY, AuditVerdict
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.scene_error import SceneError, requirement
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+@dataclass(frozen=True, repr=False)
+class ManyStateAudit(ShortRepr):
+    """Verdict on one V, on the checked cube.
+
+    Attributes:
+        scene: the system.
+        lyapunov: V as it was written.
+        verdict: whether it is a Lyapunov function.
+        proves: what it shows of the equilibrium; None where it shows nothing.
+        reason: one sentence for people.
+        function: V with its conditions; None where the system or V is not looked at.
+    """
+
+    scene: SwitchedSystem
+    lyapunov: str
+    verdict: AuditVerdict
+    proves: Translation | None
+    reason: str
+    function: ProvedLyapunov | None
+
+    def _repr_html_(self) -> str:
+        rows = [(self.lyapunov, self.verdict, self.proves or "nothing", self.reason)]
+        return html_table(f"{self.scene.name}: audit of V", ("V", "verdict", "proves", "reason"), rows)
+
+    def check(self) -> bool:
+        """Verify the inequalities, that they are about V and the system, and what follows."""
+        if self.function is None:
+            return audit_many(self.scene, self.lyapunov) == self
+        stated = parse_lyapunov(self.lyapunov, self.scene.states, self.scene.origin, KEY).text
+        return (
+            stated == self.function.formula.text
+            and self.function.check(self.scene)
+            and self == _result(self.scene, self.lyapunov, self.function)
+        )
+
+
+def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
+    """Check a V of a system in three states and more.
+
+    Args:
+        scene: the system.
+        lyapunov: V in the displacement from the checked point, with the states' names.
+
+    Raises:
+        SceneError: for text that is no such formula.
+    """
+    require_denominators(scene)
+    formula = parse_lyapunov(lyapunov, scene.states, scene.origin, KEY)
+    if not all(scene.field.has_angle(turn) for turn in formula.turns()):
+        raise SceneError(scene.origin, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
+    try:
+        found = ProvedLyapunov(formula, scene.check.radius, examine(scene, formula, scene.check.radius))
+    except BeyondReachError as error:
+        verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
+        return ManyStateAudit(scene, lyapunov, verdict, None, str(error), None)
+    except ExpressionError as error:
+        raise SceneError(scene.origin, KEY, requirement(error), lyapunov) from None
+    return _result(scene, lyapunov, found)
+
+
+def _result(scene: SwitchedSystem, lyapunov: str, found: ProvedLyapunov) -> ManyStateAudit:
+    """The verdict that follows from the conditions."""
+    verdict, proves = {
+        Decrease.STRICT: (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
+        Decrease.WEAK: (AuditVerdict.VALID, Translation.STABLE),
+        Decrease.REFUTED: (AuditVerdict.INVALID, None),
+        Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
+    }[found.examination.verdict]
+    return ManyStateAudit(scene, lyapunov, verdict, proves, found.examination.reason, found)

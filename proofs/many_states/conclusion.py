@@ -1,0 +1,128 @@
+"""What follows from the evidence on a system in three states and more: verdict, reason, and what decided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+
+from nonsmooth.proofs.many_states.escape import Velocity
+from nonsmooth.proofs.many_states.examination import Examination, find_failure, questions_on
+from nonsmooth.proofs.many_states.instability import Growth
+from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+class Method(StrEnum):
+    """What decided."""
+
+    EQUILIBRIUM = "no equilibrium"
+    LYAPUNOV = "Lyapunov function"
+    LINEARIZATION = "linearization"
+    ESCAPE = "solution that leaves"
+    GROWTH = "function that shows instability"
+    NONE = "nothing"
+
+
+@dataclass(frozen=True)
+class ProvedLyapunov:
+    """A V with its conditions.
+
+    Attributes:
+        formula: V, in the displacement under the states' names.
+        radius: half the side of the cube on which they are looked at.
+        examination: the conditions with their evidence.
+    """
+
+    formula: PiecewiseExpression
+    radius: Number
+    examination: Examination
+
+    def check(self, system: SwitchedSystem) -> bool:
+        """Verify the evidence, and that it is about the system and the text of V; undecided, it claims nothing."""
+        if self.examination.verdict is Decrease.UNDECIDED:
+            return True
+        cells, questions = questions_on(system, parse_piecewise(self.formula.text, system.states), self.radius)
+        if self.examination.verdict is Decrease.REFUTED:
+            failure = self.examination.failure
+            return failure is not None and find_failure(cells, questions) == failure
+        found = self.examination.inequalities
+        if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
+            return False
+        strict = all(i.proved is not None and i.proved.claim.strict for i in found)
+        proved = all(i.proved is not None and i.check() for i in found)
+        return proved and (strict or self.examination.verdict is Decrease.WEAK)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that is known of the point.
+
+    Attributes:
+        equilibrium: whether 0 is in F.
+        linear: the linearization; None where there is none, or it was not reached.
+        escape: a velocity with which a solution leaves the point; None where none is found.
+        ray_rate: a lower bound of the rate at which solutions leave along a ray in a cone; None where none is found.
+        named: the V of the scene (without one the sum of squares of the states).
+        searched: a V that was searched and falls; None where none was needed or found.
+        growth: a V that shows instability; None where none was needed or found.
+        beyond: why the system is not looked at; empty where it is.
+    """
+
+    equilibrium: Equilibrium
+    linear: LinearPart | None = None
+    escape: Velocity | None = None
+    ray_rate: Fraction | None = None
+    named: ProvedLyapunov | None = None
+    searched: ProvedLyapunov | None = None
+    growth: Growth | None = None
+    beyond: str = ""
+
+    @property
+    def proving(self) -> ProvedLyapunov | None:
+        """The V that shows stability."""
+        if self.searched is not None:
+            return self.searched
+        shows = self.named is not None and self.named.examination.verdict in (Decrease.STRICT, Decrease.WEAK)
+        return self.named if shows else None
+
+
+def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
+    """Verdict, reason and what decided."""
+    spectrum = None if evidence.linear is None else evidence.linear.spectrum
+    proving = evidence.proving
+    if evidence.equilibrium is Equilibrium.FAILS:
+        return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", Method.EQUILIBRIUM
+    if evidence.escape is not None:
+        place = ", ".join(map(str, evidence.escape))
+        return Translation.UNSTABLE, f"a solution leaves the point with velocity ({place}), into a cell", Method.ESCAPE
+    if evidence.ray_rate is not None:
+        return Translation.UNSTABLE, "solutions leave along a ray inside a cone with a linear field", Method.ESCAPE
+    if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
+        return Translation.UNSTABLE, str(spectrum), Method.LINEARIZATION
+    if proving is not None and proving.examination.verdict is Decrease.STRICT:
+        return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, Method.LYAPUNOV
+    if spectrum is Spectrum.HURWITZ:
+        return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), Method.LINEARIZATION
+    if evidence.growth is not None:
+        return (
+            Translation.UNSTABLE,
+            "V falls along every solution, from negative values at all distances",
+            Method.GROWTH,
+        )
+    return _by_weak_evidence(evidence)
+
+
+def _by_weak_evidence(evidence: Evidence) -> tuple[Translation, str, Method]:
+    """What is said where nothing decides whether solutions attract."""
+    if evidence.linear is not None and evidence.linear.spectrum is Spectrum.NEUTRAL:
+        return Translation.STABLE, f"not asymptotically: {evidence.linear.spectrum}", Method.LINEARIZATION
+    if evidence.proving is not None:
+        why = "whether the equilibrium attracts is not decided by it"
+        return Translation.STABLE, f"{evidence.proving.examination.reason}; {why}", Method.LYAPUNOV
+    reason = evidence.beyond or "no Lyapunov function was found, and none that shows instability"
+    return Translation.UNDECIDED, reason, Method.NONE

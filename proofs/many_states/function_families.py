@@ -1,0 +1,105 @@
+"""Families of functions whose sums are proposed as V in many states, from simple to rich.
+
+Quadratic forms; ``Abs(l)`` of hyperplanes l through the point on which the field jumps; products of these with states
+and with each other (continuous piecewise quadratics, after Johansson and Rantzer 1998); ``relu(s)**2`` of surfaces
+beside the point; monomials of degree four.  Each is continuous, so a sum is whatever its coefficients are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, combinations_with_replacement
+
+from flint import fmpq
+
+from nonsmooth.proofs.many_states.faces import build_face
+from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCells, rational_terms
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, add_terms
+
+
+@dataclass(frozen=True)
+class Function:
+    """A continuous function of the displacement.
+
+    Attributes:
+        text: as a formula of the states.
+        degree: of its growth near the point.
+    """
+
+    text: str
+    degree: int
+
+
+def families(cells: SignCells) -> Iterator[tuple[Function, ...]]:
+    """Bases to try in turn."""
+    states = cells.states
+    quadratic = _monomials(states, 2)
+    lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
+    jumps = [s for s in lines if field_jumps(cells, s)]
+    first = tuple(Function(_abs(line), 1) for line in jumps)
+    second = [Function(f"{state}*{_abs(line)}", 2) for line in lines for state in states]
+    second += [Function(f"{_abs(a)}*{_abs(b)}", 2) for a, b in combinations(lines, 2)]
+    beside = tuple(_beyond(s) for s in cells.surfaces if s.degree == 1 and not s.is_homogeneous)
+    yield quadratic
+    if first:
+        yield (*first, *quadratic)
+    if second or beside:
+        yield (*first, *quadratic, *second, *beside)
+    if _degree(cells) > 1:
+        yield (*first, *quadratic, *_monomials(states, 4))
+
+
+def formula_text(functions: Sequence[Function], coefficients: Sequence[fmpq]) -> str:
+    """The sum, functions of low degree first."""
+    used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
+    used.sort(key=lambda term: term[1].degree)
+    return " + ".join(_term(c, f.text) for c, f in used).replace("+ -", "- ") or "0"
+
+
+def _term(coefficient: fmpq, text: str) -> str:
+    top, bottom = int(coefficient.p), int(coefficient.q)
+    factor = {1: "", -1: "-"}.get(top, f"{top}*")
+    return f"{factor}{text}" + (f"/{bottom}" if bottom != 1 else "")
+
+
+def _monomials(states: Sequence[str], degree: int) -> tuple[Function, ...]:
+    found = []
+    for chosen in combinations_with_replacement(states, degree):
+        powers = {name: chosen.count(name) for name in chosen}
+        text = "*".join(name if k == 1 else f"{name}**{k}" for name, k in powers.items())
+        found.append(Function(text, degree))
+    return tuple(found)
+
+
+def _abs(line: Polynomial) -> str:
+    return f"Abs({line})"
+
+
+def _beyond(surface: Polynomial) -> Function:
+    """``relu(s)**2``, with the sign for which it vanishes near the point."""
+    at_point = surface.terms[(0,) * len(surface.variables)]
+    return Function(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
+
+
+def _degree(cells: SignCells) -> int:
+    return max((sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p), default=0)
+
+
+def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
+    """Whether the field differs on the two sides of a hyperplane."""
+    j = cells.surfaces.index(surface)
+    face = build_face([rational_terms(surface)], len(cells.states))
+    by_signs = {cell.signs: cell.velocities for cell in cells.cells}
+    for signs, own in by_signs.items():
+        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]))
+        if other is None or other == own or face is None:
+            continue
+        for first, second in zip(own, other, strict=True):
+            if any(face.restricted(_less(a, b)) for a, b in zip(first, second, strict=True)):
+                return True
+    return False
+
+
+def _less(a: RationalTerms, b: RationalTerms) -> RationalTerms:
+    return add_terms(a, {e: -c for e, c in b.items()})

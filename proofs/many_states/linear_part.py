@@ -1,0 +1,243 @@
+"""The linearization at the point: exact solutions of Lyapunov's equation decide by eigenvalues that are not computed.
+
+Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher order, and
+Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add up to zero;
+P is positive definite iff all eigenvalues have negative real parts, and otherwise some real part is positive (Ostrowski
+and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small ``alpha > 0``.
+
+A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common divisor h of
+``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the point is stable
+iff A is a zero of the polynomial in which these roots are taken once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations, combinations_with_replacement, pairwise
+
+import numpy as np
+from flint import fmpq, fmpq_mat, fmpq_poly
+
+from nonsmooth.proofs.many_states.faces import unit
+from nonsmooth.proofs.many_states.function_families import Function, formula_text
+from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCells, adjoining
+from nonsmooth.proofs.sums_of_squares.certificate import RationalMatrix, is_definite
+from nonsmooth.proofs.sums_of_squares.rounding import simplest
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
+WEIGHTS = (fmpq(1, 4), fmpq(1, 2), fmpq(3, 4))  # of the second of two right-hand sides
+DENOMINATORS = (1 << 3, 1 << 6, 1 << 12, 1 << 24)  # of a quadratic V, tried in turn
+
+
+class Spectrum(StrEnum):
+    """What is known of the eigenvalues of A."""
+
+    HURWITZ = "all eigenvalues of the linearization have negative real parts"
+    UNSTABLE = "an eigenvalue of the linearization has a positive real part"
+    NEUTRAL = (
+        "the field is linear; no eigenvalue is right of the imaginary axis, those on it have full sets of eigenvectors"
+    )
+    GROWING = "the field is linear; a multiple eigenvalue on the imaginary axis has too few eigenvectors"
+    UNDECIDED = "the linearization has eigenvalues on the imaginary axis, or too near it"
+
+
+@dataclass(frozen=True)
+class LinearPart:
+    """The linearization at the point.
+
+    Attributes:
+        matrix: A.
+        spectrum: what is known of it.
+        quadratic: P of a V with ``A^T P + P A`` negative definite; None unless A is Hurwitz.
+        is_whole: whether the field is ``A x`` in the whole space.
+    """
+
+    matrix: RationalMatrix
+    spectrum: Spectrum
+    quadratic: RationalMatrix | None
+    is_whole: bool
+
+
+def linear_part(cells: SignCells) -> LinearPart | None:
+    """The linearization; None where the field has none at the point."""
+    fields = [field for cell in adjoining(cells) for field in cell.velocities]
+    matrix = _common_jacobian(fields)
+    if matrix is None:
+        return None
+    linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
+    spectrum = spectrum_of(matrix, linear=linear)
+    quadratic = _quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
+    return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
+
+
+def unstable_mixture(system: SwitchedSystem, cells: SignCells) -> LinearPart | None:
+    """Under arbitrary switching: the linearization of one right-hand side, or a mixture of two, that is unstable.
+
+    A mixture of right-hand sides is a field that the system may follow.  Those that only enclose one show nothing.
+    """
+    if not system.others or system.waves:
+        return None
+    near = adjoining(cells)
+    members = [_common_jacobian([cell.velocities[k] for cell in near]) for k in range(len(near[0].velocities))]
+    known = [matrix for matrix in members if matrix is not None]
+    mixed = [_mixture(a, b, weight) for a, b in combinations(known, 2) for weight in WEIGHTS]
+    for matrix in (*known, *mixed):
+        if spectrum_of(matrix, linear=False) is Spectrum.UNSTABLE:
+            return LinearPart(matrix, Spectrum.UNSTABLE, None, is_whole=False)
+    return None
+
+
+def _mixture(a: RationalMatrix, b: RationalMatrix, weight: fmpq) -> RationalMatrix:
+    rows = zip(a, b, strict=True)
+    return tuple(tuple(x + weight * (y - x) for x, y in zip(first, second, strict=True)) for first, second in rows)
+
+
+def _common_jacobian(fields: Sequence[Sequence[RationalTerms]]) -> RationalMatrix | None:
+    """The one Jacobian of fields that vanish at the point; None where there is none."""
+    count = len(fields[0])
+    zero = (0,) * count
+    matrices = {tuple(tuple(p.get(unit(count, k), fmpq(0)) for k in range(count)) for p in field) for field in fields}
+    if len(matrices) != 1 or any(p.get(zero) for field in fields for p in field):
+        return None
+    return matrices.pop()
+
+
+def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
+    """What Lyapunov's equation tells of the eigenvalues."""
+    for shift in (fmpq(0), *SHIFTS):
+        shifted = [[c - shift * (i == j) for j, c in enumerate(row)] for i, row in enumerate(matrix)]
+        solution = solve_lyapunov(shifted)
+        if solution is None:
+            continue
+        if not is_definite(solution):
+            return Spectrum.UNSTABLE
+        if not shift:
+            return Spectrum.HURWITZ
+    return _on_the_axis(matrix) if linear else Spectrum.UNDECIDED
+
+
+def solve_lyapunov(matrix: Sequence[Sequence[fmpq]]) -> RationalMatrix | None:
+    """P with ``A^T P + P A = -I``; None where it is not unique."""
+    size = len(matrix)
+    pairs = [(i, j) for j in range(size) for i in range(j + 1)]
+    place = {pair: k for k, pair in enumerate(pairs)}
+    rows = []
+    for i, j in pairs:
+        row = [fmpq(0)] * len(pairs)
+        for k in range(size):
+            row[place[min(k, j), max(k, j)]] += matrix[k][i]
+            row[place[min(i, k), max(i, k)]] += matrix[k][j]
+        rows.append(row)
+    right = fmpq_mat(len(pairs), 1, [fmpq(-1 if i == j else 0) for i, j in pairs])
+    try:
+        found = fmpq_mat(rows).solve(right)
+    except ZeroDivisionError:
+        return None
+    return tuple(tuple(found[place[min(i, j), max(i, j)], 0] for j in range(size)) for i in range(size))
+
+
+def _quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
+    """A solution of the inequality in short fractions, or the exact solution of the equation."""
+    exact = solve_lyapunov(matrix)
+    if exact is None:
+        return None
+    floats = np.array([[float(value) for value in row] for row in exact])
+    floats /= np.abs(floats).max()
+    for denominator in DENOMINATORS:
+        found = tuple(
+            tuple(simplest(floats[min(i, j), max(i, j)], denominator) for j in range(len(exact)))
+            for i in range(len(exact))
+        )
+        if is_definite(found) and is_definite(lyapunov_product(matrix, found)):
+            return found
+    return exact
+
+
+def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
+    """``x^T P x`` as a formula."""
+    pairs = combinations_with_replacement(range(len(states)), 2)
+    functions, coefficients = [], []
+    for i, j in pairs:
+        text = f"{states[i]}**2" if i == j else f"{states[i]}*{states[j]}"
+        functions.append(Function(text, 2))
+        coefficients.append(quadratic[i][j] * (1 if i == j else 2))
+    return formula_text(functions, coefficients)
+
+
+def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:
+    """``-(A^T P + P A)``."""
+    a, p = fmpq_mat([list(row) for row in matrix]), fmpq_mat([list(row) for row in quadratic])
+    total = a.transpose() * p + p * a
+    size = len(matrix)
+    return tuple(tuple(-total[i, j] for j in range(size)) for i in range(size))
+
+
+def _on_the_axis(matrix: RationalMatrix) -> Spectrum:
+    """Whether a linear field whose eigenvalues touch the imaginary axis is stable."""
+    characteristic = _characteristic(matrix)
+    mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
+    axis = characteristic.gcd(mirrored)
+    rest = characteristic // axis
+    once = axis // axis.gcd(axis.derivative())
+    if not (_is_hurwitz(rest) and _has_imaginary_roots_only(once)):
+        return Spectrum.UNDECIDED
+    size = len(matrix)
+    a = fmpq_mat([list(row) for row in matrix])
+    identity = fmpq_mat([[fmpq(i == j) for j in range(size)] for i in range(size)])
+    total = identity * fmpq(0)
+    for c in reversed((rest * once).coeffs()):
+        total = total * a + identity * c
+    annihilated = not any(total[i, j] for i in range(size) for j in range(size))
+    return Spectrum.NEUTRAL if annihilated else Spectrum.GROWING
+
+
+def _characteristic(matrix: RationalMatrix) -> fmpq_poly:
+    """The characteristic polynomial (Faddeev and LeVerrier)."""
+    size = len(matrix)
+    a = fmpq_mat([list(row) for row in matrix])
+    identity = fmpq_mat([[fmpq(i == j) for j in range(size)] for i in range(size)])
+    coefficients, product = [fmpq(1)], identity
+    for k in range(1, size + 1):
+        turned = a * product
+        value = -sum((turned[i, i] for i in range(size)), fmpq(0)) / k
+        coefficients.append(value)
+        product = turned + identity * value
+    return fmpq_poly(coefficients[::-1])
+
+
+def _is_hurwitz(polynomial: fmpq_poly) -> bool:
+    """Whether all roots have negative real parts: by the companion matrix."""
+    size = polynomial.degree()
+    if size <= 0:
+        return True
+    top = polynomial.coeffs()
+    rows = [[fmpq(j == i + 1) for j in range(size)] for i in range(size - 1)]
+    rows.append([-top[k] / top[size] for k in range(size)])
+    solution = solve_lyapunov(rows)
+    return solution is not None and is_definite(solution)
+
+
+def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
+    """Whether an even or odd polynomial with simple roots has them all on the imaginary axis.
+
+    ``s^k g(s^2)`` does iff all roots of g are real and not positive: so many sign changes has the Sturm sequence of g.
+    """
+    values = polynomial.coeffs()
+    first = next(k for k, c in enumerate(values) if c)
+    half = fmpq_poly(values[first::2])
+    if any(values[first + 1 :: 2]):
+        return False
+    chain = [half, half.derivative()]
+    while chain[-1].degree() > 0:
+        chain.append(-(chain[-2] % chain[-1]))
+    at_zero = [p.coeffs()[0] if p else fmpq(0) for p in chain]
+    at_minus_infinity = [p.coeffs()[-1] * (-1) ** p.degree() if p else fmpq(0) for p in chain]
+    return _changes(at_minus_infinity) - _changes(at_zero) == half.degree()
+
+
+def _changes(values: Sequence[fmpq]) -> int:
+    signs = [value > 0 for value in values if value]
+    return sum(a is not b for a, b in pairwise(signs))

@@ -1,0 +1,159 @@
+"""A search for V in many states: semidefinite programs propose coefficients, the exact examination decides.
+
+The conditions on a V that is a sum of functions are affine in its coefficients, so one program looks for coefficients
+and for all Gram matrices together.  Without the condition that V is positive it looks for a V that falls along every
+solution and is negative somewhere at every distance: then the point is unstable (Lyapunov's first theorem on
+instability, Chetaev), because a solution that starts there cannot stay near.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import fmpq
+
+from nonsmooth.proofs.many_states.conditions import Pieces, Questions, Sense, build_questions
+from nonsmooth.proofs.many_states.examination import Examination, examine
+from nonsmooth.proofs.many_states.function_families import Function, families, formula_text
+from nonsmooth.proofs.many_states.sign_cells import (
+    BeyondReachError,
+    SignCells,
+    build_cells,
+    piece_on,
+    rational_terms,
+)
+from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
+from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
+from nonsmooth.proofs.sums_of_squares.parameters import round_parameters
+from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked cube
+DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn
+MOST_UNKNOWNS = 12_000  # entries of Gram matrices in one program
+
+Problems = list[tuple[Condition, Ansatz]]
+
+
+@dataclass(frozen=True)
+class FoundLyapunov:
+    """A V that was searched and proved.
+
+    Attributes:
+        formula: V, in the displacement under the states' names.
+        radius: half the side of the cube on which it is proved.
+        examination: the conditions with their evidence.
+    """
+
+    formula: PiecewiseExpression
+    radius: Number
+    examination: Examination
+
+
+def find_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
+    """A V that is positive and falls along every solution on a cube about the point; None where none is found.
+
+    Raises:
+        BeyondReachError: for a system that is not decided here.
+    """
+    for radius, formula in proposals(system, positive=True):
+        examined = examine(system, formula, radius, effort=Effort.STRICT)
+        if examined.verdict is Decrease.STRICT:
+            return FoundLyapunov(formula, radius, examined)
+    return None
+
+
+def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Number, PiecewiseExpression]]:
+    """Rounded proposals, family by family, on the checked cube and on smaller ones.
+
+    What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.
+    """
+    cubes = _cubes(system)
+    bases = [list(families(cells)) for _, cells in cubes]
+    for number in range(max(map(len, bases), default=0)):
+        for k in (0, *range(len(cubes) - 1, 0, -1)):
+            if number >= len(bases[k]):
+                continue
+            radius, cells = cubes[k]
+            found = list(_of_family(system, cells, bases[k][number], positive=positive))
+            yield from ((radius, formula) for formula in found)
+            if k and not found:
+                break
+
+
+def _cubes(system: SwitchedSystem) -> list[tuple[Number, SignCells]]:
+    """The checked cube and smaller ones, as far as their cells are looked at; one where all look alike."""
+    found: list[tuple[Number, SignCells]] = []
+    for scale in SCALES:
+        radius = system.check.radius * scale
+        try:
+            found.append((radius, build_cells(system, radius)))
+        except BeyondReachError:
+            continue
+        if scale == 1 and _looks_alike(found[0][1]):
+            break
+    return found
+
+
+def _looks_alike(cells: SignCells) -> bool:
+    """Whether the system is the same at every distance."""
+    degrees = {sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p}
+    return cells.are_cones and len(degrees) <= 1
+
+
+def _of_family(
+    system: SwitchedSystem, cells: SignCells, basis: Sequence[Function], *, positive: bool
+) -> Iterator[PiecewiseExpression]:
+    """Sums of the functions of a basis, coefficients rounded more and more finely."""
+    try:
+        questions = build_questions(cells, basis_pieces(system, cells, basis))
+    except BeyondReachError:
+        return
+    problems = _problems(questions, positive=positive)
+    if sum(len(b.monomials) ** 2 for _, ansatz in problems for b in ansatz.blocks) > 2 * MOST_UNKNOWNS:
+        return
+    solved = solve_inside(problems, questions.parameters, bounded=True)
+    seen = {"0"}
+    for denominator in DENOMINATORS if solved is not None else ():
+        found = None if solved is None else round_parameters(*solved, denominator)
+        text = "0" if found is None else formula_text(basis, _unscaled(basis, found, cells.radius))
+        if text in seen:
+            continue
+        seen.add(text)
+        try:
+            yield parse_piecewise(text, system.states)
+        except ExpressionError:
+            return
+
+
+def basis_pieces(system: SwitchedSystem, cells: SignCells, basis: Sequence[Function]) -> Pieces:
+    """Every function on every cell, as large near the point as the cube is wide."""
+    formulas = [parse_piecewise(function.text, system.states) for function in basis]
+    pieces = {}
+    for cell in cells.cells:
+        signs = dict(zip(cells.surfaces, cell.signs, strict=True))
+        own = []
+        for function, formula in zip(basis, formulas, strict=True):
+            size = cells.radius**function.degree
+            terms = rational_terms(piece_on(system, formula, signs))
+            own.append({e: c / size for e, c in terms.items()})
+        pieces[cell.signs] = tuple(own)
+    return pieces
+
+
+def _unscaled(basis: Sequence[Function], found: Sequence[fmpq], radius: fmpq) -> list[fmpq]:
+    top = max(function.degree for function in basis)
+    values = [c * radius ** (top - f.degree) for f, c in zip(basis, found, strict=False)]
+    return values
+
+
+def _problems(questions: Questions, *, positive: bool) -> Problems:
+    asked = [q.condition for q in questions.listed if positive or q.sense is Sense.FALLS]
+    own = [normalized(condition) for condition in asked]
+    return [(condition, build_ansatz(condition)) for condition in own if condition.slopes]

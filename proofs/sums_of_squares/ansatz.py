@@ -1,0 +1,148 @@
+"""Which sums of squares are tried for a polynomial inequality: products of guards and the monomials beside each.
+
+Where p and the guards vanish at the origin, terms of too low an order could only be zero: they are left out, since a
+Gram matrix that is forced to be singular survives no rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, combinations_with_replacement
+
+from flint import fmpq
+
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, multiply_terms
+
+
+@dataclass(frozen=True)
+class Condition:
+    """``p > 0`` where guards are ``>= 0`` and forms b have ``-1 <= b <= 1``, p affine in parameters.
+
+    Attributes:
+        constant: p for parameters zero.
+        slopes: what each parameter adds, by its number.
+        guards: polynomials.
+        bounds: affine forms b; none where the domain is a cone.
+        variables: how many.
+        at_origin: whether p must be positive at the origin too.
+    """
+
+    constant: Mapping[Exponents, fmpq]
+    slopes: Mapping[int, Mapping[Exponents, fmpq]]
+    guards: tuple[Mapping[Exponents, fmpq], ...]
+    bounds: tuple[Mapping[Exponents, fmpq], ...]
+    variables: int
+    at_origin: bool = False
+
+    @property
+    def support(self) -> set[Exponents]:
+        """The monomials of p."""
+        return {e for terms in (self.constant, *self.slopes.values()) for e, c in terms.items() if c}
+
+
+@dataclass(frozen=True)
+class Block:
+    """A product of guards, and the monomials whose squares and products it multiplies."""
+
+    factors: tuple[int, ...]
+    product: Mapping[Exponents, fmpq]
+    monomials: tuple[Exponents, ...]
+
+
+@dataclass(frozen=True)
+class Ansatz:
+    """The guards that occur, and the blocks; the first one is the plain sum of squares."""
+
+    guards: tuple[Mapping[Exponents, fmpq], ...]
+    blocks: tuple[Block, ...]
+
+
+def build_guards(condition: Condition) -> tuple[Mapping[Exponents, fmpq], ...]:
+    """The guards, ``1 - b^2`` for each bound, and ``1 - b``, ``1 + b``."""
+    one = {(0,) * condition.variables: fmpq(1)}
+    squares = [_less(one, multiply_terms(b, b)) for b in condition.bounds]
+    sides = [side for b in condition.bounds for side in (_less(one, b), _less(one, _negative(b)))]
+    return (*condition.guards, *squares, *sides)
+
+
+def without_idle(ansatz: Ansatz, support: Collection[Exponents]) -> Ansatz:
+    """Without monomials whose squares nothing can cancel: their rows of the plain Gram matrix could only be zero.
+
+    A square stands for itself where p, a product of two other monomials, or a block beside guards reaches it.
+    """
+    first, *others = ansatz.blocks
+    beside = {
+        tuple(map(int.__add__, e, shift))
+        for block in others
+        for shift in reached(block.monomials)
+        for e in block.product
+    }
+    kept = list(first.monomials)
+    while True:
+        mixed = {tuple(map(int.__add__, a, b)) for a, b in combinations(kept, 2)}
+        alive = {*support, *beside, *mixed}
+        needed = [a for a in kept if tuple(2 * e for e in a) in alive]
+        if len(needed) == len(kept):
+            return Ansatz(ansatz.guards, (Block((), first.product, tuple(kept)), *others))
+        kept = needed
+
+
+def build_ansatz(condition: Condition, level: int = 0) -> Ansatz:
+    """The blocks for a condition.
+
+    Args:
+        condition: p and where it must be positive.
+        level: how far degrees go beyond that of p, in steps of two.
+    """
+    support, count = condition.support, condition.variables
+    order, degree = min(map(sum, support), default=0), max(map(sum, support), default=0)
+    zero = (0,) * count
+    beyond = any(guard.get(zero, 0) < 0 for guard in condition.guards)  # the origin is no point of the domain
+    low = 0 if beyond or condition.at_origin else order
+    half = max((degree + 1) // 2, 1) + level
+    one = {zero: fmpq(1)}
+    guards = build_guards(condition)
+    blocks = [Block((), one, monomials_between(count, (low + 1) // 2, half))]
+    for factors in _products(len(condition.guards), len(condition.bounds), guards):
+        product: Terms = dict(one)
+        for k in factors:
+            product = multiply_terms(product, guards[k])
+        own = max(0, low - min(map(sum, product)))
+        room = (2 * half - max(map(sum, product))) // 2
+        monomials = monomials_between(count, (own + 1) // 2, room)
+        if monomials:
+            blocks.append(Block(factors, product, monomials))
+    return Ansatz(guards, tuple(blocks))
+
+
+def _products(own: int, squares: int, guards: Sequence[Mapping[Exponents, fmpq]]) -> Iterator[tuple[int, ...]]:
+    """Each guard alone, and products of two affine ones (of sides of the box only beside a guard)."""
+    yield from ((k,) for k in range(own + squares))
+    affine = [k for k, guard in enumerate(guards) if max(map(sum, guard)) == 1]
+    yield from (pair for pair in combinations(affine, 2) if pair[0] < own)
+
+
+def monomials_between(count: int, low: int, high: int) -> tuple[Exponents, ...]:
+    """All exponents of total degrees from low to high."""
+    return tuple(e for degree in range(low, high + 1) for e in monomials_of(count, degree))
+
+
+def monomials_of(count: int, degree: int) -> Iterator[Exponents]:
+    """All exponents of a total degree."""
+    for chosen in combinations_with_replacement(range(count), degree):
+        yield tuple(chosen.count(k) for k in range(count))
+
+
+def reached(monomials: Collection[Exponents]) -> set[Exponents]:
+    """The products of two monomials."""
+    return {tuple(map(int.__add__, a, b)) for a in monomials for b in monomials}
+
+
+def _negative(terms: Mapping[Exponents, fmpq]) -> Terms:
+    return {e: -c for e, c in terms.items()}
+
+
+def _less(first: Mapping[Exponents, fmpq], second: Mapping[Exponents, fmpq]) -> Terms:
+    total = {e: first.get(e, fmpq(0)) - second.get(e, fmpq(0)) for e in {*first, *second}}
+    return {e: c for e, c in total.items() if c}

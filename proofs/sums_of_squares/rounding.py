@@ -1,0 +1,137 @@
+"""From a Gram matrix in floats to one in rationals that satisfies the equations exactly (Peyrl and Parrilo 2008).
+
+Entries are rounded; then the least change of the entries beside guards repairs the monomials that the plain sum of
+squares does not reach, and the rest of the error, divided among the entries of each monomial, goes into the plain sum
+of squares.  If the floats lie inside the cone, so does the result for fine enough fractions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Block, reached
+from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares
+from nonsmooth.proofs.sums_of_squares.conic_program import Grams, entries
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
+
+DENOMINATORS = (1 << 6, 1 << 14, 1 << 24, 1 << 36)  # tried in turn
+
+Triangles = list[list[fmpq]]  # of each block, the upper triangle column by column
+
+
+def rounded(claim: Claim, ansatz: Ansatz, grams: Grams) -> SumOfSquares | None:
+    """A sum of squares that proves the claim; None where the rounding breaks it."""
+    for denominator in DENOMINATORS:
+        triangles = [_triangle(gram, denominator) for gram in grams]
+        repaired = _repaired(claim, ansatz, triangles)
+        if repaired is None:
+            return None
+        found = SumOfSquares(tuple(map(_term, ansatz.blocks, repaired)))
+        if found.proves(claim):
+            return found
+    return None
+
+
+def nearest(value: float, denominator: int) -> fmpq:
+    """A fraction with a given denominator."""
+    return fmpq(round(value * denominator), denominator)
+
+
+def simplest(value: float, denominator: int) -> fmpq:
+    """The fraction nearest to a number with at most a given denominator."""
+    found = Fraction(value).limit_denominator(denominator)
+    return fmpq(found.numerator, found.denominator)
+
+
+def _triangle(gram: NDArray[np.float64], denominator: int) -> list[fmpq]:
+    return [nearest(gram[row, column], denominator) for column in range(len(gram)) for row in range(column + 1)]
+
+
+def _repaired(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Triangles | None:
+    """The same with every coefficient of the claim met; None where that is impossible."""
+    first, *others = ansatz.blocks
+    within = reached(first.monomials)
+    columns = [
+        (k, entry, terms)
+        for k, block in enumerate(others, 1)
+        for entry, terms in entries(block)
+        if not within.issuperset(terms)
+    ]
+    error = _error(claim, ansatz, triangles)
+    outside = sorted({e for e in error if e not in within} | {e for *_, t in columns for e in t if e not in within})
+    if outside:
+        change = _least_change([{e: c for e, c in t.items() if e not in within} for *_, t in columns], outside, error)
+        if change is None:
+            return None
+        for (k, entry, _), value in zip(columns, change, strict=True):
+            triangles[k][entry] += value
+        error = _error(claim, ansatz, triangles)
+    counts: dict[Exponents, int] = {}
+    plain = list(entries(first))
+    for _, terms in plain:
+        for e, twice in terms.items():
+            counts[e] = counts.get(e, 0) + int(twice.p)
+    for entry, terms in plain:
+        for e in terms:
+            triangles[0][entry] += error.get(e, fmpq(0)) / counts[e]
+    return triangles
+
+
+def _error(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Terms:
+    """What the sum over the blocks lacks of p."""
+    total: Terms = {e: c for e, c in claim.terms.items() if c}
+    for block, triangle in zip(ansatz.blocks, triangles, strict=True):
+        plain: Terms = {}
+        for column, b in enumerate(block.monomials):
+            for row, a in enumerate(block.monomials[: column + 1]):
+                value = triangle[column * (column + 1) // 2 + row] * (-1 if row == column else -2)
+                e = tuple(map(int.__add__, a, b))
+                plain[e] = plain.get(e, fmpq(0)) + value
+        total = add_terms(total, multiply_terms({e: c for e, c in plain.items() if c}, block.product))
+    return total
+
+
+def _least_change(
+    columns: Sequence[Mapping[Exponents, fmpq]], rows: Sequence[Exponents], target: Mapping[Exponents, fmpq]
+) -> list[fmpq] | None:
+    """The shortest x with ``sum_k x_k columns_k = target`` on the given rows; None without one."""
+    if not columns:
+        return None
+    zero = fmpq(0)
+    matrix = fmpq_mat(len(rows), len(columns), [column.get(e, zero) for e in rows for column in columns])
+    right = fmpq_mat(len(rows), 1, [target.get(e, zero) for e in rows])
+    solved = particular_solution(matrix * matrix.transpose(), right)
+    if solved is None:
+        return None
+    found = matrix.transpose() * solved
+    return [found[k, 0] for k in range(len(columns))]
+
+
+def particular_solution(matrix: fmpq_mat, right: fmpq_mat) -> fmpq_mat | None:
+    """Some solution of ``matrix x = right``, zero in the unknowns that are free; None without one."""
+    height, width = matrix.nrows(), matrix.ncols()
+    listed = [[*(matrix[i, j] for j in range(width)), right[i, 0]] for i in range(height)]
+    reduced, rank = fmpq_mat(listed).rref()
+    solution = [fmpq(0)] * width
+    for i in range(rank):
+        pivot = next(j for j in range(width + 1) if reduced[i, j])
+        if pivot == width:
+            return None
+        solution[pivot] = reduced[i, width]
+    return fmpq_mat(width, 1, solution)
+
+
+def _term(block: Block, triangle: Sequence[fmpq]) -> SquareTerm:
+    size = len(block.monomials)
+
+    def entry(i: int, j: int) -> fmpq:
+        row, column = min(i, j), max(i, j)
+        return triangle[column * (column + 1) // 2 + row]
+
+    gram = tuple(tuple(entry(i, j) for j in range(size)) for i in range(size))
+    return SquareTerm(block.factors, block.monomials, gram)
