@@ -19,6 +19,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.surfaces import switching_factors
 
 PLANE = ("x", "y")  # the displacement of two states
@@ -52,6 +53,21 @@ class SystemCheck:
         return None if self.is_default else self.lyapunov.text
 
 
+@dataclass(frozen=True)
+class SeenByRoots:
+    """What a system in signed roots of states stands for (:mod:`nonsmooth.symbolic.signed_roots`).
+
+    Attributes:
+        roots: which states they are.
+        extended: the stated system with each ``sqrt(Abs(x))`` as a further state, whose right-hand side is no field.
+        unscaled: the stated right-hand sides in the roots, in the stated time: rates of x, not of its root.
+    """
+
+    roots: SignedRoots
+    extended: SwitchedSystem
+    unscaled: SwitchedSystem
+
+
 @dataclass(frozen=True, repr=False)
 class SwitchedSystem(ShortRepr):
     """A switched system with everything a check needs; numbers live in one field.
@@ -69,6 +85,7 @@ class SwitchedSystem(ShortRepr):
         waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
         denominators: formulas that must be positive on the checked square.
         scale: the positive factor by which the stated fields were multiplied; None without fractions.
+        by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
     """
 
     name: str
@@ -82,11 +99,17 @@ class SwitchedSystem(ShortRepr):
     waves: tuple[Wave, ...] = ()
     denominators: tuple[PiecewiseExpression, ...] = ()
     scale: PiecewiseExpression | None = None
+    by_roots: SeenByRoots | None = None
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
         """One system for each right-hand side."""
         return tuple(replace(self, rhs=rhs, others=(), waves=()) for rhs in (self.rhs, *self.others))
+
+    @property
+    def stated_states(self) -> tuple[str, ...]:
+        """The names of the states as they were stated: without roots of states."""
+        return self.states if self.by_roots is None else self.by_roots.roots.states
 
     @property
     def origin(self) -> str:
@@ -180,12 +203,24 @@ def require_plane(system: SwitchedSystem) -> None:
         raise SceneError(system.origin, "system.states", expected, list(system.states))
 
 
-def require_single(system: SwitchedSystem) -> None:
-    """Refuse arbitrary switching.
+def require_stated(system: SwitchedSystem) -> None:
+    """Refuse square roots of states.
 
     Raises:
-        SceneError: for a system with several right-hand sides.
+        SceneError: for a system that is seen by signed roots.
     """
+    if system.by_roots is not None:
+        expected = "formulas without sqrt(Abs(x)) (with it stability is decided and solutions followed)"
+        raise SceneError(system.origin, "system.rhs", expected, system.written[0][0])
+
+
+def require_single(system: SwitchedSystem) -> None:
+    """Refuse arbitrary switching, and square roots of states.
+
+    Raises:
+        SceneError: for a system with several right-hand sides, or with such roots.
+    """
+    require_stated(system)
     if system.others:
         expected = "one right-hand side (under arbitrary switching only stability is decided)"
         if system.waves:

@@ -10,6 +10,7 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
+from nonsmooth.analysis.fields.rooted_field import rooted_field, with_roots
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
 from nonsmooth.analysis.fields.wave_weights import wave_weight
@@ -33,6 +34,8 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         SceneError: for formulas with too many switching surfaces, or that are no polynomials, and for arbitrary
             switching.
     """
+    if system.by_roots is not None:
+        return rooted_field(system.by_roots.roots, system_field(system.by_roots.extended, with_roots(system.by_roots.roots, start)))
     if len(system.written) != 1:
         require_single(system)
     states = system.displaced(system.states) if centred else system.coordinates()

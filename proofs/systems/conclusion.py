@@ -29,6 +29,9 @@ class Method(StrEnum):
     NONE = "nothing"
 
 
+UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
+
+
 def conclude(
     equilibrium: Equilibrium,
     certificate: LyapunovResult | None,
@@ -37,11 +40,15 @@ def conclude(
     rays: Sequence[RayMove],
     leading: LeadingTerms | None,
     staying: Staying | None = None,
+    *,
+    covered: bool = True,
 ) -> tuple[Translation, str, Method]:
-    """Verdict, reason and what decided, from the evidence."""
+    """Verdict, reason and what decided, from the evidence; ``covered`` unless roots of states spoil it."""
     if equilibrium is Equilibrium.FAILS:
         more = f"; {fan.reason}" if fan is not None and fan.verdict is Translation.UNSTABLE else ""
         return Translation.UNSTABLE, f"0 is not in F there, so every solution leaves it{more}", Method.EQUILIBRIUM
+    if not covered:
+        return Translation.UNDECIDED, UNCOVERED, Method.NONE
     if certificate is not None and certificate.verdict is Decrease.STRICT:
         return Translation.ASYMPTOTICALLY_STABLE, certificate.reason, Method.LYAPUNOV
     if certificate is not None and certificate.verdict is Decrease.WEAK and staying is Staying.NONE:

@@ -19,6 +19,8 @@ from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DERIVATIVES = {
@@ -40,6 +42,8 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
     yield Fact("lyapunov", tuple(_potential(result)))
     yield Fact("translation", tuple(_stability(result)))
+    if result.scene.by_roots is not None:
+        yield _roots(result, result.scene.by_roots.roots)
     if proving is not None and result.domain is not None:
         yield row_fact("with", f"V = {proving_text(result)}")
         yield row_fact("on", result.domain.text(states))
@@ -49,9 +53,25 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact("rate", str(result.rate))
 
 
+def _roots(result: SystemResult, roots: SignedRoots) -> Fact:
+    """Which states are seen by signed roots, in which time, and whether solutions arrive in finite time."""
+    record = {
+        "states": list(roots.states),
+        "coordinates": list(roots.meanings),
+        "time_scale": roots.time_scale,
+        "finite_time": result.finite_time or None,
+    }
+    said = "solutions near the equilibrium arrive in finite time" if result.finite_time else "not known to be finite"
+    stable = result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    return Fact("roots", record, said, row="arrival") if stable else Fact("roots", record)
+
+
 def rewriting_words(system: SwitchedSystem) -> str:
     """What was done to the stated formulas, and between which right-hand sides it may switch, in words."""
     said = []
+    if system.by_roots is not None:
+        roots = system.by_roots.roots
+        said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
         said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
     if system.waves:

@@ -131,7 +131,7 @@ class System(MadeSystem):
 
         place = tuple(float(value) for value in start)
         path = follow_system(self.system, place, until, Method(method), width)
-        return PathResult(self.system.name, tuple(self.system.states), path)
+        return PathResult(self.system.name, tuple(self.system.stated_states), path)
 
     def orbit(self, start: Sequence[float], until: float = ORBIT_UNTIL) -> OrbitResult:
         """The periodic orbit that a start is near, or else the one that its path approaches.
