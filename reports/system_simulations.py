@@ -135,7 +135,7 @@ class ModesPathMode(SimulationMode):
         from nonsmooth.symbolic.scene_error import SceneError
 
         system = self._load()
-        start = read_start(options.start, system.stated_states)
+        start = read_start(options.start, system.states)
         names = [mode.name for mode in system.modes]
         if options.mode is not None and options.mode not in names:
             raise RefusedError(f"--mode: required one of {', '.join(names)}, received {options.mode!r}")

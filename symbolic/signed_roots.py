@@ -69,9 +69,7 @@ class SignedRoots:
             text = re.sub(rf"\b{re.escape(root)}\b", f"sqrt(Abs({name}))", text)
         return text
 
-    def _rewritten(
-        self, formula: object, state: Callable[[str], str] | None, root: Callable[[str], str]
-    ) -> object:
+    def _rewritten(self, formula: object, state: Callable[[str], str] | None, root: Callable[[str], str]) -> object:
         """A formula with rooted states and their roots replaced, by what stands for each."""
         if not isinstance(formula, str):
             return formula
@@ -121,7 +119,7 @@ def _places(tree: ast.AST, rooted: Sequence[str]) -> Iterator[tuple[ast.expr, st
 
 
 def _under_root(node: ast.AST) -> str | None:
-    """x of ``sqrt(Abs(x))``; None for anything else."""
+    """The state under a root, x of ``sqrt(Abs(x))``; None for anything else."""
     if not (isinstance(node, ast.Call) and _is_call(node, "sqrt")):
         return None
     inner = node.args[0]

@@ -15,14 +15,19 @@ from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Surface, Vec
 from nonsmooth.symbolic.signed_roots import SignedRoots
 
 LEAST_ROOT = float(np.sqrt(SURFACE_SLACK))  # of slopes of roots: nearer than the slack of surfaces a state is on x = 0
+# Of the size of the states, which slacks and tolerances are relative to: while all roots shrink by a factor their
+# states shrink by its square, so the last turns around a corner are this much smaller than those of other systems.
+SMALL_SCALE = 1e-3
 
 
-def rooted_field(roots: SignedRoots, extended: SignField) -> SignField:
+def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surface] = ()) -> SignField:
     """The field of the stated states.
 
     Args:
         roots: which states stand under square roots.
         extended: the field with each root as a further state, behind the others.
+        turns: where speeds across zeros of roots vanish: further surfaces, on which nothing switches, so that a path
+            that switches ever faster there has a corner to end in.
     """
     own, places = len(roots.states), [roots.states.index(name) for name in roots.rooted]
     known = tuple(_surface(roots, surface, places) for surface in extended.surfaces)
@@ -32,13 +37,13 @@ def rooted_field(roots: SignedRoots, extended: SignField) -> SignField:
         for name, unit in zip(roots.rooted, units, strict=True)
         if name not in [surface.name for surface in known]
     ]
-    surfaces = (*known, *(affine_surface(name, unit) for name, unit in missing))
+    surfaces = (*known, *(affine_surface(name, unit) for name, unit in missing), *turns)
 
     def flow(signs: Signs) -> Velocity:
         velocity = extended.flow(signs[: len(known)])
         return lambda t, x: velocity(t, _with_roots(x, places))[:own]
 
-    return SignField(roots.states, surfaces, flow, extended.size)
+    return SignField(roots.states, surfaces, flow, extended.size * SMALL_SCALE)
 
 
 def with_roots(roots: SignedRoots, start: Sequence[float]) -> tuple[float, ...]:

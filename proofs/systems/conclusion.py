@@ -40,15 +40,11 @@ def conclude(
     rays: Sequence[RayMove],
     leading: LeadingTerms | None,
     staying: Staying | None = None,
-    *,
-    covered: bool = True,
 ) -> tuple[Translation, str, Method]:
-    """Verdict, reason and what decided, from the evidence; ``covered`` unless roots of states spoil it."""
+    """Verdict, reason and what decided, from the evidence."""
     if equilibrium is Equilibrium.FAILS:
         more = f"; {fan.reason}" if fan is not None and fan.verdict is Translation.UNSTABLE else ""
         return Translation.UNSTABLE, f"0 is not in F there, so every solution leaves it{more}", Method.EQUILIBRIUM
-    if not covered:
-        return Translation.UNDECIDED, UNCOVERED, Method.NONE
     if certificate is not None and certificate.verdict is Decrease.STRICT:
         return Translation.ASYMPTOTICALLY_STABLE, certificate.reason, Method.LYAPUNOV
     if certificate is not None and certificate.verdict is Decrease.WEAK and staying is Staying.NONE:
@@ -62,6 +58,13 @@ def conclude(
     if leading is not None:
         return leading.verdict, leading.reason, Method.LEADING
     return _by_weak_evidence(equilibrium, certificate, rays)
+
+
+def conclude_uncovered(equilibrium: Equilibrium) -> tuple[Translation, str, Method]:
+    """What follows where what is proved of roots of states says nothing about the states."""
+    if equilibrium is Equilibrium.FAILS:
+        return conclude(equilibrium, None, None, None, (), None)
+    return Translation.UNDECIDED, UNCOVERED, Method.NONE
 
 
 def _by_weak_evidence(

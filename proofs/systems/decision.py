@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scalar
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 
 def decide_system(system: SwitchedSystem) -> SystemResult | ScalarResult:
@@ -13,4 +13,6 @@ def decide_system(system: SwitchedSystem) -> SystemResult | ScalarResult:
     Raises:
         SceneError: for more than two states, and for formulas that cannot be used.
     """
+    if len(system.states) > len(PLANE):
+        require_stated(system)
     return decide_scalar(system) if len(system.states) == 1 else system_check(system)

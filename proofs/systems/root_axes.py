@@ -114,7 +114,8 @@ def _beside(surface: Polynomial, axis: int, half: int, side: int) -> Polynomial:
 def _on_axis(polynomial: Polynomial, axis: int, half: int, power: int) -> Polynomial:
     """The coefficient of a power of the distance from an axis, along one half of it."""
     other = 1 - axis
-    terms = {(e[other],): c * half ** e[other] for e, c in polynomial.terms.items() if e[axis] == power}
+    chosen = [(e[other], c) for e, c in polynomial.terms.items() if e[axis] == power]
+    terms: dict[tuple[int, ...], Number] = {(k,): c * half**k for k, c in chosen}
     return Polynomial(polynomial.field, LINE, terms)
 
 

@@ -17,9 +17,9 @@ from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

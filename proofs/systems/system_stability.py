@@ -31,7 +31,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.conclusion import Method, conclude
+from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncovered
 from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
@@ -142,7 +142,7 @@ class SystemResult(ShortRepr):
         genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
         genuine = genuine and self._region_is_genuine()
         evidence = self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading
-        concluded = conclude(*evidence, self.staying, covered=self.covered)
+        concluded = conclude(*evidence, self.staying) if self.covered else conclude_uncovered(self.equilibrium)
         genuine = genuine and self.covered is axes_are_crossed(self.scene)
         genuine = genuine and self.finite_time is _arrives(self.scene, cells, self.verdict, self.certificate)
         genuine = genuine and (self.staying is None or self.staying is _staying(self.certificate))
@@ -195,9 +195,7 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     regions = domains(scene, scene.check.lyapunov)
     reported = examine(scene_cells(scene, regions[0]))
     if not covered:
-        concluded = conclude(holds, None, None, None, rays, None, covered=False)
-        evidence = holds, False, reported, None, None, None, rays, None, None, None
-        return SystemResult(scene, *concluded, *evidence, covered=False)
+        return _uncovered(scene, holds, reported, rays)
     others = regions[1:] if holds is not Equilibrium.FAILS else []
     certificate, domain = _certificate(scene, reported, others)
     fan, growth, searched, leading, staying = None, None, None, None, None
@@ -238,6 +236,16 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     )
     arrives = _arrives(scene, cells, verdict, certificate)
     return SystemResult(scene, verdict, reason, method, *evidence, finite_time=arrives)
+
+
+def _uncovered(
+    scene: SwitchedSystem, holds: Equilibrium, reported: LyapunovResult, rays: tuple[RayMove, ...]
+) -> SystemResult:
+    """The result for a system in roots of states where what is proved of these says nothing about the states."""
+    concluded = conclude_uncovered(holds)
+    return SystemResult(
+        scene, *concluded, holds, False, reported, None, None, None, rays, None, None, None, covered=False
+    )
 
 
 def _reach(

@@ -249,11 +249,10 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
 
 def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path: Path) -> SwitchedSystem:
     """The system in the signed roots of its states, with what it stands for."""
-    seen, unscaled, extended = (
-        _plain_system(part, file, path) for part in rooted_documents(document, roots, file)
-    )
+    seen, unscaled, extended = (_plain_system(part, file, path) for part in rooted_documents(document, roots, file))
     lists = extended.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
     written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
+    unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
     return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
 
 
