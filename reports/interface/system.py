@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.orbit_result import OrbitResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
+    from nonsmooth.reports.interface.sweep_result import SweepResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
+    from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 10.0
@@ -164,6 +167,40 @@ class System(MadeSystem):
         from nonsmooth.reports.interface.map_result import map_system
 
         return map_system(self.system, grid, until)
+
+    def sweep(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        random: int | None = None,
+        seed: int = 0,
+        means: Means | None = None,
+        **more: Any,
+    ) -> SweepResult:
+        """Check many systems that differ from this one in a few numbers.
+
+        Args:
+            values: by key path or parameter, such as ``{"k": "0:5:40"}``, as for arrays
+                (:meth:`nonsmooth.reports.interface.array.Array.sweep`).
+            random: how many random draws within ranges ``start:stop``, instead of a grid.
+            seed: of the draws.
+            means: how it is run (:class:`nonsmooth.Means`).
+            **more: values of parameters, such as ``k="0:5:40"``.
+
+        Raises:
+            SceneError: for a key path that names no number of the system.
+            ValueError: for values and means that cannot be used.
+        """
+        from nonsmooth.reports.interface.sweep_result import sweep_array
+        from nonsmooth.reports.sweeps.sweep import Means
+
+        return sweep_array(self, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+
+    @property
+    def origin(self) -> tuple[str, Path]:
+        """What messages call it, and the file whose name it has where it is given none."""
+        name = self.system.name
+        return name, Path(f"{name}.toml")
 
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:
