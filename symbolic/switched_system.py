@@ -23,7 +23,7 @@ from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.surfaces import switching_factors
 
 PLANE = ("x", "y")  # the displacement of two states
-MAX_PATTERNS = 4_096  # sign patterns of one right-hand side: twelve surfaces that cross
+MAX_PATTERNS = 4_096  # sign patterns of one switching part of a right-hand side: twelve surfaces that cross
 
 
 class UnknownSign(Exception):
@@ -141,8 +141,9 @@ class SwitchedSystem(ShortRepr):
     def surfaces(self, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
         """Every surface on which some right-hand side may switch, each once, with leading coefficient 1.
 
-        Every right-hand side is asked with every answer of the signs it asks for.  Answers are not tested for being
-        possible together, so a surface may be listed that switches nothing: the field is the same on both sides.
+        Every outermost switching part of a right-hand side is asked with every answer of the signs it asks for.
+        Answers are not tested for being possible together, so a surface may be listed that switches nothing: the
+        field is the same on both sides.
 
         Args:
             states: as for :meth:`velocity`.
@@ -158,13 +159,18 @@ class SwitchedSystem(ShortRepr):
         return tuple(found)
 
     def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
+        parts = (self._asked(k, part, values) for part in self.rhs[k].switching_parts())
+        return list(dict.fromkeys(surface for part in parts for surface in part))
+
+    def _asked(self, k: int, part: PiecewiseExpression, values: Sequence[Polynomial]) -> list[Polynomial]:
+        """The surfaces of which a part of a formula asks the signs."""
         found: dict[Polynomial, None] = {}
         waiting: list[dict[Polynomial, int]] = [{}]
         ended, refusal = 0, None
         while waiting:
             signs = waiting.pop()
             try:
-                self._piece(k, signs_by_factors(signs), values)
+                self._value(k, part, signs_by_factors(signs), values)
             except UnknownSign as unknown:
                 found[unknown.surface] = None
                 waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
@@ -181,8 +187,11 @@ class SwitchedSystem(ShortRepr):
         return list(found)
 
     def _piece(self, k: int, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
+        return self._value(k, self.rhs[k], sign_of, values)
+
+    def _value(self, k: int, formula: PiecewiseExpression, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
         try:
-            return self.rhs[k].polynomial(dict(zip(self.states, values, strict=True)), sign_of)
+            return formula.polynomial(dict(zip(self.states, values, strict=True)), sign_of)
         except ExpressionError as error:
             raise self._error(k, requirement(error), self.rhs[k].text) from None
 

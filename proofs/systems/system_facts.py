@@ -12,6 +12,7 @@ from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
@@ -51,6 +52,8 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact("region", region_words(result.region, states))
     if result.rate is not None:
         yield row_fact("rate", str(result.rate))
+    if result.gain is not None:
+        yield row_fact("disturbed", str(result.gain))
 
 
 def _roots(result: SystemResult, roots: SignedRoots) -> Fact:
@@ -106,6 +109,7 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     yield Fact("proves", proving is not None)
     yield Fact("region", None if result.region is None else _region_record(result.region, result.scene.states))
     yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
+    yield Fact("gain", None if result.gain is None else _gain_record(result.gain))
     if proving is None or proving is result.lyapunov:
         yield Fact("tried")
         return
@@ -142,6 +146,15 @@ def _region_record(region: SublevelRegion, states: tuple[str, ...]) -> dict[str,
 
 def _rate_record(rate: DecayRate) -> dict[str, object]:
     return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
+
+
+def _gain_record(gain: DisturbanceGain) -> dict[str, object]:
+    return {
+        "gamma": Quantity(gain.gamma),
+        "largest": Quantity(gain.largest),
+        "ultimate": Quantity(gain.ultimate),
+        "text": str(gain),
+    }
 
 
 def proving_pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:

@@ -35,6 +35,7 @@ from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncov
 from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
@@ -79,6 +80,7 @@ class SystemResult(ShortRepr):
         region: starts that are certified to reach the equilibrium, of a V on a square.
         rate: how fast that V falls, where that is proved.
         staying: of a V that does not increase, what stays where V' = 0; None where that was not asked.
+        gain: what an additive disturbance does, where such a V has a rate and that is proved.
         covered: of a system in roots of states, whether what is proved of the roots holds for the states; else true.
         finite_time: of such a system, whether solutions near the equilibrium are known to arrive in finite time.
     """
@@ -100,6 +102,7 @@ class SystemResult(ShortRepr):
     region: SublevelRegion | None = None
     rate: DecayRate | None = None
     staying: Staying | None = None
+    gain: DisturbanceGain | None = None
     covered: bool = True
     finite_time: bool = False
 
@@ -151,17 +154,24 @@ class SystemResult(ShortRepr):
     def _region_is_genuine(self) -> bool:
         """Whether the region and the rate are those of the V that proves asymptotic stability."""
         if self.region is None and self.rate is None:
-            return True
+            return self.gain is None
         proving = self.proving
         if proving is None or self.domain is None or self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return False
         rate = self.rate is None or self.rate.check(proving.cells)
+        rate = rate and (self.gain is None or self._gain_is_genuine(self.gain, proving.cells, self.domain))
         if self.region is None or self.region.falls:
             return rate and (
                 self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
             )
         own = self.searched is None and self.region.radius == self.scene.check.radius
         return rate and own and self.region.check(inhabited(_cells_of_square(self.scene)))
+
+    def _gain_is_genuine(self, gain: DisturbanceGain, cells: Sequence[LyapunovCell], domain: Domain) -> bool:
+        """Whether the gain is one of the V, its rate and its region."""
+        level = None if self.region is None or not self.region.falls else self.region.level
+        same = gain.rate == self.rate and gain.level == level
+        return same and domain.radius is not None and gain.check(cells, domain.radius)
 
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
         """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
@@ -216,9 +226,9 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         certificate, domain, searched, staying = _by_invariance(scene, rays, concluded, known)
     verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading, staying)
     everywhere = _everywhere(scene, verdict, cells)
-    region, rate = None, None
+    region, rate, gain = None, None, None
     if method in (Method.LYAPUNOV, Method.INVARIANCE) and verdict is Translation.ASYMPTOTICALLY_STABLE:
-        region, rate = _reach(scene, certificate, domain, searched)
+        region, rate, gain = _reach(scene, certificate, domain, searched)
     evidence = (
         holds,
         everywhere,
@@ -233,6 +243,7 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         region,
         rate,
         staying,
+        gain,
     )
     arrives = _arrives(scene, cells, verdict, certificate)
     return SystemResult(scene, verdict, reason, method, *evidence, finite_time=arrives)
@@ -253,18 +264,21 @@ def _reach(
     certificate: LyapunovResult | None,
     domain: Domain | None,
     searched: SearchedLyapunov | None,
-) -> tuple[SublevelRegion | None, DecayRate | None]:
-    """The region and the rate of a V that is proved on a square; on the plane the region is the plane."""
+) -> tuple[SublevelRegion | None, DecayRate | None, DisturbanceGain | None]:
+    """Region, rate and gain of a V that is proved on a square; on the plane the region is the plane."""
     if certificate is None or domain is None or domain.radius is None:
-        return None, None
+        return None, None, None
     if not axes_are_crossed_within(scene, scene.check.radius):
-        return None, None
+        return None, None, None
     region = None
     if searched is None and domain.radius != scene.check.radius:
         region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
     region = region or largest_sublevel(certificate.cells, domain.radius)
     scaled = scene.scale is not None or scene.by_roots is not None  # a scaled field has another rate
-    return region, None if scaled else decay_rate(certificate.cells)
+    rate = None if scaled else decay_rate(certificate.cells)
+    if rate is None:
+        return region, None, None
+    return region, rate, disturbance_gain(certificate.cells, domain.radius, rate, region)
 
 
 def _arrives(

@@ -56,7 +56,7 @@ def test_the_border_of_a_linear_system_is_where_its_eigenvalues_cross() -> None:
     assert (first.before, last.after) == (("asymptotically stable",), ("unstable",))
     assert first.after == first.there == last.there == last.before == ("stable",)  # a line of equilibria
     for k in (first.below.number, last.above.number):
-        assert abs(np.linalg.eigvals([[-1, 1], [float(k or 0), -2]]).real.max()) < 1e-8
+        assert abs(np.linalg.eigvals(np.array([[-1.0, 1.0], [float(k or 0), -2.0]])).real.max()) < 1e-8
 
 
 def test_random_draws_agree_with_the_formula_of_the_region() -> None:
