@@ -40,6 +40,7 @@ class System(MadeSystem):
         lyapunov: a Lyapunov function to try, as a formula.
         name: what it is called in results.
         parameters: numbers that stand in the formulas by name, such as ``{"k": 2}``.
+        networks: layers of functions that formulas call, by name: ``{"u": [{"weights": [[1, 2]], "biases": [0]}]}``.
 
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
@@ -57,10 +58,13 @@ class System(MadeSystem):
         lyapunov: Any = None,
         name: str | None = None,
         parameters: Mapping[str, Any] | None = None,
+        networks: Mapping[str, Any] | None = None,
     ) -> None:
-        document = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
+        document: dict[str, Any] = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
         if parameters is not None:
             document["system"]["parameters"] = table(parameters)
+        if networks is not None:
+            document["network"] = [{"name": key, "layers": entry(layers)} for key, layers in networks.items()]
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
 
     def with_(self, **changes: Any) -> Self:
@@ -75,8 +79,10 @@ class System(MadeSystem):
     @cached_property
     def system(self) -> SwitchedSystem:
         """The exact system."""
+        from nonsmooth.symbolic.files.network_tables import require_layers
         from nonsmooth.symbolic.files.system_file import build_system
 
+        require_layers(self.document, str(self.document.get("name", "system")))
         return self._read(build_system, "system")
 
     def __repr__(self) -> str:

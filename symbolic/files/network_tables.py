@@ -78,6 +78,18 @@ def with_layers(document: Mapping[str, Any], file: str, path: Path) -> dict[str,
     return {**document, "network": [_with_own(table, file, f"network[{k}]", path) for k, table in enumerate(tables, 1)]}
 
 
+def require_layers(document: Mapping[str, Any], file: str) -> None:
+    """Refuse networks in files, for a document that has no folder.
+
+    Raises:
+        SceneError: for such a network.
+    """
+    tables = document.get("network")
+    for k, table in enumerate(tables if isinstance(tables, list) else [], 1):
+        if isinstance(table, Mapping) and "file" in table:
+            raise SceneError(file, f"network[{k}]", "layers (files are read beside scene files)", StatedFact("a file"))
+
+
 def _with_own(table: Any, file: str, key: str, path: Path) -> Any:
     if not isinstance(table, Mapping) or not isinstance(table.get("file"), str) or "layers" in table:
         return table

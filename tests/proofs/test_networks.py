@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import nonsmooth as ns
 from nonsmooth.proofs.systems.decision import decide_system
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system, load_system
@@ -246,3 +247,26 @@ def test_without_the_package_an_onnx_file_is_refused(tmp_path: Path, monkeypatch
     (tmp_path / "loop.toml").write_text(SCENE.format("net.onnx"))
     with pytest.raises(SceneError, match=r"pip install nonsmooth\[onnx\]"):
         load_system(tmp_path / "loop.toml")
+
+
+# ---- in Python -----------------------------------------------------------------------------------
+
+
+def test_loaded_systems_hold_their_layers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    layers = random_layers(7, 4, biased=False)
+    (tmp_path / "net.json").write_text(json.dumps({"layers": tables(layers)}))
+    (tmp_path / "loop.toml").write_text(SCENE.format("net.json"))
+    monkeypatch.chdir("/")
+    loaded = ns.load(tmp_path / "loop.toml")
+    made = ns.System(
+        ["x", "v"], ["v", "-x + u(x, v)"], networks={"u": [{"weights": w, "biases": b} for w, b in layers]}
+    )
+    assert isinstance(loaded, ns.System)
+    assert [side.text for side in loaded.system.rhs] == [side.text for side in made.system.rhs]
+    assert loaded.with_(radius="1/4").system.rhs[1].text == loaded.system.rhs[1].text
+
+
+def test_a_document_without_a_folder_reads_no_file() -> None:
+    document = {"system": {"states": ["x"], "rhs": ["-x"]}, "network": [{"name": "u", "file": "net.json"}]}
+    with pytest.raises(SceneError, match="files are read beside scene files"):
+        ns.System.of_document(document)
