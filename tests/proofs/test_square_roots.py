@@ -174,6 +174,27 @@ def test_random_gains_agree_with_eigenvalues(seed: int) -> None:
     assert result.check()
 
 
+@pytest.mark.parametrize("seed", range(24))
+def test_random_systems_agree_with_their_polygons(seed: int) -> None:
+    """Super-twisting with random gains and one random term more; near the point, as asymptotic stability is local."""
+    rng = np.random.default_rng(seed)
+    a, b, c, d, e = (f"({k}/4)" for k in (*rng.integers(-12, 13, 4), rng.integers(-4, 5)))
+    first, second = f"{a}*{ROOT} + 3/2*y", f"{b}*sgn(x)"
+    first, second = (
+        (f"{first} + {c}*x", f"{second} + {d}*y"),
+        (first, f"{second} + {e}*sgn(y)"),
+        (f"{first} + {e}*sqrt(Abs(x))", second),
+        (first, f"{second} + {e}*sgn(y + {ROOT})"),
+    )[seed % 4]
+    result = system_check(built([first, second]))
+    assert result.check()
+    last = largest_end([first, second], 0.01, 0.5, 1e-4)
+    if result.verdict is ATTRACTS:
+        assert last < 0.9
+    elif result.verdict is LEAVES:
+        assert last > 1.1
+
+
 BAD = [
     (["-sqrt(Abs(x + y))", "-y"], "sqrt"),
     (["-sqrt(x)", "-y"], "sqrt"),
