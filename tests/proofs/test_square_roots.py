@@ -18,7 +18,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 ATTRACTS, LEAVES, OPEN = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE, Translation.UNDECIDED
 ROOT = "sqrt(Abs(x))*sgn(x)"
@@ -54,7 +54,7 @@ KNOWN = [
 ]
 
 
-@pytest.mark.parametrize(("rhs", "truth", "in_time"), KNOWN)
+@pytest.mark.parametrize(("rhs", "truth", "in_time"), keep(5, KNOWN))
 def test_known_systems_agree_with_their_polygons(rhs: list[str], truth: Translation, in_time: bool | None) -> None:
     result = system_check(built(rhs))
     assert result.verdict is truth, result.reason

@@ -15,6 +15,7 @@ import nonsmooth as ns
 from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.plan import read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -37,9 +38,9 @@ def written(folder: Path, system: dict[str, Any]) -> str:
 
 
 def test_rows_are_checks_one_by_one() -> None:
-    found = swept(RELAY, {"k": "-1,1/2", "a": "0,1"})
+    found = swept(RELAY, {"k": "-1,1/2", "a": "1"})
     system = ns.System(RELAY["states"], RELAY["rhs"], parameters=RELAY["parameters"])
-    values = [(-1, 0), (-1, 1), ("1/2", 0), ("1/2", 1)]
+    values = [(-1, 1), ("1/2", 1)]
     for outcome, (k, a) in zip(found.outcomes, values, strict=True):
         check = system.check(parameters={"k": k, "a": a})
         assert outcome["stability"] == check.verdict
@@ -69,6 +70,7 @@ def test_random_draws_agree_with_the_formula_of_the_region() -> None:
         assert outcome["from"] == -0.5
 
 
+@thorough
 def test_an_end_of_an_interval_varies() -> None:
     system = {"states": ["x", "y"], "rhs": ["y", "-x - k*y"], "parameters": {"k": [1, 2]}}
     found = swept(system, {"k.0": "-1,1"})
