@@ -11,7 +11,7 @@ from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scala
 from nonsmooth.proofs.systems.system_certificate import NoCertificateError, build_system_certificate
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 StabilityResult: TypeAlias = SystemResult | ScalarResult | ManyStateResult
 
@@ -23,6 +23,7 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
         SceneError: for formulas that cannot be used.
     """
     if len(system.states) > len(PLANE):
+        require_stated(system)
         return decide_many(system)
     return decide_scalar(system) if len(system.states) == 1 else system_check(system)
 
@@ -34,6 +35,7 @@ def audit_function(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult 
         SceneError: for text that is no formula of the states, and for systems in one state.
     """
     if isinstance(scene, SwitchedSystem) and len(scene.states) > len(PLANE):
+        require_stated(scene)
         return audit_many(scene, lyapunov)
     return audit(scene, lyapunov)
 

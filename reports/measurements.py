@@ -17,6 +17,7 @@ from nonsmooth.analysis.measurements.rows import ResultRow
 from nonsmooth.analysis.measurements.slopes import FittedSlope, fitted_slopes
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import measured_text
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 LEGEND = (
@@ -75,7 +76,7 @@ class Precision(MeasurementView):
         return {
             "schema": "nonsmooth-precision/1",
             "scene": run.scene.name,
-            "rule": str(run.scene.contact.rule),
+            "rule": str(run.scene.contact.rule) if isinstance(run.scene, Scene) else None,
             "runs": run.limits.runs,
             "time_limit": run.limits.seconds,
             "complete": run.complete,

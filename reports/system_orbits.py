@@ -17,7 +17,7 @@ from nonsmooth.reports.simulate import sample_lines
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
 
 SCHEMA = "nonsmooth-orbit/1"
 UNTIL = 100.0  # for how long a path is followed in search of an orbit
@@ -145,8 +145,9 @@ def find_system_orbit(system: SwitchedSystem, start: tuple[float, ...], until: f
     Raises:
         OrbitError: where no periodic orbit is found.
         ValueError: for a switching function without a gradient where it vanishes.
-        SceneError: for formulas that are no polynomials where the solution goes.
+        SceneError: for formulas that are no polynomials where the solution goes, and for square roots of states.
     """
+    require_stated(system)
     orbit = find_orbit(system_field(system, start), start, until)
     _ = orbit.multipliers  # refused at once where they do not exist
     return SystemOrbit(system, orbit, prove_orbit(system, orbit))

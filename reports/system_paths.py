@@ -29,11 +29,11 @@ class SystemPath:
     def record(self) -> dict[str, Any]:
         """The keys of an array's trajectory, and the names of the states; there are no kinematics."""
         head = {"schema": SCHEMA, "scene": self.system.name, "feedback": None}
-        return {**head, **self.trajectory.record(), "kinematics": None, "states": list(self.system.states)}
+        return {**head, **self.trajectory.record(), "kinematics": None, "states": list(self.system.stated_states)}
 
     def lines(self) -> Iterable[Iterable[Any]]:
         """Time and states of every sample."""
-        return sample_lines(self.trajectory, self.system.states)
+        return sample_lines(self.trajectory, self.system.stated_states)
 
     def picture(self, suffix: str) -> bytes:
         """The states over time, and of two states the path over the switching surfaces."""
@@ -47,7 +47,7 @@ class SystemPath:
 
     def view(self) -> RenderableType:
         """Events and end as a table."""
-        name, states = one_line(self.system.name), self.system.states
+        name, states = one_line(self.system.name), self.system.stated_states
         head = f"{name}: plain switched system in {', '.join(states)}, method {self.trajectory.method}"
         return events_view(head, self.trajectory, states)
 

@@ -46,7 +46,7 @@ class SystemPathMode(SimulationMode):
         from nonsmooth.symbolic.scene_error import SceneError
 
         system = self._load()
-        start = read_start(options.start, system.states)
+        start = read_start(options.start, system.stated_states)
         try:
             return follow_system(system, start, options.until or UNTIL, options.method, options.width)
         except SceneError:
@@ -75,7 +75,7 @@ class SystemOrbitMode(SimulationMode):
         from nonsmooth.symbolic.scene_error import SceneError
 
         system = self._load()
-        start = read_start(options.start, system.states)
+        start = read_start(options.start, system.stated_states)
         try:
             return find_system_orbit(system, start, options.until or ORBIT_UNTIL)
         except OrbitError as error:

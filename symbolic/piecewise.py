@@ -20,7 +20,7 @@ from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, pa
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import shown
 
-MAX_TEXT = 2_000  # characters
+MAX_TEXT = 20_000  # characters: of formulas with networks written out
 MAX_DEPTH = 60  # nested operations
 MAX_DEGREE = 16  # of a smooth piece
 
@@ -59,6 +59,16 @@ class PiecewiseExpression:
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("sin", "cos"):
                 yield turn_of(node.args[0], self.text)
+
+    def switching_parts(self) -> Iterator[PiecewiseExpression]:
+        """The outermost parts that may switch, each as a formula of its own."""
+        waiting: list[ast.AST] = [self.tree]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SWITCHES:
+                yield PiecewiseExpression(self.text, node, self.states)
+            else:
+                waiting += reversed(list(ast.iter_child_nodes(node)))
 
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""

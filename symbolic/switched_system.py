@@ -20,10 +20,11 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.surfaces import switching_factors
 
 PLANE = ("x", "y")  # the displacement of two states
-MAX_PATTERNS = 4_096  # sign patterns of one right-hand side: twelve surfaces that cross
+MAX_PATTERNS = 4_096  # sign patterns of one switching part of a right-hand side: twelve surfaces that cross
 
 
 class UnknownSign(Exception):
@@ -53,6 +54,21 @@ class SystemCheck:
         return None if self.is_default else self.lyapunov.text
 
 
+@dataclass(frozen=True)
+class SeenByRoots:
+    """What a system in signed roots of states stands for (:mod:`nonsmooth.symbolic.signed_roots`).
+
+    Attributes:
+        roots: which states they are.
+        extended: the stated system with each ``sqrt(Abs(x))`` as a further state, whose right-hand side is no field.
+        unscaled: the stated right-hand sides in the roots, in the stated time: rates of x, not of its root.
+    """
+
+    roots: SignedRoots
+    extended: SwitchedSystem
+    unscaled: SwitchedSystem
+
+
 @dataclass(frozen=True, repr=False)
 class SwitchedSystem(ShortRepr):
     """A switched system with everything a check needs; numbers live in one field.
@@ -70,6 +86,7 @@ class SwitchedSystem(ShortRepr):
         waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
         denominators: formulas that must be positive on the checked square.
         scale: the positive factor by which the stated fields were multiplied; None without fractions.
+        by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
     """
 
     name: str
@@ -83,11 +100,17 @@ class SwitchedSystem(ShortRepr):
     waves: tuple[Wave, ...] = ()
     denominators: tuple[PiecewiseExpression, ...] = ()
     scale: PiecewiseExpression | None = None
+    by_roots: SeenByRoots | None = None
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
         """One system for each right-hand side."""
         return tuple(replace(self, rhs=rhs, others=(), waves=()) for rhs in (self.rhs, *self.others))
+
+    @property
+    def stated_states(self) -> tuple[str, ...]:
+        """The names of the states as they were stated: without roots of states."""
+        return self.states if self.by_roots is None else self.by_roots.roots.states
 
     @property
     def origin(self) -> str:
@@ -119,8 +142,9 @@ class SwitchedSystem(ShortRepr):
     def surfaces(self, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
         """Every surface on which some right-hand side may switch, each once, with leading coefficient 1.
 
-        Every right-hand side is asked with every answer of the signs it asks for.  Answers are not tested for being
-        possible together, so a surface may be listed that switches nothing: the field is the same on both sides.
+        Every outermost switching part of a right-hand side is asked with every answer of the signs it asks for.
+        Answers are not tested for being possible together, so a surface may be listed that switches nothing: the
+        field is the same on both sides.
 
         Args:
             states: as for :meth:`velocity`.
@@ -136,13 +160,18 @@ class SwitchedSystem(ShortRepr):
         return tuple(found)
 
     def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
+        parts = (self._asked(k, part, values) for part in self.rhs[k].switching_parts())
+        return list(dict.fromkeys(surface for part in parts for surface in part))
+
+    def _asked(self, k: int, part: PiecewiseExpression, values: Sequence[Polynomial]) -> list[Polynomial]:
+        """The surfaces of which a part of a formula asks the signs."""
         found: dict[Polynomial, None] = {}
         waiting: list[dict[Polynomial, int]] = [{}]
         ended, refusal = 0, None
         while waiting:
             signs = waiting.pop()
             try:
-                self._piece(k, signs_by_factors(signs), values)
+                self._value(k, part, signs_by_factors(signs), values)
             except UnknownSign as unknown:
                 found[unknown.surface] = None
                 waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
@@ -159,8 +188,11 @@ class SwitchedSystem(ShortRepr):
         return list(found)
 
     def _piece(self, k: int, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
+        return self._value(k, self.rhs[k], sign_of, values)
+
+    def _value(self, k: int, formula: PiecewiseExpression, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
         try:
-            return self.rhs[k].polynomial(dict(zip(self.states, values, strict=True)), sign_of)
+            return formula.polynomial(dict(zip(self.states, values, strict=True)), sign_of)
         except ExpressionError as error:
             raise self._error(k, requirement(error), self.rhs[k].text) from None
 
@@ -178,12 +210,24 @@ def require_plane(system: SwitchedSystem) -> None:
         raise SceneError(system.origin, "system.states", "two states", list(system.states))
 
 
-def require_single(system: SwitchedSystem) -> None:
-    """Refuse arbitrary switching.
+def require_stated(system: SwitchedSystem) -> None:
+    """Refuse square roots of states.
 
     Raises:
-        SceneError: for a system with several right-hand sides.
+        SceneError: for a system that is seen by signed roots.
     """
+    if system.by_roots is not None:
+        expected = "formulas without sqrt(Abs(x)) (with it stability is decided and solutions followed)"
+        raise SceneError(system.origin, "system.rhs", expected, system.written[0][0])
+
+
+def require_single(system: SwitchedSystem) -> None:
+    """Refuse arbitrary switching, and square roots of states.
+
+    Raises:
+        SceneError: for a system with several right-hand sides, or with such roots.
+    """
+    require_stated(system)
     if system.others:
         expected = "one right-hand side (under arbitrary switching only stability is decided)"
         if system.waves:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -10,12 +10,14 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
+from nonsmooth.analysis.fields.rooted_field import rooted_field, with_roots
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
 from nonsmooth.analysis.fields.wave_weights import wave_weight
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import SignOf, parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single, signs_by_factors
+from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
 
 def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred: bool = False) -> SignField:
@@ -33,6 +35,8 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         SceneError: for formulas with too many switching surfaces, or that are no polynomials, and for arbitrary
             switching.
     """
+    if system.by_roots is not None:
+        return _in_stated_states(system.by_roots, start)
     if len(system.written) != 1:
         require_single(system)
     states = system.displaced(system.states) if centred else system.coordinates()
@@ -48,6 +52,35 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
 
     size = max(float(system.check.radius), *(abs(float(value)) for value in start), 0.0)
     return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
+
+
+def _in_stated_states(seen: SeenByRoots, start: Sequence[float]) -> SignField:
+    """The field of a system with square roots of states, in its own states and time."""
+    extended = system_field(seen.extended, with_roots(seen.roots, start))
+    known = {surface.name for surface in extended.surfaces}
+    turns = {str(speed): speed for speed in _speeds_at_roots(seen)}
+    return rooted_field(seen.roots, extended, [_surface(p) for name, p in turns.items() if name not in known])
+
+
+def _speeds_at_roots(seen: SeenByRoots) -> Iterator[Polynomial]:
+    """The speeds across zeros of roots, where they are affine in the other states."""
+    own = len(seen.roots.states)
+    states = seen.extended.coordinates()
+    zero = [state * (name not in seen.roots.rooted) for name, state in zip(seen.roots.states, states, strict=False)]
+    values = [*zero, *(state * 0 for state in states[own:])]
+    for member in seen.extended.members:
+        for side in (1, -1):
+            speeds = member.velocity(lambda surface, side=side: side, values)  # type: ignore[misc]
+            for name in seen.roots.rooted:
+                speed = speeds[seen.roots.states.index(name)]
+                if speed.degree == 1:
+                    yield Polynomial(speed.field, seen.roots.states, _shortened(speed, own))
+
+
+def _shortened(polynomial: Polynomial, count: int) -> dict[tuple[int, ...], Number]:
+    """The terms of a normed polynomial that holds the first variables only."""
+    scale = polynomial.terms[max(polynomial.terms)].inverse()
+    return {e[:count]: c * scale for e, c in polynomial.terms.items()}
 
 
 def guarded_field(field: SignField, guards: Sequence[Polynomial]) -> tuple[SignField, tuple[Surface, ...]]:

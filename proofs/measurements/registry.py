@@ -14,6 +14,7 @@ from nonsmooth.analysis.measurements.harness import Case, Study
 from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
 from nonsmooth.analysis.measurements.studies.masses import MASS
 from nonsmooth.analysis.measurements.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
+from nonsmooth.analysis.measurements.studies.system_paths import SYSTEM_PATHS
 from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES
 from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE
 from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS
@@ -29,6 +30,7 @@ STUDIES: tuple[Study, ...] = (
     MASS,
     PRUNING,
 )
+SYSTEM_STUDIES: tuple[Study, ...] = (SYSTEM_PATHS,)  # of plain systems
 CASES: tuple[Case, ...] = (
     ARRAY_VERDICTS,
     SYSTEM_VERDICTS,

@@ -29,6 +29,9 @@ class Method(StrEnum):
     NONE = "nothing"
 
 
+UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
+
+
 def conclude(
     equilibrium: Equilibrium,
     certificate: LyapunovResult | None,
@@ -55,6 +58,13 @@ def conclude(
     if leading is not None:
         return leading.verdict, leading.reason, Method.LEADING
     return _by_weak_evidence(equilibrium, certificate, rays)
+
+
+def conclude_uncovered(equilibrium: Equilibrium) -> tuple[Translation, str, Method]:
+    """What follows where what is proved of roots of states says nothing about the states."""
+    if equilibrium is Equilibrium.FAILS:
+        return conclude(equilibrium, None, None, None, (), None)
+    return Translation.UNDECIDED, UNCOVERED, Method.NONE
 
 
 def _by_weak_evidence(

@@ -147,14 +147,14 @@ def _of_enclosed(system: SwitchedSystem) -> LeadingTerms | None:
     first, *others = system.members
     for frame, weights in _coordinates(first):
         fan = build_tangent_fan(first, weights, frame)
-        known = fan is not None and _needs_no_other_terms(fan)
+        known = fan is not None and needs_no_other_terms(fan)
         found = decide_fan_of_leading_terms(fan) if fan is not None and known else None
         if found is not None and all(_leading(build_tangent_fan(m, weights, frame)) == _leading(fan) for m in others):
             return found
     return None
 
 
-def _needs_no_other_terms(fan: TangentFan) -> bool:
+def needs_no_other_terms(fan: TangentFan) -> bool:
     """Whether no field touches a surface, and no sliding motion vanishes, to leading order."""
     for before, after, surfaces in rays_between(fan):
         turns, speeds = zip(*(_turn_and_speed(c.leading, after.start) for c in (before, after)), strict=True)

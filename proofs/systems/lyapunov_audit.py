@@ -33,7 +33,7 @@ from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 KEY = "lyapunov"
 
@@ -120,6 +120,7 @@ def audited_cells(scene: Scene | SwitchedSystem, lyapunov: str) -> tuple[Lyapuno
 
 def _field_cells(scene: Scene | SwitchedSystem, lyapunov: PiecewiseExpression) -> tuple[FieldCell, ...] | None:
     if isinstance(scene, SwitchedSystem):
+        require_stated(scene)
         require_denominators(scene)
         return system_cells(scene, domains(scene, lyapunov)[0])
     if not isinstance(rule_of(scene), CellRule):

@@ -38,6 +38,8 @@ def build_system_certificate(result: SystemResult | ScalarResult) -> dict[str, A
     """
     if isinstance(result, ScalarResult):
         raise NoCertificateError("a certificate needs two states, received one")
+    if result.scene.by_roots is not None:
+        raise NoCertificateError("a certificate needs formulas without sqrt(Abs(x)), received some with it")
     if result.proving is None or result.domain is None or result.method not in (Method.LYAPUNOV, Method.GROWTH):
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"

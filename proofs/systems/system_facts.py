@@ -12,13 +12,16 @@ from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DERIVATIVES = {
@@ -40,6 +43,8 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
     yield Fact("lyapunov", tuple(_potential(result)))
     yield Fact("translation", tuple(_stability(result)))
+    if result.scene.by_roots is not None:
+        yield _roots(result, result.scene.by_roots.roots)
     if proving is not None and result.domain is not None:
         yield row_fact("with", f"V = {proving_text(result)}")
         yield row_fact("on", result.domain.text(states))
@@ -47,11 +52,29 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         yield row_fact("region", region_words(result.region, states))
     if result.rate is not None:
         yield row_fact("rate", str(result.rate))
+    if result.gain is not None:
+        yield row_fact("disturbed", str(result.gain))
+
+
+def _roots(result: SystemResult, roots: SignedRoots) -> Fact:
+    """Which states are seen by signed roots, in which time, and whether solutions arrive in finite time."""
+    record = {
+        "states": list(roots.states),
+        "coordinates": list(roots.meanings),
+        "time_scale": roots.time_scale,
+        "finite_time": result.finite_time or None,
+    }
+    said = "solutions near the equilibrium arrive in finite time" if result.finite_time else "not known to be finite"
+    stable = result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    return Fact("roots", record, said, row="arrival") if stable else Fact("roots", record)
 
 
 def rewriting_words(system: SwitchedSystem) -> str:
     """What was done to the stated formulas, and between which right-hand sides it may switch, in words."""
     said = []
+    if system.by_roots is not None:
+        roots = system.by_roots.roots
+        said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
         said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
     if system.waves:
@@ -86,6 +109,7 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     yield Fact("proves", proving is not None)
     yield Fact("region", None if result.region is None else _region_record(result.region, result.scene.states))
     yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
+    yield Fact("gain", None if result.gain is None else _gain_record(result.gain))
     if proving is None or proving is result.lyapunov:
         yield Fact("tried")
         return
@@ -122,6 +146,15 @@ def _region_record(region: SublevelRegion, states: tuple[str, ...]) -> dict[str,
 
 def _rate_record(rate: DecayRate) -> dict[str, object]:
     return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
+
+
+def _gain_record(gain: DisturbanceGain) -> dict[str, object]:
+    return {
+        "gamma": Quantity(gain.gamma),
+        "largest": Quantity(gain.largest),
+        "ultimate": Quantity(gain.ultimate),
+        "text": str(gain),
+    }
 
 
 def proving_pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:

@@ -31,10 +31,11 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.conclusion import Method, conclude
+from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncovered
 from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
@@ -49,6 +50,7 @@ from nonsmooth.proofs.systems.ray_moves import (
     ray_moves,
     resting_edges,
 )
+from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed, axes_are_crossed_within
 from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov, search_weak_lyapunov
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -78,6 +80,9 @@ class SystemResult(ShortRepr):
         region: starts that are certified to reach the equilibrium, of a V on a square.
         rate: how fast that V falls, where that is proved.
         staying: of a V that does not increase, what stays where V' = 0; None where that was not asked.
+        gain: what an additive disturbance does, where such a V has a rate and that is proved.
+        covered: of a system in roots of states, whether what is proved of the roots holds for the states; else true.
+        finite_time: of such a system, whether solutions near the equilibrium are known to arrive in finite time.
     """
 
     scene: SwitchedSystem
@@ -97,6 +102,9 @@ class SystemResult(ShortRepr):
     region: SublevelRegion | None = None
     rate: DecayRate | None = None
     staying: Staying | None = None
+    gain: DisturbanceGain | None = None
+    covered: bool = True
+    finite_time: bool = False
 
     def _repr_html_(self) -> str:
         rows = [(self.verdict, self.method, self.reason)]
@@ -137,18 +145,21 @@ class SystemResult(ShortRepr):
         genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
         genuine = genuine and self._region_is_genuine()
         evidence = self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading
-        concluded = conclude(*evidence, self.staying)
+        concluded = conclude(*evidence, self.staying) if self.covered else conclude_uncovered(self.equilibrium)
+        genuine = genuine and self.covered is axes_are_crossed(self.scene)
+        genuine = genuine and self.finite_time is _arrives(self.scene, cells, self.verdict, self.certificate)
         genuine = genuine and (self.staying is None or self.staying is _staying(self.certificate))
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
 
     def _region_is_genuine(self) -> bool:
         """Whether the region and the rate are those of the V that proves asymptotic stability."""
         if self.region is None and self.rate is None:
-            return True
+            return self.gain is None
         proving = self.proving
         if proving is None or self.domain is None or self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return False
         rate = self.rate is None or self.rate.check(proving.cells)
+        rate = rate and (self.gain is None or self._gain_is_genuine(self.gain, proving.cells, self.domain))
         if self.region is None or self.region.falls:
             return rate and (
                 self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
@@ -156,9 +167,16 @@ class SystemResult(ShortRepr):
         own = self.searched is None and self.region.radius == self.scene.check.radius
         return rate and own and self.region.check(inhabited(_cells_of_square(self.scene)))
 
+    def _gain_is_genuine(self, gain: DisturbanceGain, cells: Sequence[LyapunovCell], domain: Domain) -> bool:
+        """Whether the gain is one of the V, its rate and its region."""
+        level = None if self.region is None or not self.region.falls else self.region.level
+        same = gain.rate == self.rate and gain.level == level
+        return same and domain.radius is not None and gain.check(cells, domain.radius)
+
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
         """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
-        found = _rays(self.scene, cells), decide_equilibrium(cells), _everywhere(self.verdict, cells)
+        everywhere = _everywhere(self.scene, self.verdict, cells)
+        found = _rays(self.scene, cells), _equilibrium(self.scene, cells), everywhere
         fan = self.fan is None or self.fan.fan.recompute()
         leading = self.leading is None or self.leading == decide_leading_terms(self.scene)
         return fan and leading and found == (self.rays, self.equilibrium, self.everywhere)
@@ -183,9 +201,11 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     require_denominators(scene)
     cells = plane_cells(scene)
     rays = _rays(scene, cells)
-    holds = decide_equilibrium(cells)
+    holds, covered = _equilibrium(scene, cells), axes_are_crossed(scene)
     regions = domains(scene, scene.check.lyapunov)
     reported = examine(scene_cells(scene, regions[0]))
+    if not covered:
+        return _uncovered(scene, holds, reported, rays)
     others = regions[1:] if holds is not Equilibrium.FAILS else []
     certificate, domain = _certificate(scene, reported, others)
     fan, growth, searched, leading, staying = None, None, None, None, None
@@ -205,10 +225,10 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         known = certificate, domain, searched
         certificate, domain, searched, staying = _by_invariance(scene, rays, concluded, known)
     verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading, staying)
-    everywhere = _everywhere(verdict, cells)
-    region, rate = None, None
+    everywhere = _everywhere(scene, verdict, cells)
+    region, rate, gain = None, None, None
     if method in (Method.LYAPUNOV, Method.INVARIANCE) and verdict is Translation.ASYMPTOTICALLY_STABLE:
-        region, rate = _reach(scene, certificate, domain, searched)
+        region, rate, gain = _reach(scene, certificate, domain, searched)
     evidence = (
         holds,
         everywhere,
@@ -223,8 +243,20 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         region,
         rate,
         staying,
+        gain,
     )
-    return SystemResult(scene, verdict, reason, method, *evidence)
+    arrives = _arrives(scene, cells, verdict, certificate)
+    return SystemResult(scene, verdict, reason, method, *evidence, finite_time=arrives)
+
+
+def _uncovered(
+    scene: SwitchedSystem, holds: Equilibrium, reported: LyapunovResult, rays: tuple[RayMove, ...]
+) -> SystemResult:
+    """The result for a system in roots of states where what is proved of these says nothing about the states."""
+    concluded = conclude_uncovered(holds)
+    return SystemResult(
+        scene, *concluded, holds, False, reported, None, None, None, rays, None, None, None, covered=False
+    )
 
 
 def _reach(
@@ -232,15 +264,35 @@ def _reach(
     certificate: LyapunovResult | None,
     domain: Domain | None,
     searched: SearchedLyapunov | None,
-) -> tuple[SublevelRegion | None, DecayRate | None]:
-    """The region and the rate of a V that is proved on a square; on the plane the region is the plane."""
+) -> tuple[SublevelRegion | None, DecayRate | None, DisturbanceGain | None]:
+    """Region, rate and gain of a V that is proved on a square; on the plane the region is the plane."""
     if certificate is None or domain is None or domain.radius is None:
-        return None, None
+        return None, None, None
+    if not axes_are_crossed_within(scene, scene.check.radius):
+        return None, None, None
     region = None
     if searched is None and domain.radius != scene.check.radius:
         region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
     region = region or largest_sublevel(certificate.cells, domain.radius)
-    return region, None if scene.scale else decay_rate(certificate.cells)  # a scaled field has another rate
+    scaled = scene.scale is not None or scene.by_roots is not None  # a scaled field has another rate
+    rate = None if scaled else decay_rate(certificate.cells)
+    if rate is None:
+        return region, None, None
+    return region, rate, disturbance_gain(certificate.cells, domain.radius, rate, region)
+
+
+def _arrives(
+    scene: SwitchedSystem, cells: Sequence[FieldCell], verdict: Translation, certificate: LyapunovResult | None
+) -> bool:
+    """Whether solutions of a system in roots of states are known to arrive in finite time."""
+    if scene.by_roots is None or verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        return False
+    if arrives_in_time(scene, cells, falls_exponentially=False):
+        return True
+    strict = certificate is not None and certificate.verdict is Decrease.STRICT
+    bounded = strict and certificate is not None and not are_cones(certificate.cells)
+    fast = bounded and certificate is not None and decay_rate(certificate.cells) is not None
+    return fast and arrives_in_time(scene, cells, falls_exponentially=True)
 
 
 def _cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
@@ -343,7 +395,14 @@ def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, .
     return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(cells))
 
 
-def _everywhere(verdict: Translation, cells: Sequence[FieldCell]) -> bool:
+def _equilibrium(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> Equilibrium:
+    """Whether 0 is in F at the point: of the stated fields, where roots of states scale them."""
+    return decide_equilibrium(cells if scene.by_roots is None else plane_cells(scene.by_roots.unscaled))
+
+
+def _everywhere(scene: SwitchedSystem, verdict: Translation, cells: Sequence[FieldCell]) -> bool:
     """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
+    if not axes_are_crossed_within(scene, None):
+        return False
     degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
     return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1

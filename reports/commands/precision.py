@@ -11,6 +11,8 @@ from nonsmooth.reports.console import INTERRUPTED, RefusedError
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText, complete_study
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from nonsmooth.analysis.measurements.harness import Study
 
 
@@ -45,34 +47,40 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     """
     from nonsmooth.analysis.measurements.harness import measure
     from nonsmooth.analysis.measurements.timing import Limits
+    from nonsmooth.proofs.measurements.registry import STUDIES, SYSTEM_STUDIES
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.measurements import Precision
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.contact_set import standing
-    from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.scene import require_known_loads
+    from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
 
     if runs < 1:
         raise RefusedError(f"--runs: required at least 1, received {runs}")
     if not (math.isfinite(time_limit) and time_limit > 0):
         raise RefusedError(f"--time-limit: required a positive number of seconds, received {time_limit}")
-    studies = _studies(study)
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
-    loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
-    require_known_loads(loaded, "to measure errors")
+    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    if isinstance(loaded, SwitchedSystem):
+        studies = _studies(study, SYSTEM_STUDIES)
+        require_plane(loaded)
+        require_single(loaded)
+    else:
+        studies = _studies(study, STUDIES)
+        loaded = standing(loaded)
+        require_known_loads(loaded, "to measure errors")
     with progress() as report:
         run = measure(loaded, studies, Limits(runs, time_limit), report)
     show(Precision(run), path, json=json)
     return 0 if run.complete else INTERRUPTED
 
 
-def _studies(names: list[str] | None) -> tuple[Study, ...]:
+def _studies(names: list[str] | None, studies: Sequence[Study]) -> tuple[Study, ...]:
     """The studies of these names, in the order of the list; all of them for none."""
-    from nonsmooth.proofs.measurements.registry import STUDIES
-
-    known = [study.name for study in STUDIES]
+    known = [study.name for study in studies]
     for name in names or ():
         if name not in known:
             raise RefusedError(f"--study: required one of {', '.join(known)}, received {name[:60]!r}")
-    return tuple(study for study in STUDIES if not names or study.name in names)
+    return tuple(study for study in studies if not names or study.name in names)

@@ -27,12 +27,13 @@ def stress(
     from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.files.system_file import load_any
     from nonsmooth.symbolic.scene import require_known_loads
-    from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
+    from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
 
     path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
     loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     if isinstance(loaded, SwitchedSystem):
         require_plane(loaded)
+        require_single(loaded)
     else:
         require_known_loads(loaded, "to measure errors")
     with progress() as report:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.reports.sweeps.outcome import REFUSED
+from nonsmooth.reports.sweeps.system_outcome import REFUSED
 
 if TYPE_CHECKING:
     from matplotlib.patches import Patch
@@ -21,12 +21,21 @@ COLORS = {
     "leaves": "#D55E00",
     "cannot be held": "#D55E00",
     "fails": "#D55E00",
+    "asymptotically stable": "#009E73",
+    "stable": "#F0E442",
+    "unstable": "#D55E00",
     "tips": "#0072B2",
     "hypotheses not met": "#CC79A7",
     "undecided": "#999999",
     REFUSED: "#FFFFFF",
 }
-TITLES = {"position": "position", "heading": "heading", "pose": "pose", "theorem4": "Theorem 4"}
+TITLES = {
+    "position": "position",
+    "heading": "heading",
+    "pose": "pose",
+    "theorem4": "Theorem 4",
+    "stability": "stability",
+}
 REFUSED_HATCH = "////"
 SEAM = 0.7  # points by which a piece overlaps its neighbours, so that no ground shows between equal ones
 

@@ -35,7 +35,7 @@ def build_figure(system: SwitchedSystem, field: SignField, trajectory: Trajector
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    states = system.states
+    states = system.stated_states
     planar = len(states) == 2
     figure = Figure(figsize=(WIDTH, max(LEAST_HEIGHT, CURVE * len(states))), layout="constrained")
     grid = figure.add_gridspec(len(states), 2 if planar else 1)
@@ -62,7 +62,7 @@ def _draw_plane(axes: Axes, system: SwitchedSystem, field: SignField, trajectory
             continue
         axes.contour(xs, ys, heights, levels=[0.0], colors=SURFACE, linestyles="--", linewidths=1.2, zorder=1)
     draw_path(axes, trajectory)
-    x, y = system.states
+    x, y = system.stated_states
     axes.set(xlim=(left, right), ylim=(low, high), xlabel=x, ylabel=y, aspect="equal")
 
 

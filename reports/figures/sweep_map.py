@@ -15,7 +15,6 @@ from nonsmooth.reports.figures.labels import WIDE_TITLE, wrapped
 from nonsmooth.reports.figures.sweep_strips import place_of, positions
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.sweeps.borders import Border
-from nonsmooth.reports.sweeps.outcome import QUESTIONS
 from nonsmooth.reports.sweeps.table import sweep_title
 
 if TYPE_CHECKING:
@@ -52,16 +51,17 @@ def build_map(sweep: Sweep) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, layout="constrained")
-    panels = figure.subplots(2, 2, sharex=True, sharey=True)
-    for axes, name in zip(panels.flat, QUESTIONS, strict=True):
-        _draw_map(axes, sweep, QUESTIONS.index(name))
+    count = len(sweep.questions)
+    panels = figure.subplots(*((2, 2) if count > 1 else (1, 1)), sharex=True, sharey=True, squeeze=False)
+    for k, (axes, name) in enumerate(zip(panels.flat, sweep.questions, strict=True)):
+        _draw_map(axes, sweep, k)
         axes.set_title(TITLES[name])
-    for axes in panels[1]:
+    for axes in panels[-1]:
         axes.set_xlabel(sweep.plan.names[0])
     for axes in panels[:, 0]:
         axes.set_ylabel(sweep.plan.names[1])
     figure.suptitle(wrapped(sweep_title(sweep), WIDE_TITLE), fontsize="medium", parse_math=False)
-    said = {outcome[name] for outcome in sweep.outcomes for name in QUESTIONS}
+    said = {outcome[name] for outcome in sweep.outcomes for name in sweep.questions}
     said |= {answer for border in sweep.borders or () for answer in (*border.before, *border.after)}
     entries = legend_entries(said)
     figure.legend(handles=entries, loc="outside lower center", ncols=min(len(entries), MOST_COLUMNS), frameon=False)
@@ -87,7 +87,7 @@ def _way_round(
     """Corners and cuts of a square, counterclockwise from its lower left corner, with the answers that follow them."""
     i, j = corner
     around = (((i, j), 0, False), ((i + 1, j), 1, False), ((i + 1, j + 1), 0, True), ((i, j + 1), 1, True))
-    name = QUESTIONS[question]
+    name = sweep.questions[question]
     for (a, b), axis, backward in around:
         yield Cut((xs[a], ys[b]), sweep.outcomes[sweep.plan.index((a, b))][name])
         low = ((a - 1, b) if axis == 0 else (a, b - 1)) if backward else (a, b)

@@ -9,7 +9,6 @@ from nonsmooth.reports.figures.answer_colors import TITLES, legend_entries, look
 from nonsmooth.reports.figures.labels import WIDE_TITLE, wrapped
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.sweeps.borders import Border
-from nonsmooth.reports.sweeps.outcome import QUESTIONS
 from nonsmooth.reports.sweeps.table import sweep_title
 
 if TYPE_CHECKING:
@@ -27,6 +26,8 @@ CURVES = {  # rates of an outcome, and what they are called
     "kappa": "kappa of the law",
     "within": "home from within",
     "tolerance_factor": "tolerances, times",
+    "fall": "V falls at",
+    "level": "certified V below",
 }
 
 
@@ -34,7 +35,7 @@ def build_strips(sweep: Sweep) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
-    curves = [name for name in CURVES if any(outcome[name] is not None for outcome in sweep.outcomes)]
+    curves = [name for name in CURVES if any(outcome.get(name) is not None for outcome in sweep.outcomes)]
     heights = [SIZE[1], *[CURVE] * len(curves)]
     figure = Figure(figsize=(SIZE[0], sum(heights) + 0.8), layout="constrained")
     rows = figure.subplots(1 + len(curves), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
@@ -54,13 +55,13 @@ def pieces(sweep: Sweep) -> list[tuple[float, float, tuple[str, ...]]]:
     places = positions(sweep)
     cuts: list[tuple[float, tuple[str, ...]]] = []
     for k, (left, right) in enumerate(pairwise(places)):
-        before, after = (tuple(sweep.outcomes[i][name] for name in QUESTIONS) for i in (k, k + 1))
+        before, after = (tuple(sweep.outcomes[i][name] for name in sweep.questions) for i in (k, k + 1))
         borders = [border for border in sweep.borders or () if border.places == (k,)]
         if borders:
             cuts += [(place_of(border), border.after) for border in borders]
         elif before != after:
             cuts.append(((left + right) / 2, after))
-    first = tuple(sweep.outcomes[0][name] for name in QUESTIONS)
+    first = tuple(sweep.outcomes[0][name] for name in sweep.questions)
     starts = [(places[0], first), *cuts]
     ends = [*(place for place, _ in cuts), places[-1]]
     return [(start, end, answers) for (start, answers), end in zip(starts, ends, strict=True)]
@@ -78,13 +79,13 @@ def place_of(border: Border) -> float:
 
 
 def _draw_strips(axes: Axes, sweep: Sweep) -> None:
-    for row in range(len(QUESTIONS)):
+    for row in range(len(sweep.questions)):
         for start, end, answers in pieces(sweep):
             axes.barh(-row, end - start, height=0.72, left=start, **look(answers[row]))
     axes.plot(positions(sweep), [0.55] * len(sweep.outcomes), "|", color=INK, markersize=4)  # what was checked
     for border in sweep.borders or ():
         axes.axvline(place_of(border), color=INK, linewidth=0.8)
-    axes.set_yticks([-row for row in range(len(QUESTIONS))], [TITLES[name] for name in QUESTIONS])
+    axes.set_yticks([-row for row in range(len(sweep.questions))], [TITLES[name] for name in sweep.questions])
     places = positions(sweep)
     axes.set_xlim(places[0], places[-1])
 

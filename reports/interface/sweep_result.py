@@ -14,7 +14,6 @@ from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.sweep_files import sweep_bytes, sweep_path
 from nonsmooth.reports.sweeps.base import base_of, with_wheels
 from nonsmooth.reports.sweeps.borders import Border
-from nonsmooth.reports.sweeps.outcome import QUESTIONS
 from nonsmooth.reports.sweeps.plan import read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.table import counted, flat_rows, sweep_record
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from nonsmooth.reports.interface.made_array import MadeArray
+    from nonsmooth.reports.interface.system import System
 
 MOST_SHOWN = 40  # scenes that a notebook lists
 
@@ -94,9 +94,9 @@ class SweepResult(Tabular):
 
     def _repr_html_(self) -> str:
         shown = self.rows()[:MOST_SHOWN]
-        header = [*(f"{name} exact" for name in self._names), *QUESTIONS]
+        header = [*(f"{name} exact" for name in self._names), *self.sweep.questions]
         lines = [[row[name] for name in header] for row in shown]
-        return html_table(counted(self.sweep), [*self._names, *QUESTIONS], lines)
+        return html_table(counted(self.sweep), [*self._names, *self.sweep.questions], lines)
 
     @property
     def _names(self) -> tuple[str, ...]:
@@ -104,9 +104,9 @@ class SweepResult(Tabular):
 
 
 def sweep_array(
-    array: MadeArray, vary: Mapping[str, Any], means: Means, *, draws: int | None = None, seed: int = 0
+    array: MadeArray | System, vary: Mapping[str, Any], means: Means, *, draws: int | None = None, seed: int = 0
 ) -> SweepResult:
-    """Check an array many times; see :meth:`nonsmooth.reports.interface.array.Array.sweep`.
+    """Check an array or a system many times; see :meth:`nonsmooth.reports.interface.array.Array.sweep`.
 
     Raises:
         SceneError: for a key path that names no number.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.orbit_result import OrbitResult
     from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
+    from nonsmooth.reports.interface.sweep_result import SweepResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
+    from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNTIL = 10.0
@@ -37,6 +40,7 @@ class System(MadeSystem):
         lyapunov: a Lyapunov function to try, as a formula.
         name: what it is called in results.
         parameters: numbers that stand in the formulas by name, such as ``{"k": 2}``.
+        networks: layers of functions that formulas call, by name: ``{"u": [{"weights": [[1, 2]], "biases": [0]}]}``.
 
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
@@ -54,10 +58,13 @@ class System(MadeSystem):
         lyapunov: Any = None,
         name: str | None = None,
         parameters: Mapping[str, Any] | None = None,
+        networks: Mapping[str, Any] | None = None,
     ) -> None:
-        document = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
+        document: dict[str, Any] = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
         if parameters is not None:
             document["system"]["parameters"] = table(parameters)
+        if networks is not None:
+            document["network"] = [{"name": key, "layers": entry(layers)} for key, layers in networks.items()]
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
 
     def with_(self, **changes: Any) -> Self:
@@ -72,8 +79,10 @@ class System(MadeSystem):
     @cached_property
     def system(self) -> SwitchedSystem:
         """The exact system."""
+        from nonsmooth.symbolic.files.network_tables import require_layers
         from nonsmooth.symbolic.files.system_file import build_system
 
+        require_layers(self.document, str(self.document.get("name", "system")))
         return self._read(build_system, "system")
 
     def __repr__(self) -> str:
@@ -131,7 +140,7 @@ class System(MadeSystem):
 
         place = tuple(float(value) for value in start)
         path = follow_system(self.system, place, until, Method(method), width)
-        return PathResult(self.system.name, tuple(self.system.states), path)
+        return PathResult(self.system.name, tuple(self.system.stated_states), path)
 
     def orbit(self, start: Sequence[float], until: float = ORBIT_UNTIL) -> OrbitResult:
         """The periodic orbit that a start is near, or else the one that its path approaches.
@@ -164,6 +173,40 @@ class System(MadeSystem):
         from nonsmooth.reports.interface.map_result import map_system
 
         return map_system(self.system, grid, until)
+
+    def sweep(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        random: int | None = None,
+        seed: int = 0,
+        means: Means | None = None,
+        **more: Any,
+    ) -> SweepResult:
+        """Check many systems that differ from this one in a few numbers.
+
+        Args:
+            values: by key path or parameter, such as ``{"k": "0:5:40"}``, as for arrays
+                (:meth:`nonsmooth.reports.interface.array.Array.sweep`).
+            random: how many random draws within ranges ``start:stop``, instead of a grid.
+            seed: of the draws.
+            means: how it is run (:class:`nonsmooth.Means`).
+            **more: values of parameters, such as ``k="0:5:40"``.
+
+        Raises:
+            SceneError: for a key path that names no number of the system.
+            ValueError: for values and means that cannot be used.
+        """
+        from nonsmooth.reports.interface.sweep_result import sweep_array
+        from nonsmooth.reports.sweeps.sweep import Means
+
+        return sweep_array(self, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+
+    @property
+    def origin(self) -> tuple[str, Path]:
+        """What messages call it, and the file whose name it has where it is given none."""
+        name = self.system.name
+        return name, Path(f"{name}.toml")
 
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:

@@ -21,9 +21,13 @@ from nonsmooth.reports.sweeps.plan import Plan
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.files.key_paths import Path as KeyPath
 from nonsmooth.symbolic.files.key_paths import with_value
+from nonsmooth.symbolic.files.network_tables import with_layers
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import build_scene, wheel_table
+from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNHEARD = ("name", "description")  # tables that no answer follows from
 _PLAIN = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60}|/[1-9][0-9]{0,60})?")  # a decimal or a fraction
@@ -54,6 +58,19 @@ class Base:
         """
         return build_scene(self.with_entries(paths, entries), self.file, self.path, wheels=self.wheels)
 
+    @property
+    def is_system(self) -> bool:
+        """Whether it is a plain system, not an array."""
+        return "system" in self.document
+
+    def system(self, paths: Sequence[KeyPath], entries: Sequence[Entry]) -> SwitchedSystem:
+        """One plain system of the sweep.
+
+        Raises:
+            SceneError: for values that cannot be used.
+        """
+        return build_system(self.with_entries(paths, entries), self.file, self.path)
+
     def with_entries(self, paths: Sequence[KeyPath], entries: Sequence[Entry]) -> dict[str, Any]:
         """The document with these entries in their places."""
         document = dict(self.document)
@@ -75,6 +92,12 @@ def base_of(document: Mapping[str, Any], file: str, path: Path, *, allow_outside
     Raises:
         SceneError: for a scene that cannot be used.
     """
+    if "system" in document:
+        if "contact" in document:
+            raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", document["contact"])
+        base = Base(with_layers(document, file, path), file, path)
+        base.system((), ())
+        return base
     base = Base(document, file, path, wheel_table(document, file, path, allow_outside=allow_outside))
     base.scene((), ())
     return base

@@ -15,7 +15,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TypeAlias
 
-from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome
+from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, questions_of
 from nonsmooth.reports.sweeps.plan import Plan, Point
 from nonsmooth.reports.sweeps.values import Formula, Range, Value, Values
 
@@ -40,6 +40,7 @@ class Border:
         before: the answers below.
         there: the answers at the point itself.
         after: the answers above.
+        questions: that are answered.
     """
 
     axis: int
@@ -50,11 +51,12 @@ class Border:
     before: Said
     there: Said
     after: Said
+    questions: tuple[str, ...] = QUESTIONS
 
     @property
     def changed(self) -> tuple[str, ...]:
         """The questions that are answered differently on both sides."""
-        return tuple(name for name, a, b in zip(QUESTIONS, self.before, self.after, strict=True) if a != b)
+        return tuple(name for name, a, b in zip(self.questions, self.before, self.after, strict=True) if a != b)
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,7 @@ def find_borders(plan: Plan, outcomes: Sequence[Outcome], ask: Ask) -> tuple[Bor
 
 def said(outcome: Outcome) -> Said:
     """The answers of an outcome."""
-    return tuple(outcome[name] for name in QUESTIONS)
+    return tuple(outcome[name] for name in questions_of(outcome))
 
 
 def has_place(values: Values) -> bool:
@@ -177,7 +179,17 @@ def _borders(gaps: Sequence[_Gap], ask: Ask) -> tuple[Border, ...]:
     points = [gap.at(_simplest_between(gap.below, gap.above)) for gap in ordered]
     found = ask(points)
     return tuple(
-        Border(gap.axis, point, gap.places, gap.below, gap.above, gap.before, said(outcome), gap.after)
+        Border(
+            gap.axis,
+            point,
+            gap.places,
+            gap.below,
+            gap.above,
+            gap.before,
+            said(outcome),
+            gap.after,
+            questions_of(outcome),
+        )
         for gap, point, outcome in zip(ordered, points, found, strict=True)
     )
 

@@ -50,6 +50,7 @@ class Cluster:
             self._client = client(address, timeout=ANSWER, set_as_default=False, name="nonsmooth-sweep")
         except Exception:  # whatever answers there, be it another program, is no scheduler
             raise self._lost(f"a Dask scheduler that answers within {ANSWER} s", "none") from None
+        self._is_system = work.base.is_system
         self._work = self._client.scatter(work, broadcast=False, hash=False)
         self._running: dict[Any, Task] = {}
         self._counted, self._threads = 0.0, 0
@@ -120,7 +121,7 @@ class Cluster:
         try:
             program, outcome = future.result()
         except self._dask.KilledWorker:
-            return Finished(task, refused(DIED), lasting=False)
+            return Finished(task, refused(DIED, is_system=self._is_system), lasting=False)
         if program != program_hash():
             raise self._lost("workers with this version of the program", "another version")
         return Finished(task, outcome)

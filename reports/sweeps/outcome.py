@@ -18,6 +18,13 @@ from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import exact_texts, floats
 from nonsmooth.reports.records import failure_records
 from nonsmooth.reports.sweeps.base import Base
+from nonsmooth.reports.sweeps.system_outcome import (
+    REFUSED,
+    SYSTEM_QUESTIONS,
+    refused_system,
+    system_outcome,
+    without_file,
+)
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.contact_set import TipsError
 from nonsmooth.symbolic.files.key_paths import Path
@@ -28,7 +35,6 @@ Outcome: TypeAlias = Mapping[str, Any]
 
 QUESTIONS = ("position", "heading", "pose", "theorem4")
 CLAUSES = ("equilibrium", "translation", "rotation", "feedback")
-REFUSED = "refused"  # the answer of a scene that cannot be checked; why stands beside it
 
 # Numbers of a record, and where they come from: the answer or clause, and the key of its fact.
 NUMBERS = {
@@ -54,6 +60,8 @@ def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, f
         entries: their values.
         failures: also ask what happens when any one wheel fails.
     """
+    if base.is_system:
+        return system_outcome(base, paths, entries)
     try:
         scene = base.scene(paths, entries)
         found = _checked(scene)
@@ -62,14 +70,21 @@ def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, f
         why = f"a body with {tipping.why}"
         return _record(Position.TIPS, Heading.UNDECIDED, Pose.UNDECIDED, Theorem4.HYPOTHESES_NOT_MET, why)
     except SceneError as error:
-        return refused(f"{error.key}: {str(error).partition(f'{error.key}: ')[2]}" if error.key else str(error))
+        return refused(without_file(error))
     except RefusalError as error:
         return refused(str(error))
 
 
-def refused(why: str) -> Outcome:
+def refused(why: str, *, is_system: bool = False) -> Outcome:
     """A scene without answers."""
+    if is_system:
+        return refused_system(why)
     return _record(REFUSED, REFUSED, REFUSED, REFUSED, one_line(why))
+
+
+def questions_of(outcome: Outcome) -> tuple[str, ...]:
+    """The questions that an outcome answers: those of an array, or that of a plain system."""
+    return SYSTEM_QUESTIONS if SYSTEM_QUESTIONS[0] in outcome else QUESTIONS
 
 
 def _checked(scene: Scene) -> Outcome:

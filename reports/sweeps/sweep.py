@@ -12,11 +12,12 @@ from nonsmooth.reports.progress import Report, silent
 from nonsmooth.reports.sweeps.base import Base, entries_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders
 from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
-from nonsmooth.reports.sweeps.outcome import QUESTIONS, REFUSED, Outcome, outcome_of
+from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, questions_of
 from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point
 from nonsmooth.reports.sweeps.run import Runner
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.system_outcome import REFUSED
 from nonsmooth.reports.sweeps.workers import Work, Workers, local_workers
 
 SAMPLES = 4  # scenes by which the time of a large sweep is estimated; the first one is not counted
@@ -42,6 +43,11 @@ class Sweep:
     borders: tuple[Border, ...] | None
     checked: int
     cells: tuple[CertifiedCell, ...] | None = None
+
+    @property
+    def questions(self) -> tuple[str, ...]:
+        """What every scene answers."""
+        return questions_of(self.outcomes[0])
 
 
 @dataclass(frozen=True)
@@ -77,6 +83,8 @@ def run_sweep(base: Base, plan: Plan, means: Means, report: Report = silent) -> 
         raise SweepError(f"workers: required 1 to {MAX_WORKERS}, received {means.workers}")
     if means.borders and plan.draws is not None:
         raise SweepError("borders: required a grid of scenes, received random draws")
+    if base.is_system:
+        _require_array(means)
     if plan.size > LARGE and not means.yes:
         raise SweepError(_estimate(base, plan, means))
     cells = planned_cells(base, plan) if means.certify else None
@@ -89,6 +97,17 @@ def run_sweep(base: Base, plan: Plan, means: Means, report: Report = silent) -> 
         checked = runner.checked
     proved = None if cells is None else _certified(cells, means, report)
     return Sweep(base, plan, outcomes, borders, checked, proved)
+
+
+def _require_array(means: Means) -> None:
+    """Refuse for a plain system what is asked of arrays only.
+
+    Raises:
+        SweepError: for failures of wheels and for certified cells.
+    """
+    for name, asked in (("fail", means.failures), ("certify", means.certify)):
+        if asked:
+            raise SweepError(f"{name}: required an array of wheels, received a plain switched system")
 
 
 def _certified(cells: Cells, means: Means, report: Report) -> tuple[CertifiedCell, ...]:
@@ -137,7 +156,7 @@ def _require_one_answer(outcomes: Sequence[Outcome]) -> None:
     Raises:
         SweepError: with the first reason.
     """
-    if all(outcome[name] == REFUSED for outcome in outcomes for name in QUESTIONS[:1]):
+    if all(outcome[questions_of(outcome)[0]] == REFUSED for outcome in outcomes):
         raise SweepError(f"vary: required a scene that can be checked, received {outcomes[0]['why']}")
 
 

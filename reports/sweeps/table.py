@@ -18,6 +18,7 @@ from nonsmooth.reports.sweeps.certified import CertifiedCell
 from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, Outcome
 from nonsmooth.reports.sweeps.plan import Point
 from nonsmooth.reports.sweeps.sweep import Sweep
+from nonsmooth.reports.sweeps.system_outcome import SYSTEM_COLUMNS, SYSTEM_NUMBERS
 from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -52,7 +53,7 @@ def flat_rows(sweep: Sweep) -> Iterator[dict[str, Any]]:
         yield {
             **{name: value.number for name, value in zip(names, point, strict=True)},
             **{f"{name} exact": str(value.entry) for name, value in zip(names, point, strict=True)},
-            **{name: outcome[name] for name in (*QUESTIONS, *CLAUSES, *NUMBERS)},
+            **{name: outcome[name] for name in _columns(sweep)},
             **(_worst(outcome) if has_failures else {}),
             "why": outcome["why"],
         }
@@ -60,7 +61,7 @@ def flat_rows(sweep: Sweep) -> Iterator[dict[str, Any]]:
 
 def counted(sweep: Sweep) -> str:
     """``40 scenes: position 20 comes home, 20 stays near; ...``."""
-    groups = ((name, Counter(outcome[name] for outcome in sweep.outcomes)) for name in QUESTIONS)
+    groups = ((name, Counter(outcome[name] for outcome in sweep.outcomes)) for name in sweep.questions)
     said = "; ".join(f"{name} {', '.join(f'{n} {word}' for word, n in c.most_common())}" for name, c in groups)
     cells = "" if sweep.cells is None else f"; {_cells_text(sweep.cells)}"
     return f"{len(sweep.outcomes)} scenes: {said}{cells}"
@@ -69,12 +70,12 @@ def counted(sweep: Sweep) -> str:
 def sweep_title(sweep: Sweep) -> str:
     """What a picture shows."""
     accuracy = "" if sweep.borders is None else ", borders within 1e-9"
-    return f"{one_line(_name(sweep))}: rule {_rule(sweep)}, {len(sweep.outcomes)} scenes{accuracy}"
+    return f"{one_line(_name(sweep))}: {_kind(sweep)}, {len(sweep.outcomes)} scenes{accuracy}"
 
 
 def sweep_view(sweep: Sweep) -> RenderableType:
     """The answers as a table, where they change, and how many there are of each."""
-    head = Text(one_line(_name(sweep)), "bold").append(f": rule {_rule(sweep)}", "not bold")
+    head = Text(one_line(_name(sweep)), "bold").append(f": {_kind(sweep)}", "not bold")
     parts: list[RenderableType] = [head, _answers_table(sweep)]
     left = len(sweep.outcomes) - MOST_SHOWN
     if left > 0:
@@ -86,7 +87,7 @@ def sweep_view(sweep: Sweep) -> RenderableType:
 
 def border_text(border: Border, name: str) -> str:
     """``position: comes home below, stays near at 1 and above`` of one question."""
-    k = QUESTIONS.index(name)
+    k = border.questions.index(name)
     before, there, after = border.before[k], border.there[k], border.after[k]
     if there == before:
         return f"{before}, there too; then {after}"
@@ -100,8 +101,17 @@ def _name(sweep: Sweep) -> str:
     return str(sweep.base.document.get("name", sweep.base.path.stem))
 
 
-def _rule(sweep: Sweep) -> str:
-    return sweep.base.scene((), ()).contact.rule
+def _rule(sweep: Sweep) -> str | None:
+    return None if sweep.base.is_system else str(sweep.base.scene((), ()).contact.rule)
+
+
+def _kind(sweep: Sweep) -> str:
+    return "plain switched system" if sweep.base.is_system else f"rule {_rule(sweep)}"
+
+
+def _columns(sweep: Sweep) -> tuple[str, ...]:
+    """The keys of an outcome that a row of a table holds."""
+    return SYSTEM_COLUMNS if sweep.base.is_system else (*QUESTIONS, *CLAUSES, *NUMBERS)
 
 
 def _values(sweep: Sweep, point: Point) -> dict[str, Any]:
@@ -125,7 +135,7 @@ def _border_record(sweep: Sweep, border: Border) -> dict[str, Any]:
         **_values(sweep, border.point),
         "between": [border.below.number, border.above.number],
         "changed": list(border.changed),
-        **{when: dict(zip(QUESTIONS, answers, strict=True)) for when, answers in said.items()},
+        **{when: dict(zip(border.questions, answers, strict=True)) for when, answers in said.items()},
     }
 
 
@@ -168,15 +178,21 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 def _answers_table(sweep: Sweep) -> Table:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
     shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
-    rates = SHOWN_NUMBERS if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
+    known = _known_numbers(sweep) if sweep.base.is_system else SHOWN_NUMBERS
+    rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     beside = ["worst failure"] if failures else list(rates)
-    header = [*shorts, "position", "heading", "pose", "Theorem 4", *beside]
-    table = header_table(*header, widest="pose")
+    titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
+    table = header_table(*shorts, *titles, *beside, widest=titles[min(2, len(titles) - 1)])
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [Text(str(value.entry)) for value in sweep.plan.point(k)]
-        answers = [verdict_text(outcome[name]) for name in QUESTIONS]
+        answers = [verdict_text(outcome[name]) for name in sweep.questions]
         table.add_row(*entries, *answers, *(_failure_text(outcome) if failures else _number_texts(outcome, rates)))
     return table
+
+
+def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
+    """The numbers of plain systems that some scene has."""
+    return tuple(name for name in SYSTEM_NUMBERS if any(outcome[name] is not None for outcome in sweep.outcomes))
 
 
 def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[Text]:

@@ -197,7 +197,7 @@ class Pool:
         for task in died:
             deaths = self._deaths[task.key] = self._deaths.get(task.key, 0) + 1
             if deaths >= TOGETHER + ALONE:
-                yield Finished(task, refused(DIED), lasting=False)
+                yield Finished(task, refused(DIED, is_system=self._work.base.is_system), lasting=False)
             elif deaths >= TOGETHER:
                 self._suspects.append(task)
             else:

@@ -23,6 +23,7 @@ from nonsmooth.symbolic.scene_error import MAX_SHOWN, SceneError
 Step: TypeAlias = str | int  # a key, or the place in a list counted from 0
 Path: TypeAlias = tuple[Step, ...]
 
+PARAMETERS = ("system", "parameters")  # of a plain system: named alone
 NEVER_ALONE = ("tolerance",)  # tables whose keys other tables have: they are always named
 DIRECTION = "heading"
 MATCHES, LIKENESS, LISTED = 3, 0.5, 6  # near matches of an unknown path, how near (difflib), else so many examples
@@ -43,7 +44,7 @@ def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
     if text in known:
         return known[text]
     alone = {
-        name: name.partition(".")[2]
+        name: path_text(path[2:] if path[:2] == PARAMETERS else path[1:])
         for name, path in known.items()
         if not isinstance(path[1], int) and path[0] not in NEVER_ALONE
     }
@@ -75,6 +76,9 @@ def with_value(document: Mapping[str, Any], path: Path, value: object) -> dict[s
 
 def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
     """Every number of a scene that can be set: those of its tables, whether it states them or not."""
+    if "system" in document:
+        yield from _of_system(document)
+        return
     for name, field in keys_of(Document).items():
         tables = list(_tables(field.annotation))
         value = document.get(name)
@@ -83,6 +87,20 @@ def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
                 yield from _of_table(tables, entry, (name, k))
         elif tables and (value is not None or field.default is not None):
             yield from _of_table(tables, value or {}, (name,))
+
+
+def _of_system(document: Mapping[str, Any]) -> Iterator[Path]:
+    """The parameters of a plain system, and what is checked."""
+    system = document["system"] if isinstance(document["system"], Mapping) else {}
+    parameters, states = system.get("parameters"), system.get("states")
+    for name, value in (parameters if isinstance(parameters, Mapping) else {}).items():
+        yield from _inside(value, (*PARAMETERS, str(name)))
+    yield "check", "radius"
+    check = document.get("check")
+    point = check.get("equilibrium") if isinstance(check, Mapping) else None
+    count = len(point) if isinstance(point, list) else 0
+    if isinstance(states, list) and count == len(states):
+        yield from (("check", "equilibrium", k) for k in range(count))
 
 
 # ---- which numbers there are ---------------------------------------------------------------------

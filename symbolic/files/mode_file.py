@@ -20,7 +20,7 @@ from nonsmooth.symbolic.mode_system import ModeExit, ModeSystem, OwnMode
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
 
 MAX_MODES = 40
 MAX_NAME = 40  # characters
@@ -143,7 +143,9 @@ class _Reader:
             raise SceneError(self.file, f"{self.key}.rhs", expected, StatedFact("several"))
         rhs = [with_parameters(text, self.texts) for text in table.rhs]
         try:
-            return build_system({"system": {"states": list(self.states), "rhs": rhs}}, self.file, path)
+            system = build_system({"system": {"states": list(self.states), "rhs": rhs}}, self.file, path)
+            require_stated(system)
+            return system
         except SceneError as error:
             raise SceneError(self.file, error.key.replace("system", self.key, 1), error.expected, error.value) from None
 

@@ -19,9 +19,11 @@ from nonsmooth.symbolic.cleared_fractions import Clearing
 from nonsmooth.symbolic.enclosures import has_waves
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import split_intervals
+from nonsmooth.symbolic.files.network_tables import NetworkTable, called, read_networks
 from nonsmooth.symbolic.files.parameters import parameter_texts, read_parameters, with_parameters
 from nonsmooth.symbolic.files.region_tables import RegionTable, regions_as_formulas
 from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides
+from nonsmooth.symbolic.files.rooted_documents import formulas_of, rewritten, rooted_documents
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
@@ -39,7 +41,8 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.switched_system import SwitchedSystem, SystemCheck
+from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
+from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
 MAX_STATES = 8
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
@@ -109,6 +112,7 @@ class SystemDocument(Table):
     description: Name = None
     system: SystemTable
     region: tuple[RegionTable, ...] = ()
+    network: tuple[NetworkTable, ...] = ()
     check: SystemCheckTable = SystemCheckTable()
 
 
@@ -191,6 +195,13 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         expected = "a Filippov system, [system] rhs (verdicts are about such; modes are for simulate)"
         raise SceneError(file, "mode", expected, StatedFact("modes"))
     document = validate(SystemDocument, data, file)
+    document = _without_networks(document, file, path)
+    roots = _signed_roots(document, file)
+    return _plain_system(document, file, path) if roots is None else _seen_by_roots(document, roots, file, path)
+
+
+def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSystem:
+    """The system of a document without square roots of states."""
     states, check = document.system.states, document.check
     single, intervals = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
@@ -220,6 +231,56 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         for side in (1, -1):
             _try_pieces(member, side)
     return system
+
+
+def _without_networks(document: SystemDocument, file: str, path: Path) -> SystemDocument:
+    """The document with calls of its networks written out.
+
+    Raises:
+        SceneError: for networks and calls that cannot be used.
+    """
+    if not document.network:
+        return document
+    taken = {*document.system.states, *document.system.parameters, *RESERVED}
+    functions = read_networks(document.network, taken, file, path)
+
+    def write(formula: object, key: str) -> object:
+        try:
+            return called(formula, functions)
+        except ExpressionError as error:
+            raise SceneError(file, key, requirement(error), StatedFact(_received(error))) from None
+
+    return rewritten(document, write)
+
+
+def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
+    """The states that stand under square roots; None without any.
+
+    Raises:
+        SceneError: for square roots of anything else, and where the name of a root means something else.
+    """
+    states, formulas = document.system.states, list(formulas_of(document))
+    try:
+        rooted = find_rooted(formulas, states)
+    except ExpressionError as error:
+        raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
+    roots = SignedRoots(states, rooted)
+    for name in {*states, *document.system.parameters} & set(roots.names.values()):
+        raise SceneError(file, "system.states", "a name that is not that of a square root", name)
+    return roots if rooted else None
+
+
+def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path: Path) -> SwitchedSystem:
+    """The system in the signed roots of its states, with what it stands for."""
+    seen, unscaled, extended = (_plain_system(part, file, path) for part in rooted_documents(document, roots, file))
+    lists = extended.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
+    written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
+    unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
+    return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
+
+
+def _received(error: ExpressionError) -> str:
+    return str(error).partition(", received ")[2]
 
 
 def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:

@@ -255,3 +255,24 @@ def test_the_page_keeps_its_text_and_measures_the_rest_anew() -> None:
         line for line in old.splitlines() if line.startswith("## ")
     ]
     assert page_text(new, shown, []) == new
+
+
+@pytest.mark.parametrize(
+    ("rhs", "states"),
+    [
+        ('["-sqrt(Abs(x))*sgn(x)", "-y"]', '["x", "y"]'),
+        ('[["-x", "-y"], ["-y", "-x"]]', '["x", "y"]'),
+        ('["-x"]', '["x"]'),
+    ],
+)
+def test_systems_without_a_study_are_refused_in_one_line(invoke: Invoke, tmp_path: Path, rhs: str, states: str) -> None:
+    file = tmp_path / "s.toml"
+    file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n")
+    done = invoke("precision", str(file))
+    assert (done.status, done.out, done.err.count("\n")) == (2, "", 1)
+
+
+def test_studies_of_arrays_are_refused_for_a_system(invoke: Invoke) -> None:
+    done = invoke("precision", "relay-oscillator", "--study", "derivation")
+    assert (done.status, done.out) == (2, "")
+    assert "--study: required one of paths" in done.err

@@ -162,4 +162,5 @@ def test_too_many_surfaces_are_refused(load: Load, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("nonsmooth.symbolic.switched_system.MAX_PATTERNS", 64)
     relays = " + ".join(f"sign(x - {k})*sign(y - {k})" for k in range(4))
     with pytest.raises(SceneError, match="fewer switching surfaces"):
-        load(["x", "y"], [relays, "0"]).surfaces()
+        load(["x", "y"], [f"Abs({relays})", "0"]).surfaces()
+    assert len(load(["x", "y"], [relays, "0"]).surfaces()) == 8  # each relay is a part of its own

@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_sets
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -18,7 +18,6 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.feedback import decide_robust_loop
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.tolerances import Tolerance
@@ -136,8 +135,8 @@ def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str,
         m = int(np.argmax(np.abs(products)))
         model = drawn(own, own.tolerances, -products[m] * speeds[m], rng, corner=k % 2 == 0)
         if rule == "roller":
-            pairs = model.friction.reshape(-1, 2).tolist()
-            model = with_friction_sets(model, [FrictionSet(a, a, min(b / a, 1.0)) for a, b in pairs])
+            roll, side = model.friction.reshape(-1, 2).T
+            model = replace(model, friction=np.repeat(roll, 2), cuts=np.minimum(side / roll, 1.0))
         moved = EllipseInterior().minimize(model, loads_at(model, 1e-9 * g[None, :2])).twists[0]
         assert g @ moved <= -float(loop.rate) * (g @ g) + 1e-6
 

@@ -301,10 +301,10 @@ def test_large_plans_ask_first_and_say_how_long(invoke: Invoke) -> None:
     assert "years" in done.err
 
 
-def test_a_plain_system_is_refused(invoke: Invoke) -> None:
+def test_a_plain_system_has_no_wheels_to_vary(invoke: Invoke) -> None:
     done = invoke("sweep", "eq-3", "--vary", "mu_side=0:1:2")
     assert (done.status, done.out) == (2, "")
-    assert "required an array of wheels" in done.err
+    assert "required the key path of a number, such as check.radius" in done.err
 
 
 def test_a_record_may_be_made_twice() -> None:

@@ -1,0 +1,128 @@
+"""The gain of a disturbance against polygons of the disturbed system, whose disturbance does its worst."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.proofs.systems.decay_rate import Decay
+from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
+from nonsmooth.symbolic.files.system_file import build_system
+from tests.thorough import keep
+
+NAMES = {"Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
+STEP = 1e-3
+DIRECTIONS = np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0, 2 * np.pi, 24, endpoint=False)])
+
+# Right-hand sides with a V that has a rate: smooth ones, bends along sliding edges (slanted fields too), crossings.
+# None is a system of cones, whose V is proved on the plane, without a rate.
+SYSTEMS = [
+    (("-x - x**3", "-y"), "x**2 + y**2"),
+    (("-2*sgn(x) + y", "-3*sgn(y) + sgn(x) - x"), "x**2 + y**2"),
+    (("-2*sgn(x) - x**3", "-sgn(y)"), "Abs(x) + Abs(y)"),
+    (("-2*sgn(x) - x**3", "3*sgn(x) - 4*sgn(y)"), "4*Abs(x) + Abs(y)"),
+    (("-2*sgn(x)", "3*sgn(x) - 4*sgn(y)"), "4*Abs(x) + Abs(y) + x*y/2"),
+    (("-sgn(x) - 2*x", "sgn(x) - 2*y"), "2*Abs(x) + y**2"),
+    (("-sgn(x) + sgn(y)/2 - x**3", "-sgn(y) - sgn(x)/2"), "Max(Abs(x), Abs(y))"),
+    (("-sgn(x) + sgn(y)/2 - x**3", "-sgn(y) - sgn(x)/2"), "Abs(x) + Abs(y)"),
+    (("y - 2*x", "-x - y - sgn(x + y)/4"), "x**2 + y**2 + Abs(x + y)/8"),
+]
+
+
+def checked(rhs: tuple[str, str], lyapunov: str) -> SystemResult:
+    document: dict[str, Any] = {"system": {"states": ["x", "y"], "rhs": list(rhs)}, "check": {"lyapunov": lyapunov}}
+    return system_check(build_system(document, "t", Path("t.toml")))
+
+
+def value(text: str, x: Any, y: Any) -> Any:
+    return np.asarray(eval(text, dict(NAMES), {"x": x, "y": y}), dtype=float)  # noqa: S307 - this file's
+
+
+def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: float, until: float) -> np.ndarray:
+    """V along polygons of ``x' = f + d``, d in each step the one of 24 directions that leaves V largest."""
+    x, y = starts.T
+    found = [value(lyapunov, x, y)]
+    for _ in range(int(until / STEP)):
+        f, g = (value(text, x, y) for text in rhs)
+        xs = x + STEP * (f + delta * DIRECTIONS[:, :1])
+        ys = y + STEP * (g + delta * DIRECTIONS[:, 1:])
+        best = np.argmax(value(lyapunov, xs, ys), axis=0)
+        x, y = xs[best, np.arange(len(x))], ys[best, np.arange(len(x))]
+        found.append(value(lyapunov, x, y))
+    return np.array(found)
+
+
+@pytest.mark.parametrize(("rhs", "lyapunov"), keep(4, SYSTEMS[::-1]))
+@pytest.mark.parametrize("share", keep(1, [0.95, 0.3]))
+def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: float) -> None:
+    result = checked(rhs, lyapunov)
+    gain = result.gain
+    assert gain is not None
+    assert result.searched is None
+    assert result.check()
+    assert gain.largest is not None
+    assert gain.level is not None
+    kappa, gamma, level = float(gain.rate.kappa), float(gain.gamma), float(gain.level)
+    delta = share * float(gain.largest)
+    radius = float(result.scene.check.radius)
+    rng = np.random.default_rng(1)
+    starts = rng.uniform(-radius, radius, (400, 2))
+    starts = starts[value(lyapunov, *starts.T) < level][:40]
+    values = disturbed(rhs, lyapunov, starts, delta, 3.0)
+    speed = max(float(np.abs(value(text, *starts.T)).max()) for text in rhs) + delta
+    slack = 4 * gamma * STEP * (speed + 1)  # what a step across an edge adds
+    times = STEP * np.arange(len(values))[:, None]
+    if gain.rate.decay is Decay.EXPONENTIAL:
+        assert gain.ultimate == gain.gamma / gain.rate.kappa
+        bound = np.exp(-kappa * times) * values[0] + gamma * delta / kappa * (1 - np.exp(-kappa * times))
+    else:
+        assert gain.ultimate is None
+        bound = np.maximum(values[0] - (kappa - gamma * delta) * times, 0)
+    assert np.all(values <= bound + slack)
+    assert values.max() < level + slack
+
+
+@pytest.mark.parametrize(("rhs", "lyapunov"), keep(2, SYSTEMS[3:] + SYSTEMS[:3]))
+def test_gamma_is_above_every_gradient_and_close_to_the_largest(rhs: tuple[str, str], lyapunov: str) -> None:
+    gain = checked(rhs, lyapunov).gain
+    assert gain is not None
+    x, y = (np.linspace(-0.5, 0.5, 201)[:, None] + 1e-4), (np.linspace(-0.5, 0.5, 201)[None] + 1.3e-4)
+    h = 1e-6
+    slopes = [value(lyapunov, x + h, y) - value(lyapunov, x, y), value(lyapunov, x, y + h) - value(lyapunov, x, y)]
+    largest = np.hypot(*(s / h + np.zeros((201, 201)) for s in slopes))[:-1, :-1].max()
+    assert largest <= float(gain.gamma) + 1e-3
+    assert float(gain.gamma) <= 1.1 * largest + 0.05
+
+
+def test_a_larger_disturbance_drives_solutions_out() -> None:
+    """``x' = -2 sgn x + d``: beyond 2 nothing holds; V = Abs(x) + Abs(y) has kappa 1 at best, and gamma = sqrt(2)."""
+    gain = checked(("-2*sgn(x) - x**3", "-sgn(y)"), "Abs(x) + Abs(y)").gain
+    assert gain is not None
+    assert gain.largest is not None
+    assert 0.5 < float(gain.largest) < 1 / np.sqrt(2)
+    start = np.array([[0.05, 0.05]])
+    values = disturbed(("-2*sgn(x)", "-sgn(y)"), "Abs(x) + Abs(y)", start, 1.5, 1.0)
+    assert values[-1, 0] > values[0, 0]
+
+
+def test_a_smaller_gamma_is_rejected() -> None:
+    result = checked(SYSTEMS[1][0], SYSTEMS[1][1])
+    assert result.gain is not None
+    worse = replace(result.gain, gamma=result.gain.gamma * Fraction(3, 4))
+    assert not replace(result, gain=worse).check()
+
+
+def test_a_corner_at_which_a_disturbance_may_hold_a_solution_counts() -> None:
+    """Two relays meet at (1/4, 1/4), where F is a square: d holds a solution there at once."""
+    rhs = ("-1 * sgn(x) - sgn(x - 1/4)/2", "-1 * sgn(y) - sgn(y - 1/4)/2")
+    gain = checked(rhs, "Abs(x) + Abs(y)").gain
+    assert gain is not None
+    kappa, gamma = float(gain.rate.kappa), float(gain.gamma)
+    assert gain.rate.decay is Decay.FINITE
+    least = np.hypot(0.5, 0.5)  # the shortest velocity there
+    assert kappa <= gamma * least + 1e-12
