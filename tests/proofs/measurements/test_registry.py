@@ -8,7 +8,7 @@ from pkgutil import iter_modules
 import nonsmooth.proofs.measurements as verdicts
 from nonsmooth.analysis.measurements import cases, studies
 from nonsmooth.analysis.measurements.harness import Case, Measurement, Study
-from nonsmooth.proofs.measurements.registry import CASES, STUDIES
+from nonsmooth.proofs.measurements.registry import CASES, STUDIES, SYSTEM_STUDIES
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 
@@ -24,9 +24,10 @@ def defined() -> list[Measurement]:
 
 
 def test_every_measurement_is_listed_once() -> None:
-    listed = [*STUDIES, *CASES]
+    listed = [*STUDIES, *SYSTEM_STUDIES, *CASES]
     assert sorted(map(id, defined())) == sorted(map(id, listed))
-    assert len({study.name for study in STUDIES}) == len(STUDIES)
+    for studies_of_a_kind in (STUDIES, SYSTEM_STUDIES):
+        assert len({study.name for study in studies_of_a_kind}) == len(studies_of_a_kind)
 
 
 def test_families_of_one_name_are_about_different_scenes() -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.robust import box
+from nonsmooth.proofs.robust import rings
 from nonsmooth.proofs.robust.annulus import Piece, polygon_about, ring
 from nonsmooth.proofs.robust.box import BoxRule
 from nonsmooth.proofs.robust.decide import decide_robust
@@ -63,8 +63,8 @@ def twists(model: ContactModel, points: Floats) -> Floats:
 
 def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Scene, EndDisc]:
     """A disc that is found in a few rings."""
-    monkeypatch.setattr(box, "RINGS", 8)
-    monkeypatch.setattr(box, "HALVINGS", 0)
+    monkeypatch.setattr(rings, "RINGS", 8)
+    monkeypatch.setattr(BoxRule, "halvings", 0)
     scene = load_scene(name, rule="box", radius=radius).recentred()
     found = BoxRule(scene).disc(small_box(scene), Fraction(radius))
     assert found is not None
@@ -158,8 +158,8 @@ def holds(corners: Floats, point: Floats) -> bool:
 
 
 def test_what_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(box, "RINGS", 8)
-    monkeypatch.setattr(box, "HALVINGS", 0)
+    monkeypatch.setattr(rings, "RINGS", 8)
+    monkeypatch.setattr(BoxRule, "halvings", 0)
     scene = load_scene("four-wheel", rule="box", radius="7/10")
     one = replace(small_box(scene).times(Fraction(0)), mu_side=scene.field(Fraction(1, 400)))
     found = decide_robust(replace(scene, tolerances=one))
