@@ -220,4 +220,7 @@ def conclude(results: Mapping[str, ClauseResult]) -> tuple[Theorem4, str]:
         result = results[clause.name]
         if clause.is_open(result):
             return Theorem4.UNDECIDED, f"{clause.name}, {result.verdict}: {result.reason}"
+    left = [clause.name for clause in registry.CLAUSES if not clause.applies(results[clause.name])]
+    if left:
+        return Theorem4.HOLDS, f"every clause that applies holds; not applicable: {', '.join(left)}"
     return Theorem4.HOLDS, "every clause holds"

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 MOST_SHOWN = 8  # destinations on a terminal
 PLACE_DIGITS = 4
-THEOREM = "the position is attracted, the heading is not, feedback holds both"
+THEOREM = "the position is stable, the heading is not, feedback holds both where mu_side < mu_roll"
 
 
 def answers_view(result: Check, answers: Answers) -> RenderableType:

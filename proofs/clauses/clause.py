@@ -75,6 +75,10 @@ class Clause(ABC, Generic[Result]):
         """Whether the theorem stays undecided for want of this clause."""
         return False
 
+    def applies(self, result: Result) -> bool:
+        """Whether the hypotheses of the clause are met; one that does not apply leaves the theorem as it is."""
+        return True
+
     def facts(self, result: Result, check: Theorem4Result) -> Iterator[Fact]:
         """What else there is to say beside verdict and reason."""
         yield from ()

@@ -319,3 +319,14 @@ def test_a_spinning_body_is_not_weakly_stable(arrays: Arrays) -> None:
     result = check_cells(arrays.scene(arrays.inward([(1, 0), (-1, 0), (0, 1), (0, -1)], turn=(0, 1))))
     assert result.rotation.verdict is Rotation.UNSTABLE
     assert not result.theta_is_weakly_stable
+
+
+def test_the_reason_names_the_clause_that_does_not_apply(arrays: Arrays) -> None:
+    """With mu_side above mu_roll the theorem has no law, so that not every clause holds."""
+    found = check_cells(arrays.four_wheel(SIDE))
+    assert found.feedback.verdict is Feedback.NOT_APPLICABLE
+    assert (found.verdict, found.reason) == (
+        Theorem4.HOLDS,
+        "every clause that applies holds; not applicable: feedback",
+    )
+    assert check_cells(arrays.four_wheel(ROLL)).reason == "every clause holds"

@@ -69,6 +69,10 @@ class FeedbackClause(Clause[AnyFeedback]):
         """No certificate is no refutation."""
         return result.verdict in (Feedback.UNDECIDED, Feedback.NO_CERTIFICATE)
 
+    def applies(self, result: AnyFeedback) -> bool:
+        """The theorem's law needs wheels that grip along their rims."""
+        return result.verdict is not Feedback.NOT_APPLICABLE
+
     def facts(self, result: AnyFeedback, check: Theorem4Result) -> Iterator[Fact]:
         """Law, V, certified rate, region, margin, what was sampled, and the torque authority."""
         yield Fact("law", result.law, result.law or "", explained=True)
