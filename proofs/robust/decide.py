@@ -8,6 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from flint import fmpq
@@ -126,7 +127,7 @@ class DiscProof(BoxProof):
 
 
 class SmoothProof(DiscProof):
-    """Rules ``ellipse`` and ``roller``: one equilibrium of every array nearby, which attracts exponentially; a disc."""
+    """Rules ``ellipse`` and ``roller``: one equilibrium of every array nearby, which attracts; else a disc of ends."""
 
     no_proof = (
         "it is not shown that every array has one equilibrium nearby that attracts, nor that every body comes nearer "
@@ -137,15 +138,18 @@ class SmoothProof(DiscProof):
         return SmoothDisc(self.scene) if len(self.scene.wheels) <= MAX_SMOOTH else None
 
     def holds(self, box: Tolerance) -> bool:
-        """Either of the two."""
-        return self._equilibrium(box) is not None or self._comes_nearer(box)
+        """By equilibria alone where they are shown for the scene's own tolerances, which is quick; else by a ring too."""
+        if self._equilibrium(box) is not None:
+            return True
+        return not self._has_equilibrium and self._comes_nearer(box)
 
     def statement(self, box: Tolerance) -> Robust | None:
-        """Both where they are shown."""
-        equilibrium, disc = self._equilibrium(box), self._disc(box)
-        if disc is None or equilibrium is None:
-            return disc or equilibrium
-        return replace(disc, equilibrium=equilibrium.equilibrium, drift=equilibrium.drift)
+        """The equilibrium, else the disc."""
+        return self._equilibrium(box) or self._disc(box)
+
+    @cached_property
+    def _has_equilibrium(self) -> bool:
+        return self.scene.tolerances is not None and self._equilibrium(self.scene.tolerances) is not None
 
     def _equilibrium(self, box: Tolerance) -> Robust | None:
         """While no wheel comes under the body or leaves it."""
