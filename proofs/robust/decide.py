@@ -138,7 +138,7 @@ class SmoothProof(DiscProof):
         return SmoothDisc(self.scene) if len(self.scene.wheels) <= MAX_SMOOTH else None
 
     def holds(self, box: Tolerance) -> bool:
-        """By equilibria alone where they are shown for the scene's own tolerances, which is quick; else by a ring too."""
+        """By equilibria alone where they are shown for the scene, which is quick; else by a ring too."""
         if self._equilibrium(box) is not None:
             return True
         return not self._has_equilibrium and self._comes_nearer(box)
