@@ -13,10 +13,10 @@ from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
-StabilityResult: TypeAlias = SystemResult | ScalarResult | ManyStateResult
+DecidedSystem: TypeAlias = SystemResult | ScalarResult | ManyStateResult
 
 
-def decide_system(system: SwitchedSystem) -> StabilityResult:
+def decide_system(system: SwitchedSystem) -> DecidedSystem:
     """Decide the stability of the checked point.
 
     Raises:
@@ -40,7 +40,7 @@ def audit_function(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult 
     return audit(scene, lyapunov)
 
 
-def certificate_of(result: StabilityResult) -> dict[str, Any]:
+def certificate_of(result: DecidedSystem) -> dict[str, Any]:
     """The certificate of a verdict.
 
     Raises:

@@ -12,7 +12,7 @@ from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.system_decision import StabilityResult
+    from nonsmooth.proofs.system_decision import DecidedSystem
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
 
@@ -86,7 +86,7 @@ def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
 
 
-def write_system_certificate(result: StabilityResult, path: Path) -> None:
+def write_system_certificate(result: DecidedSystem, path: Path) -> None:
     """The certificate of a plain system.
 
     Raises:

@@ -12,7 +12,7 @@ from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import many_state_audit_facts, many_state_facts
-from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.scalar_facts import scalar_facts
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
@@ -27,7 +27,7 @@ from nonsmooth.symbolic.scene_error import one_line
 AUDIT_SCHEMA = "nonsmooth-audit/1"
 
 
-def facts_of(result: StabilityResult) -> Iterable[Fact]:
+def facts_of(result: DecidedSystem) -> Iterable[Fact]:
     """The facts of a verdict in any number of states."""
     if isinstance(result, ManyStateResult):
         return many_state_facts(result)
@@ -39,7 +39,7 @@ def audited_facts(result: AuditResult | ManyStateAudit) -> Iterable[Fact]:
     return many_state_audit_facts(result) if isinstance(result, ManyStateAudit) else audit_facts(result)
 
 
-def system_record(result: StabilityResult) -> Record:
+def system_record(result: DecidedSystem) -> Record:
     """The verdict on a plain system."""
     scene = result.scene
     head = {"schema": CHECK_SCHEMA, "scene": scene.name, "states": list(scene.states)}
@@ -52,7 +52,7 @@ def audit_record(result: AuditResult | ManyStateAudit) -> Record:
     return {"schema": AUDIT_SCHEMA, "scene": result.scene.name, **fact_record(audited_facts(result))}
 
 
-def system_view(result: StabilityResult) -> RenderableType:
+def system_view(result: DecidedSystem) -> RenderableType:
     """The verdict with the V that proves it, or else what the scene's V shows, and the ladder of derivatives."""
     scene = result.scene
     head = f"{one_line(scene.name)}: plain switched system in {', '.join(scene.states)}"

@@ -11,6 +11,7 @@ from nonsmooth.proofs.many_states.examination import Examination, find_failure, 
 from nonsmooth.proofs.many_states.instability import Growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.stability_result import UNDECIDED_BY
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -25,7 +26,7 @@ class Method(StrEnum):
     LINEARIZATION = "linearization"
     ESCAPE = "solution that leaves"
     GROWTH = "function that shows instability"
-    NONE = "nothing"
+    NONE = UNDECIDED_BY
 
 
 @dataclass(frozen=True)

@@ -29,14 +29,14 @@ from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells,
 from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.stability_result import StabilityResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 @dataclass(frozen=True, repr=False)
-class ManyStateResult(ShortRepr):
+class ManyStateResult(StabilityResult):
     """Stability of the checked point with everything that was proved about it.
 
     Attributes:
@@ -56,15 +56,6 @@ class ManyStateResult(ShortRepr):
     evidence: Evidence
     region: SublevelSet | None = None
     rate: DecayRate | None = None
-
-    def _repr_html_(self) -> str:
-        rows = [(self.verdict, self.method, self.reason)]
-        return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
-
-    @property
-    def exit_status(self) -> int:
-        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
-        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
 
     @property
     def proving(self) -> ProvedLyapunov | None:

@@ -7,11 +7,12 @@ from fractions import Fraction
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
-from nonsmooth.proofs.many_states.conclusion import Method, ProvedLyapunov
+from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
 from nonsmooth.proofs.many_states.decay import DecayRate
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.examination import Failure
 from nonsmooth.proofs.many_states.sublevel import SublevelSet
+from nonsmooth.proofs.systems.stability_result import stability_facts
 from nonsmooth.proofs.systems.system_facts import rewriting_words
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text
@@ -34,7 +35,7 @@ def many_state_facts(result: ManyStateResult) -> Iterator[Fact]:
         reason = f"{named.examination.reason} (on {domain_words(named)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
     yield Fact("lyapunov", tuple(_potential(result)))
-    yield Fact("translation", tuple(_stability(result)))
+    yield Fact("translation", tuple(stability_facts(result, everywhere=result.everywhere)))
     if proving is not None:
         yield row_fact("with", f"V = {one_line(proving.formula.text)}")
         yield row_fact("on", domain_words(proving))
@@ -65,14 +66,6 @@ def region_words(region: SublevelSet, states: tuple[str, ...]) -> str:
 def _cube(states: tuple[str, ...], radius: object) -> str:
     bounded = ", ".join(f"abs({name})" for name in states)
     return f"{bounded} <= {radius if isinstance(radius, Fraction) else brief_text(radius)}"  # type: ignore[arg-type]
-
-
-def _stability(result: ManyStateResult) -> Iterator[Fact]:
-    yield text_fact("verdict", str(result.verdict), "stability")
-    yield Fact("method", str(result.method))
-    yield Fact("everywhere", result.everywhere)
-    method = "" if result.method is Method.NONE else f" ({result.method})"
-    yield Fact("reason", result.reason, f"{result.reason}{method}", row="because")
 
 
 def _potential(result: ManyStateResult) -> Iterator[Fact]:

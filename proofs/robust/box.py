@@ -29,16 +29,8 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 
-PUSHES = (
-    0.75,
-    0.6,
-    0.45,
-    0.3,
-    0.2,
-    0.1,
-    0.05,
-    0.02,
-)  # of the friction of all wheels; strong ones serve large boxes
+# of the friction of all wheels; strong ones serve large boxes
+PUSHES = (0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)
 REST_CORNERS = 16
 REST_HALVINGS = 7
 

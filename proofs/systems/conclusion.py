@@ -13,6 +13,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms
 from nonsmooth.proofs.systems.ray_moves import ConstantFan, RayKind, RayMove
+from nonsmooth.proofs.systems.stability_result import UNDECIDED_BY
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 
 
@@ -26,7 +27,7 @@ class Method(StrEnum):
     RAY = "ray of escape"
     GROWTH = "function that grows"
     LEADING = "leading terms"
-    NONE = "nothing"
+    NONE = UNDECIDED_BY
 
 
 UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact
-from nonsmooth.proofs.systems.scalar_stability import METHOD, ScalarResult
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
+from nonsmooth.proofs.systems.stability_result import stability_facts
 from nonsmooth.proofs.systems.system_facts import rewriting_words
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import brief_text
@@ -18,15 +19,8 @@ def scalar_facts(result: ScalarResult) -> Iterator[Fact]:
     if result.scene.written or result.scene.others:
         yield row_fact("field", rewriting_words(result.scene))
     yield Fact("lyapunov")
-    yield Fact("translation", tuple(_stability(result)))
+    yield Fact("translation", tuple(stability_facts(result)))
     yield from _region(result)
-
-
-def _stability(result: ScalarResult) -> Iterator[Fact]:
-    yield text_fact("verdict", str(result.verdict), "stability")
-    yield Fact("method", METHOD)
-    yield Fact("everywhere", False)
-    yield Fact("reason", result.reason, f"{result.reason} ({METHOD})", row="because")
 
 
 def _region(result: ScalarResult) -> Iterator[Fact]:

@@ -15,8 +15,8 @@ from fractions import Fraction
 
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
+from nonsmooth.proofs.systems.stability_result import StabilityResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
@@ -45,7 +45,7 @@ class Side:
 
 
 @dataclass(frozen=True, repr=False)
-class ScalarResult(ShortRepr):
+class ScalarResult(StabilityResult):
     """Stability of an equilibrium in one state.
 
     Attributes:
@@ -55,6 +55,7 @@ class ScalarResult(ShortRepr):
         equilibrium: whether 0 is in F.
         right: where the state is larger.
         left: where it is smaller.
+        method: what decided, always the same.
     """
 
     scene: SwitchedSystem
@@ -63,15 +64,7 @@ class ScalarResult(ShortRepr):
     equilibrium: Equilibrium
     right: Side
     left: Side
-
-    def _repr_html_(self) -> str:
-        rows = [(self.verdict, METHOD, self.reason)]
-        return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
-
-    @property
-    def exit_status(self) -> int:
-        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
-        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
+    method: str = METHOD
 
     def check(self) -> bool:
         """Decide again, and evaluate the fields between the point and the ends of the region."""

@@ -9,12 +9,12 @@ from collections.abc import Iterator
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
+from nonsmooth.proofs.systems.stability_result import stability_facts
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
@@ -42,7 +42,7 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
         reason = f"{result.lyapunov.reason} (on {result.reported_domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
     yield Fact("lyapunov", tuple(_potential(result)))
-    yield Fact("translation", tuple(_stability(result)))
+    yield Fact("translation", tuple(stability_facts(result, everywhere=result.everywhere)))
     if result.scene.by_roots is not None:
         yield _roots(result, result.scene.by_roots.roots)
     if proving is not None and result.domain is not None:
@@ -83,14 +83,6 @@ def rewriting_words(system: SwitchedSystem) -> str:
     elif system.others:
         said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
     return f"{'; '.join(said)}."
-
-
-def _stability(result: SystemResult) -> Iterator[Fact]:
-    yield text_fact("verdict", str(result.verdict), "stability")
-    yield Fact("method", str(result.method))
-    yield Fact("everywhere", result.everywhere)
-    method = "" if result.method is Method.NONE else f" ({result.method})"
-    yield Fact("reason", result.reason, f"{result.reason}{method}", row="because")
 
 
 def _potential(result: SystemResult) -> Iterator[Fact]:

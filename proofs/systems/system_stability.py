@@ -52,14 +52,14 @@ from nonsmooth.proofs.systems.ray_moves import (
 )
 from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed, axes_are_crossed_within
 from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov, search_weak_lyapunov
+from nonsmooth.proofs.systems.stability_result import StabilityResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 @dataclass(frozen=True, repr=False)
-class SystemResult(ShortRepr):
+class SystemResult(StabilityResult):
     """Stability of the equilibrium with everything that was proved about it.
 
     Attributes:
@@ -105,15 +105,6 @@ class SystemResult(ShortRepr):
     gain: DisturbanceGain | None = None
     covered: bool = True
     finite_time: bool = False
-
-    def _repr_html_(self) -> str:
-        rows = [(self.verdict, self.method, self.reason)]
-        return html_table(f"{self.scene.name}: strong stability", ("verdict", "by", "reason"), rows)
-
-    @property
-    def exit_status(self) -> int:
-        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
-        return {Translation.UNSTABLE: 1, Translation.UNDECIDED: 3}.get(self.verdict, 0)
 
     @property
     def witness(self) -> Refutation | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.system_decision import DecidedSystem, decide_system
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_text
 from nonsmooth.proofs.verified import verified
@@ -28,7 +28,7 @@ class SystemCheckResult(Tabular):
         evidence: everything that was proved; ``evidence.check()`` verifies it again.
     """
 
-    evidence: StabilityResult
+    evidence: DecidedSystem
 
     @property
     def verdict(self) -> str:

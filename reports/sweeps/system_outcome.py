@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.system_decision import DecidedSystem, decide_system
 from nonsmooth.proofs.systems.decay_rate import Decay
-from nonsmooth.proofs.systems.scalar_stability import METHOD, ScalarResult
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_text
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verdicts import Translation
@@ -61,9 +61,9 @@ def _record(stability: str, why: str | None) -> dict[str, Any]:
     return {**dict.fromkeys(SYSTEM_COLUMNS), SYSTEM_QUESTIONS[0]: stability, "exact": {}, "why": why}
 
 
-def _texts(result: StabilityResult) -> dict[str, str | None]:
+def _texts(result: DecidedSystem) -> dict[str, str | None]:
     if isinstance(result, ScalarResult):
-        return {"method": METHOD, "V": None}
+        return {"method": result.method, "V": None}
     if isinstance(result, ManyStateResult):
         return {"method": str(result.method), "V": None if result.proving is None else result.proving.formula.text}
     return {"method": str(result.method), "V": None if result.proving is None else proving_text(result)}

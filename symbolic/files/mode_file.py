@@ -15,7 +15,8 @@ from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import builtin_modes, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, Table
-from nonsmooth.symbolic.files.system_file import RESERVED, build_system, read_formulas, read_states
+from nonsmooth.symbolic.files.system_document import RESERVED, read_formulas, read_states
+from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.mode_system import ModeExit, ModeSystem, OwnMode
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nonsmooth.symbolic.expression import ExpressionError, parse
 from nonsmooth.symbolic.files.right_hand_sides import float_point
 from nonsmooth.symbolic.files.scene_values import Exact
+from nonsmooth.symbolic.files.system_document import SystemDocument
 from nonsmooth.symbolic.scene_error import SceneError, requirement
 from nonsmooth.symbolic.signed_roots import SignedRoots
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.files.system_file import SystemDocument
 
 Rewrite = Callable[[object, int], object]  # of the right-hand side of a state
 

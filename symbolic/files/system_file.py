@@ -6,114 +6,32 @@ Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any
-
-from pydantic import Field, PlainValidator
+from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
 from nonsmooth.symbolic.enclosures import has_waves
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import split_intervals
-from nonsmooth.symbolic.files.network_tables import NetworkTable, called, read_networks
-from nonsmooth.symbolic.files.parameters import parameter_texts, read_parameters, with_parameters
-from nonsmooth.symbolic.files.region_tables import RegionTable, regions_as_formulas
+from nonsmooth.symbolic.files.network_tables import called, read_networks
+from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
+from nonsmooth.symbolic.files.region_tables import regions_as_formulas
 from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides
 from nonsmooth.symbolic.files.rooted_documents import formulas_of, rewritten, rooted_documents
-from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import (
-    Exact,
-    ExactField,
-    Numbers,
-    Table,
-    angles,
-    field_of,
-    read_exact,
-)
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
+from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES, PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
-
-MAX_STATES = 8
-_STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
-RESERVED = {*NUMBERS, *SWITCHES}
-
-
-def is_state(value: object) -> bool:
-    """Whether a value can name a state."""
-    return isinstance(value, str) and _STATE.fullmatch(value) is not None and value not in RESERVED
-
-
-def read_states(value: object) -> tuple[str, ...]:
-    """One or more different names.
-
-    Raises:
-        ValueError: for anything else.
-    """
-    names = value if isinstance(value, list) else []
-    fit = [name for name in names if is_state(name)]
-    if not 1 <= len(set(fit)) == len(names) <= MAX_STATES:
-        raise ValueError(f'required 1 to {MAX_STATES} different names such as ["x", "y"]')
-    return tuple(fit)
-
-
-def read_formulas(value: object) -> tuple[object, ...]:
-    """A list of formulas, or a list of such lists: arbitrary switching between them.
-
-    Raises:
-        ValueError: for anything else.
-    """
-    if not isinstance(value, list):
-        raise ValueError("required a list of formulas, one for each state")
-    return tuple(value)
-
-
-def read_numbers(value: object) -> tuple[Exact, ...]:
-    """A list of numbers.
-
-    Raises:
-        ValueError: for anything else.
-    """
-    if not isinstance(value, list):
-        raise ValueError("required a list of numbers, one for each state")
-    return tuple(map(read_exact, value))
-
-
-class SystemTable(Table):
-    """``[system]``: the states, one right-hand side for each (or ``[[region]]`` tables), and named numbers in them."""
-
-    states: Annotated[tuple[str, ...], PlainValidator(read_states)]
-    rhs: Annotated[tuple[object, ...] | None, PlainValidator(read_formulas)] = None
-    parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
-
-
-class SystemCheckTable(Table):
-    """``[check]``: the equilibrium, the half-width of the cube about it, and a Lyapunov function V."""
-
-    equilibrium: Annotated[tuple[Exact, ...] | None, PlainValidator(read_numbers)] = None
-    radius: ExactField = Fraction(1, 2)
-    lyapunov: object = None
-
-
-class SystemDocument(Table):
-    """A whole scene file of a switched system."""
-
-    name: Name = None
-    description: Name = None
-    system: SystemTable
-    region: tuple[RegionTable, ...] = ()
-    network: tuple[NetworkTable, ...] = ()
-    check: SystemCheckTable = SystemCheckTable()
 
 
 def load_any(

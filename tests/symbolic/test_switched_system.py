@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.system_file import MAX_STATES, holds_system, load_system
+from nonsmooth.symbolic.files.system_document import MAX_STATES
+from nonsmooth.symbolic.files.system_file import holds_system, load_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
