@@ -22,6 +22,7 @@ PARTS = 64  # of the range of a speed or a displacement
 HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
 WHEELS = "wheels"  # which wheels of the array there are
 KINDS = ("headings", "speeds", "positions")
+STRETCHES = ((1, 1), (1, 0), (0, 1))  # in x and y
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,36 @@ class Freedom:
         speed = float((1 - self.slowest) / (self.fastest - self.slowest)) if self.fastest > self.slowest else 0.0
         own = [0.5] * ("headings" in self.kinds) + [speed] * ("speeds" in self.kinds)
         return (own + [0.5, 0.5] * ("positions" in self.kinds)) * len(self._orbits(scene))
+
+    def together(self, scene: Scene) -> list[list[float]]:
+        """Directions of vectors in which all wheels change alike; their largest entries are one half.
+
+        All wheels move away from the checked point, or along one axis only; all turn; all become faster.  Where the
+        worst direction of a symmetric array counts, to change one wheel alone never helps.
+        """
+        at = scene.check.equilibrium
+        offsets = [minus(scene.wheels[orbit[0]].position, at) for orbit in self._orbits(scene)]
+        moves = {
+            "headings": ([[1.0]],),
+            "speeds": ([[1.0]],),
+            "positions": tuple([[a * float(x), b * float(y)] for x, y in offsets] for a, b in STRETCHES),
+        }
+        found = []
+        for kind in self.kinds:
+            for move in moves[kind]:
+                parts = move * len(offsets) if len(move) == 1 else move
+                found.append(self._direction(kind, parts))
+        return [direction for direction in found if any(direction)]
+
+    def _direction(self, kind: str, parts: Sequence[Sequence[float]]) -> list[float]:
+        """The vector in which one kind of number changes, for each orbit as given, and nothing else does."""
+        most = max((abs(entry) for part in parts for entry in part), default=0.0) or 1.0
+        vector: list[float] = []
+        for part in parts:
+            for own in self.kinds:
+                width = 2 if own == "positions" else 1
+                vector += [entry / most / 2 for entry in part] if own == kind else [0.0] * width
+        return vector
 
     def _orbits(self, scene: Scene) -> Orbits:
         found = orbits_of(scene, self.order)

@@ -1,7 +1,8 @@
-"""The search for a design: differential evolution over exact scenes, then Nelder and Mead's simplex around the best.
+"""The search for a design: all wheels alike, then differential evolution over exact scenes, then around the best.
 
-Both (Storn and Price 1997, Nelder and Mead 1965) by SciPy.  Every candidate is an exact scene whose answers are proved,
-so what is found needs no confirmation; that nothing better exists is not shown.
+Brent's line search, differential evolution (Storn and Price 1997) and Nelder and Mead's simplex (1965) are SciPy's.
+Every candidate is an exact scene whose answers are proved, so what is found needs no confirmation; that nothing better
+exists is not shown.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
 MEMBERS = 24  # of a generation, about
-WIDE = 0.6  # share of the checks that look far and wide
+ALIKE = 0.25  # share of the checks in which all wheels change alike
+LINE = 6  # checks along each line of them
+WIDE = 0.6  # share of the checks before those around the best
 STEP = 0.06  # of a range: where the search around the best begins
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -164,7 +167,7 @@ def _why_impossible(own: Evaluation, freedom: Freedom, wish: Wish) -> str:
 
 
 def evolve(search: Costed, scene: Scene, freedom: Freedom, wish: Wish, told: Told, budget: int) -> None:
-    """Let costs fall: far and wide first, then around the best (Nelder and Mead 1965), until the budget is spent.
+    """Let costs fall: all wheels alike, then far and wide, then around the best, until the budget is spent.
 
     Args:
         search: what is made small.
@@ -174,10 +177,15 @@ def evolve(search: Costed, scene: Scene, freedom: Freedom, wish: Wish, told: Tol
         told: called with the candidates checked and allowed.
         budget: how many new candidates may be checked.
     """
-    from scipy.optimize import differential_evolution, minimize
+    from scipy.optimize import differential_evolution, minimize, minimize_scalar
 
     tried = _Tried(search, told, np.array(freedom.start(scene)))
     bounds = [(0.0, 1.0)] * len(tried.best)
+    with suppress(SpentError):
+        tried.allow(round(ALIKE * budget))
+        for direction in map(np.array, freedom.together(scene)):
+            line = _Line(tried, direction)
+            minimize_scalar(line.cost, bounds=(-1.0, 1.0), method="bounded", options={"maxiter": LINE})
     with suppress(SpentError):
         tried.allow(round(WIDE * budget))
         differential_evolution(
@@ -215,3 +223,13 @@ class _Tried:
         if found < self._least:
             self._least, self.best = found, np.array(vector)
         return found
+
+
+class _Line:
+    """The costs of a search along a line through the best vector so far."""
+
+    def __init__(self, tried: _Tried, direction: Floats) -> None:
+        self._tried, self._from, self._direction = tried, tried.best, direction
+
+    def cost(self, step: float) -> float:
+        return self._tried.cost(np.clip(self._from + step * self._direction, 0.0, 1.0))

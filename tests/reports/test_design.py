@@ -18,6 +18,7 @@ from nonsmooth.reports.designs.symmetry import largest_symmetry, orbits_of
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
+from nonsmooth.symbolic.scene import Wheel
 from tests.thorough import thorough
 
 if TYPE_CHECKING:
@@ -80,6 +81,35 @@ def test_the_start_is_the_scene_itself() -> None:
         for a, b in ((own.position, found.position), (own.direction, found.direction)):
             assert [str(x) for x in a] == [str(x) for x in b]
         assert str(own.speed) == str(found.speed)
+
+
+def test_all_wheels_change_alike_along_each_line() -> None:
+    """A ring becomes a larger ring, every wheel turns by one angle, and every speed is multiplied by one number."""
+    document, label, path = read_document("ring-6")
+    scene = build_scene(document, label, path)
+    freedom = Freedom(("headings", "speeds", "positions"), order=2)
+    turn, fast, outward, along_x, along_y = (np.array(line) for line in freedom.together(scene))
+    start = np.array(freedom.start(scene))
+
+    def changed(line: np.ndarray) -> list[Wheel]:
+        vector = (start + line / 4).tolist()
+        return list(build_scene(freedom.document(document, scene, vector), label, path).wheels)
+
+    angles = [angle_of(new) - angle_of(own) for new, own in zip(changed(turn), scene.wheels, strict=True)]
+    assert np.allclose(np.cos(angles), np.cos(np.pi / 4), atol=0.02)
+    ratios = [float(new.speed) / float(own.speed) for new, own in zip(changed(fast), scene.wheels, strict=True)]
+    assert min(ratios) == max(ratios) > 1
+    radii = [np.hypot(*map(float, wheel.position)) for wheel in changed(outward)]
+    assert np.allclose(radii, radii[0], atol=0.01)
+    assert radii[0] > np.hypot(*map(float, scene.wheels[0].position)) + 0.05
+    for new, own in zip(changed(along_x), scene.wheels, strict=True):
+        assert float(new.position[1]) == float(own.position[1])
+    for new, own in zip(changed(along_y), scene.wheels, strict=True):
+        assert float(new.position[0]) == float(own.position[0])
+
+
+def angle_of(wheel: Wheel) -> float:
+    return float(np.arctan2(float(wheel.direction[1]), float(wheel.direction[0])))
 
 
 def test_what_nobody_can_reach_is_said_first(invoke: Invoke) -> None:
