@@ -13,7 +13,7 @@ unless the wheel names one: a mecanum wheel grips along the axes of its rollers,
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -52,6 +52,7 @@ class Wheel:
         friction: coefficients of this wheel.
         speed_limit: the largest ``|u_i|`` that its drive can do (length/time); None where that is not stated.
         axis: ``A_i``, the friction axis, of any nonzero length and not along the rim; None where it is the rim.
+        named: keys of the scene file that the wheel states itself, such as ``mu_side``; the others are the scene's.
     """
 
     index: int
@@ -61,6 +62,7 @@ class Wheel:
     friction: Friction
     speed_limit: Number | None = None
     axis: Vector | None = None
+    named: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
 
     @cached_property
     def length(self) -> Number:

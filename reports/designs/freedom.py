@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.reports.designs.symmetry import Orbits, orbits_of, quarter_turns
-from nonsmooth.symbolic.files.one_by_one import LAYOUTS, wheel_entry
+from nonsmooth.symbolic.files.one_by_one import LAYOUTS, unit_of_speed, wheel_entry
 from nonsmooth.symbolic.plane import Vector, minus
 from nonsmooth.symbolic.scene import Scene, Wheel
 
@@ -95,13 +95,15 @@ class Freedom:
     def document(self, base: Mapping[str, Any], scene: Scene, vector: Sequence[float]) -> dict[str, Any]:
         """The scene document of a vector."""
         kept = {key: value for key, value in base.items() if key not in LAYOUTS}
-        numbers = iter(vector)
+        numbers, unit = iter(vector), unit_of_speed(base, scene)
         tables: list[dict[str, Any]] = [{} for _ in scene.wheels]
         for orbit in self._orbits(scene):
             chosen = self._chosen(scene.wheels[orbit[0]], [next(numbers) for _ in range(self.numbers_per_wheel)])
             for step, place in enumerate(orbit):
                 turns = step * 4 // self.order
-                tables[place] = wheel_table(scene, replace(chosen, friction=scene.wheels[place].friction), turns)
+                own = scene.wheels[place]
+                turned = wheel_after_turns(scene, replace(chosen, friction=own.friction, named=own.named), turns)
+                tables[place] = wheel_entry(turned, unit)
         return {**kept, "wheel": tables}
 
     def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:
@@ -130,18 +132,17 @@ class Freedom:
         return quarter_turns((field(q * q - p * p), field(2 * p * q)), quarters)
 
 
-def wheel_table(scene: Scene, chosen: Wheel, turns: int) -> dict[str, Any]:
-    """A wheel of an orbit as a table of a scene file: the first one, turned about the checked point."""
+def wheel_after_turns(scene: Scene, chosen: Wheel, turns: int) -> Wheel:
+    """The first wheel of an orbit after some quarter turns about the checked point."""
     at = scene.check.equilibrium
     x, y = quarter_turns(minus(chosen.position, at), turns)
-    turned = replace(
+    return replace(
         chosen,
         position=(x + at[0], y + at[1]),
         direction=quarter_turns(chosen.direction, turns),
         axis=None if chosen.axis is None else quarter_turns(chosen.axis, turns),
         given_speed=chosen.speed,
     )
-    return wheel_entry(turned)
 
 
 def _part(number: float) -> Fraction:

@@ -31,6 +31,12 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNHEARD = ("name", "description")  # tables that no answer follows from
 _PLAIN = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60}|/[1-9][0-9]{0,60})?")  # a decimal or a fraction
+OF_ALL_WHEELS = {  # numbers of the scene, and what a wheel calls its own
+    ("friction", "mu_roll"): "mu_roll",
+    ("friction", "mu_side"): "mu_side",
+    ("friction", "axis"): "axis",
+    ("drive", "speed_limit"): "speed_limit",
+}
 CODE = ("symbolic", "analysis", "proofs", "reports/sweeps")  # what answers follow from
 
 
@@ -109,6 +115,22 @@ def with_wheels(base: Base, names: Iterable[str]) -> Base:
     if not asked or not any(base.document.get(layout) for layout in ("ring", "grid", "wheels")):
         return base
     return Base(one_by_one(base.document, base.scene((), ())), base.file, base.path)
+
+
+def require_heard(base: Base, plan: Plan) -> None:
+    """Refuse numbers of the scene that no wheel takes, since every wheel states its own.
+
+    Raises:
+        SceneError: naming the key, and that of the first wheel.
+    """
+    if base.is_system:
+        return
+    wheels = base.scene((), ()).wheels
+    for axis in plan.axes:
+        key = OF_ALL_WHEELS.get(axis.path[:2], "")
+        if key and all(key in wheel.named for wheel in wheels):
+            expected = f"a number that some wheel takes, such as wheel.1.{key} (every wheel states its own)"
+            raise SceneError(base.file, "", expected, axis.name)
 
 
 def entries_of(plan: Plan, k: int) -> tuple[Entry, ...]:

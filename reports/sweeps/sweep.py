@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nonsmooth.reports.progress import Report, silent
-from nonsmooth.reports.sweeps.base import Base, entries_of
+from nonsmooth.reports.sweeps.base import Base, entries_of, require_heard
 from nonsmooth.reports.sweeps.borders import Border, find_borders
 from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, questions_of
@@ -77,8 +77,10 @@ def run_sweep(base: Base, plan: Plan, means: Means, report: Report = silent) -> 
     """Check all scenes of a plan.
 
     Raises:
+        SceneError: for a number that no wheel takes.
         SweepError: for means that cannot be used, and where every scene is refused.
     """
+    require_heard(base, plan)
     if not 1 <= means.workers <= MAX_WORKERS:
         raise SweepError(f"workers: required 1 to {MAX_WORKERS}, received {means.workers}")
     if means.borders and plan.draws is not None:

@@ -1,10 +1,16 @@
-"""Wheels of a ring, a grid or a table as tables of a scene file, one by one, so that each can be changed on its own."""
+"""Wheels of a ring, a grid or a table as tables of a scene file, one by one, so that each can be changed on its own.
+
+What the scene says of all wheels (``friction``, ``drive``) stays where it is: a wheel states what it stated before,
+its place, heading and speed, and its friction axis.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any
 
+from nonsmooth.symbolic.files.scene_file import stated_units
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list of wheels replaces
@@ -13,20 +19,33 @@ LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list o
 def one_by_one(document: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
     """A document of the same array with a list of wheels, exact, in place of what laid them out."""
     kept = {key: value for key, value in document.items() if key not in LAYOUTS}
-    return {**kept, "wheel": [wheel_entry(wheel) for wheel in scene.wheels]}
+    unit = unit_of_speed(document, scene)
+    return {**kept, "wheel": [wheel_entry(wheel, unit) for wheel in scene.wheels]}
 
 
-def wheel_entry(wheel: Wheel) -> dict[str, Any]:
-    """One wheel as a table of a scene file."""
+def unit_of_speed(document: Mapping[str, Any], scene: Scene) -> Fraction:
+    """How many lengths per second the unit of speed is in which a document of a scene states speeds."""
+    return stated_units(dict(document), scene.source).speed_factor
+
+
+def wheel_entry(wheel: Wheel, unit: Fraction) -> dict[str, Any]:
+    """One wheel as a table of a scene file.
+
+    Args:
+        wheel: of a scene that was read from a file.
+        unit: of speed, in lengths per second.
+    """
     entry: dict[str, Any] = {
         "position": [str(number) for number in wheel.position],
         "heading": [str(number) for number in wheel.direction],
-        "speed": str(wheel.speed),
-        "mu_roll": str(wheel.friction.roll),
-        "mu_side": str(wheel.friction.side),
+        "speed": str(wheel.speed / unit),
     }
-    if wheel.speed_limit is not None:
-        entry["speed_limit"] = str(wheel.speed_limit)
+    if "mu_roll" in wheel.named:
+        entry["mu_roll"] = str(wheel.friction.roll)
+    if "mu_side" in wheel.named:
+        entry["mu_side"] = str(wheel.friction.side)
+    if "speed_limit" in wheel.named and wheel.speed_limit is not None:
+        entry["speed_limit"] = str(wheel.speed_limit / unit)
     if wheel.axis is not None:
         entry["axis"] = [str(number) for number in wheel.axis]
     return entry

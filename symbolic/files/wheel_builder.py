@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from nonsmooth.symbolic.files.layouts import Place
+from nonsmooth.symbolic.files.layouts import Own, Place
 from nonsmooth.symbolic.files.scene_document import Document
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import INWARD
@@ -25,6 +25,7 @@ class WheelBuilder:
         self._field_speed = speed_of_field(document, numbers)
         self._frictions: dict[tuple[Exact | None, Exact | None], Friction] = {}
         self._limits: dict[Exact | None, Number | None] = {}
+        self._names: dict[frozenset[str], frozenset[str]] = {}
 
     def build(self, places: Iterable[Place]) -> tuple[Wheel, ...]:
         """Wheels numbered from 1.
@@ -54,10 +55,16 @@ class WheelBuilder:
         friction = self._friction(index, place)
         limit = self._limit(place)
         direction = self._direction(index, place)
-        wheel = Wheel(index, place.position, direction, speed, friction, limit, self._axis(index, place, direction))
+        axis = self._axis(index, place, direction)
+        wheel = Wheel(index, place.position, direction, speed, friction, limit, axis, self._named(place))
         if limit is not None:
             self._refuse_above(limit, wheel, place)
         return wheel
+
+    def _named(self, place: Place) -> frozenset[str]:
+        """What a wheel states itself; equal sets are one shared object."""
+        names = frozenset(key for key, value in zip(Own._fields, place.own, strict=True) if value is not None)
+        return self._names.setdefault(names, names)
 
     def _limit(self, place: Place) -> Number | None:
         """The largest speed of a wheel in lengths per second; equal limits are one shared number."""

@@ -334,6 +334,48 @@ def test_a_wheel_of_a_layout_varies_on_its_own(invoke: Invoke, tmp_path: Path, n
     assert second["worst_rate"] == changed["translation"]["worst_rate"]
 
 
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+def test_what_a_scene_says_of_all_wheels_varies_beside_one_wheel(invoke: Invoke, rule: str) -> None:
+    """Wheel 1 stays where the ring has it, so that the answers are those of the ring with another friction."""
+    vary = ("--vary", "mu_side=1/2,3/2", "--vary", "wheel.1.position.0=1,1")
+    rows = invoke("sweep", "ring-6", "--rule", rule, *vary, "--workers", "1", "--json").record["rows"]
+    ring = ns.load("ring-6")
+    assert isinstance(ring, ns.Array)
+    for row, side in zip(rows, ("1/2", "1/2", "3/2", "3/2"), strict=True):
+        one = ring.with_(mu_side=side, rule=rule).check()
+        answers = (one.position.verdict, one.heading.verdict, one.pose.verdict, one.theorem4)
+        assert (row["position"], row["heading"], row["pose"], row["theorem4"]) == answers
+    assert {row["pose"] for row in rows} != {rows[0]["pose"]} or rule == "ellipse"
+
+
+def test_one_wheel_varies_where_speeds_have_a_unit(invoke: Invoke, tmp_path: Path) -> None:
+    """The wheels that were written one by one run as fast as those of the ring."""
+    ring = """
+units = { length = "mm", speed = "m/s" }
+friction = { mu_roll = 1, mu_side = "1/2" }
+ring = { count = 6, radius = 100 }
+field = { kind = "radial", speed = "1/10" }
+drive = { speed_limit = "3/10" }
+check = { radius = 50 }
+contact = { rule = "ellipse" }
+"""
+    (tmp_path / "ring.toml").write_text(ring, encoding="utf-8")
+    own = invoke("check", "ring.toml", "--json").record["answers"]["position"]
+    row = invoke("sweep", "ring.toml", "--vary", "wheel.1.position.0=100,110", "--json").record["rows"][0]
+    assert own["rate"] == pytest.approx(row["rate"])
+
+
+def test_a_number_that_no_wheel_takes_is_refused(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "wheels.csv").write_text("x,y,mu_side\n1,1,.5\n-1,1,.5\n-1,-1,.5\n1,-1,.5\n", encoding="utf-8")
+    (tmp_path / "own.toml").write_text(
+        'wheels = { file = "wheels.csv" }\nfriction = { mu_roll = 1, mu_side = "1/2" }\n', encoding="utf-8"
+    )
+    outcome = invoke("sweep", "own.toml", "--vary", "mu_side=0.1:1:3")
+    assert outcome.status == 2
+    assert "wheel.1.mu_side (every wheel states its own), received 'friction.mu_side'" in outcome.err
+    assert invoke("sweep", "own.toml", "--vary", "mu_roll=1,2", "--workers", "1").status == 0
+
+
 def test_a_wheel_of_a_table_varies_on_its_own(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "wheels.csv").write_text("x,y,heading\n1,1,225\n-1,1,315\n-1,-1,45\n1,-1,135\n", encoding="utf-8")
     (tmp_path / "table.toml").write_text(
