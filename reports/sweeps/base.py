@@ -31,7 +31,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 UNHEARD = ("name", "description")  # tables that no answer follows from
 _PLAIN = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60}|/[1-9][0-9]{0,60})?")  # a decimal or a fraction
-OF_ALL_WHEELS = {  # numbers of the scene, and what a wheel calls its own
+OF_ALL_WHEELS: dict[KeyPath, str] = {  # numbers of the scene, and what a wheel calls its own
     ("friction", "mu_roll"): "mu_roll",
     ("friction", "mu_side"): "mu_side",
     ("friction", "axis"): "axis",

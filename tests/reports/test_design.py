@@ -99,13 +99,17 @@ def test_all_wheels_change_alike_along_each_line() -> None:
     assert np.allclose(np.cos(angles), np.cos(np.pi / 4), atol=0.02)
     ratios = [float(new.speed) / float(own.speed) for new, own in zip(changed(fast), scene.wheels, strict=True)]
     assert min(ratios) == max(ratios) > 1
-    radii = [np.hypot(*map(float, wheel.position)) for wheel in changed(outward)]
+    radii = [far(wheel) for wheel in changed(outward)]
     assert np.allclose(radii, radii[0], atol=0.01)
-    assert radii[0] > np.hypot(*map(float, scene.wheels[0].position)) + 0.05
+    assert radii[0] > far(scene.wheels[0]) + 0.05
     for new, own in zip(changed(along_x), scene.wheels, strict=True):
         assert float(new.position[1]) == float(own.position[1])
     for new, own in zip(changed(along_y), scene.wheels, strict=True):
         assert float(new.position[0]) == float(own.position[0])
+
+
+def far(wheel: Wheel) -> float:
+    return float(np.hypot(float(wheel.position[0]), float(wheel.position[1])))
 
 
 def angle_of(wheel: Wheel) -> float:
