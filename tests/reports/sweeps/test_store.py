@@ -78,9 +78,12 @@ def begun(means: Means) -> BaseProcess:
 
 
 def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Killed five times at random moments, each time a little further; then its table is the undisturbed one."""
+    """Killed up to five times at random moments, each time a little further; its table is the undisturbed one.
+
+    Where this process waits for its turn, a sweep may end before it is killed.
+    """
     monkeypatch.setattr(store_module, "LEASE", 1.0)  # what the killed ones had claimed is free after a second
-    moments, store, done = random.Random(5), tmp_path / "r.sqlite", 0
+    moments, store, done, killed = random.Random(5), tmp_path / "r.sqlite", 0, 0
     for _ in range(5):
         process = begun(Means(store=store))
         target, end = done + moments.randint(1, 3), time.monotonic() + 60
@@ -88,9 +91,11 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path: Path, monkeypatch
             time.sleep(moments.uniform(0, 0.03))
         process.kill()
         process.join()
-        assert process.exitcode == -signal.SIGKILL
-        assert rows(store) >= target  # nothing is lost
+        assert process.exitcode in (-signal.SIGKILL, 0)
+        killed += process.exitcode != 0
+        assert rows(store) >= min(target, COUNT)  # nothing is lost
         done = rows(store)
+    assert killed
     assert result(Means(store=store)).to_csv(tmp_path / "r.csv").read_bytes() == table()
     assert rows(store) == COUNT
 
