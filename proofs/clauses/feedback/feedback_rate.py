@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from math import isqrt
 from typing import Any
 
@@ -65,10 +66,23 @@ class ConeRate:
     fields: tuple[Triple, ...]
     lyapunov: ControlLyapunov = SQUARES
 
+    @cached_property
+    def products(self) -> tuple[tuple[Any, ...], list[tuple[Any, ...]]]:
+        """What the form holds whatever kappa and w are: products of the rays, and of each field with them."""
+        p, q = self.rays
+        slope_p, slope_q = self.lyapunov.slope(p), self.lyapunov.slope(q)
+        rays = tuple(dot(*pair) for pair in ((p, slope_p), (p, slope_q), (q, slope_q)))
+        fields: list[tuple[Any, ...]] = []
+        for x, y, turn in self.fields:
+            a, b = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
+            fields.append((a * a, a * b, b * b, a * turn, b * turn, turn * turn))
+        return rays, fields
+
     def holds(self, kappa: Fraction) -> bool:
         """Whether ``a^2 + b^2 >= kappa V`` on the closed cone near the equilibrium, exactly."""
         inner = kappa * (1 + SLACK) if any(self.lyapunov.shape) else kappa
-        s11, s12, s22, corner = _schur(self, inner, 1 / self.lyapunov.weight)
+        # Schur complement with respect to tau, times the corner entry
+        s11, s12, s22, corner = _complement(self.products, inner, 1 / self.lyapunov.weight, self.fields[0][2] * 0)
         if corner.sign() <= 0 or s11.sign() < 0 or s22.sign() < 0:
             return False
         return s12.sign() >= 0 or sign(s11 * s22 - s12 * s12) >= 0
@@ -161,23 +175,6 @@ def _cone_rate(cone: CellCone, fields: tuple[Triple, ...], lyapunov: ControlLyap
     return ConeRate(cone.cell.index, (start, end), entries, lyapunov)
 
 
-def _schur(cone: ConeRate, kappa: Any, lightness: Any) -> tuple[Number, Number, Number, Number]:
-    """Schur complement with respect to tau (times the corner entry), and the corner entry; ``lightness = 1/w``."""
-    return _complement(_products(cone), kappa, lightness, cone.fields[0][2] * 0)
-
-
-def _products(cone: ConeRate) -> tuple[tuple[Any, ...], list[tuple[Any, ...]]]:
-    """What the form holds whatever kappa and w are: products of the rays, and of each field with them."""
-    p, q = cone.rays
-    slope_p, slope_q = cone.lyapunov.slope(p), cone.lyapunov.slope(q)
-    rays = tuple(dot(*pair) for pair in ((p, slope_p), (p, slope_q), (q, slope_q)))
-    fields: list[tuple[Any, ...]] = []
-    for x, y, turn in cone.fields:
-        a, b = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
-        fields.append((a * a, a * b, b * b, a * turn, b * turn, turn * turn))
-    return rays, fields
-
-
 def _complement(
     products: tuple[tuple[Any, ...], list[tuple[Any, ...]]], kappa: Any, lightness: Any, zero: Any
 ) -> tuple[Any, Any, Any, Any]:
@@ -229,7 +226,7 @@ def _proposal(floats: Sequence[ConeRate], lightness: float) -> float:
 def _largest(cone: ConeRate, lightness: float) -> float:
     """Largest kappa' of one cone, by bisection in floats; at most ``2 sum |g_v|^2``, since P is at most 2."""
     low, high = 0.0, 2.0 * sum(float(x) ** 2 for field in cone.fields for x in field[:2])
-    products = _products(cone)
+    products = cone.products
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
         s11, s12, s22, corner = _complement(products, middle, lightness, 0.0)
