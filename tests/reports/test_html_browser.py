@@ -25,6 +25,7 @@ OPTIONS = [
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 NARROW, WIDE = 400, 1400  # a phone, a desk
+BESIDE = 1120  # where two columns begin (70 rem)
 SCENES = {"four-wheel": None, "elliptic": None, "ring-8": None, "off-center": "box", "spiral-30": "ellipse"}
 READABLE = 4.5  # contrast of small text to its ground (WCAG 2, level AA)
 THINNEST = 2  # pixels: a lone minus sign is the flattest formula
@@ -140,6 +141,12 @@ def lit(page: Page) -> dict[str, set[str]]:
     """What each kind of lit element is about."""
     script = "(kind) => [...document.querySelectorAll(`main ${kind}.lit`)].map((e) => e.dataset.about)"
     return {kind: set(page.evaluate(script, kind)) for kind in ("g", "tr", "section")}
+
+
+def test_answers_are_whole_beside_the_array(page: Page) -> None:
+    page.set_viewport_size({"width": BESIDE, "height": 900})
+    table = "document.querySelector('#answers .table')"
+    assert page.evaluate(f"{table}.scrollWidth <= {table}.clientWidth")
 
 
 def test_a_cell_under_the_pointer_lights_its_equations_and_rows(page: Page) -> None:
