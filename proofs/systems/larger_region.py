@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
@@ -157,18 +158,21 @@ def _outline(cells: Sequence[FieldCell], radius: float) -> _Outline:
     return _Outline(units, count / DISTANCES * border, border)
 
 
-def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> Floats:
+def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> NDArray[np.bool_]:
     """Whether solutions reach the point without leaving the square, by the classical Runge-Kutta method."""
-    places, within = starts.copy(), np.ones(len(starts), dtype=bool)
+    places, back = starts.copy(), np.zeros(len(starts), dtype=bool)
+    going = np.arange(len(starts))
     for _ in range(STEPS):
-        first = _field(cells, places)
-        second = _field(cells, places + STEP / 2 * first)
-        third = _field(cells, places + STEP / 2 * second)
-        last = _field(cells, places + STEP * third)
-        places = places + STEP / 6 * (first + 2 * second + 2 * third + last)
-        within &= np.abs(places).max(axis=1) <= radius * (1 + STEP)
-        places[~within] = radius
-    return np.asarray(within & (np.abs(places).max(axis=1) <= radius * ARRIVED))
+        x = places[going]
+        first = _field(cells, x)
+        second = _field(cells, x + STEP / 2 * first)
+        third = _field(cells, x + STEP / 2 * second)
+        last = _field(cells, x + STEP * third)
+        places[going] = x + STEP / 6 * (first + 2 * second + 2 * third + last)
+        sizes = np.abs(places[going]).max(axis=1)
+        back[going[sizes <= radius * ARRIVED]] = True
+        going = going[(sizes > radius * ARRIVED) & (sizes <= radius * (1 + STEP))]
+    return back
 
 
 def _field(cells: Sequence[FieldCell], places: Floats) -> Floats:
