@@ -96,7 +96,8 @@ def _found(cells: SignCells) -> Iterator[RelayDegree]:
 def _ladder(cells: SignCells, surface: RationalTerms) -> list[RationalTerms]:
     """``h_0, ..., h_(r-1)``: as long as they vanish at the point and the next one is the same on all cells near it."""
     zero = (0,) * len(cells.states)
-    ladder, following = [], _cleaned(surface)
+    ladder: list[RationalTerms] = []
+    following = _cleaned(surface)
     while following and zero not in following and len(ladder) <= len(cells.states):
         ladder.append(following)
         seen = [_along(following, field) for cell in adjoining(cells) for field in cell.velocities]

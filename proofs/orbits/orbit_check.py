@@ -13,14 +13,14 @@ both sides push slides on by the differential equation of the sliding field, unt
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
 from flint import arb
 
-from nonsmooth.proofs.orbits.ball_cell import BallCell, along, dot
+from nonsmooth.proofs.orbits.ball_cell import BallCell, BallGuard, along, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, BallPolynomial, Box, UnprovedError, lower, middle, upper
 from nonsmooth.proofs.orbits.return_map import ReturnMap
 from nonsmooth.proofs.orbits.slide_map import SlideEnd
@@ -98,7 +98,7 @@ class Follower:
             guard = self.cell(place.signs).guards[met[0]]
             clear = len(met) == 1 and guard.value(place.state[:2]) > 0 and guard.slope(step.hull[:2]) < 0
             if clear and guard.value(step.at(step.span)[:2]) < 0:
-                when = falls_at(step, lambda z, g=guard: g.value(z[:2]))
+                when = falls_at(step, partial(_guard_at, guard))
                 place.state, place.time = step.at(when), place.time + when
                 return met[0]
             longest = step.span / 2
@@ -154,7 +154,7 @@ class Follower:
                 place.state, place.time = [*step.at(step.span), arb(0)], place.time + step.span
                 longest = LONGEST
             elif len(ending) == 1 and late[ending[0]] < 0 and self._falls(ending[0], cells, step, number):
-                when = falls_at(step, lambda z, k=ending[0]: pushes(z)[k])
+                when = falls_at(step, partial(_entry, pushes, ending[0]))
                 place.state, place.time = [*step.at(when), arb(0)], place.time + when
                 place.signs, place.departs = (place.signs, beyond)[ending[0]], number
                 return
@@ -176,6 +176,16 @@ class Follower:
         """Gradient of the speed away from a surface into a cell."""
         speed = along(cell.field, self.surfaces[number] * cell.signs[number])
         return [BallPolynomial(speed.derivative(name))(point) for name in speed.variables]
+
+
+def _guard_at(guard: BallGuard, state: Box) -> Ball:
+    """A guard at a state with L."""
+    return guard.value(state[:2])
+
+
+def _entry(values: Callable[[Box], list[Any]], number: int, state: Box) -> Ball:
+    """One of several values."""
+    return values(state)[number]
 
 
 @dataclass(frozen=True)

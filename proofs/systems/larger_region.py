@@ -58,8 +58,10 @@ class LargerRegion:
 
     def check(self, system: SwitchedSystem) -> bool:
         """Verify V on the square of the system, and the level, anew."""
+        if self.region.radius.field is not system.field or self.region.radius != system.check.radius:
+            return False
         cells = _judged(system, self.formula)
-        return _is_definite(cells) and self.region.radius == system.check.radius and self.region.check(cells)
+        return _is_definite(cells) and self.region.check(cells)
 
 
 def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion | None:
@@ -163,6 +165,8 @@ def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> ND
     places, back = starts.copy(), np.zeros(len(starts), dtype=bool)
     going = np.arange(len(starts))
     for _ in range(STEPS):
+        if not len(going):
+            break
         x = places[going]
         first = _field(cells, x)
         second = _field(cells, x + STEP / 2 * first)
