@@ -7,7 +7,7 @@ from f to g across a surface with the normal n.  Sections carry the direction d 
 
     P'(s) = det Phi (f(x) x d)/(f(y) x d)      for the start x and the return y
 
-(Aizerman and Gantmakher 1958; Andronov, Vitt and Khaikin 1966, ch. 5).  A solution that comes to a surface onto which
+(Aizerman and Gantmakher 1958; Andronov, Vitt and Khaikin 1966).  A solution that comes to a surface onto which
 both sides push slides on by the differential equation of the sliding field, until one side no longer pushes.
 """
 

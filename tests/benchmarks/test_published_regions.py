@@ -38,7 +38,8 @@ def test_published_and_certified_regions(published: Published, stopwatch: Stopwa
     point = ", ".join(f"{float(x):.5f}" for x in exact.point)
     stopwatch.report(f"{published.name}: {published.source}")
     stopwatch.report(f"  V = {published.potential} < {published.level}: area {sizes[0]:.2f}")
-    stopwatch.report(f"  exactly V < {exact.level}: area {sizes[1]:.2f}; refuted below {exact.refuted} at ({point})")
+    stopwatch.report(f"  exactly V < {exact.level}: area {sizes[1]:.2f}")
+    stopwatch.report(f"  at ({point}) V is at most {exact.refuted} and does not fall")
     stopwatch.report(f"  own V of degree {published.degree} < {own.region.level}: area {sizes[2]:.2f}, {seconds:.1f} s")
     stopwatch.report(f"  V = {own.formula.text}")
     assert sizes[0] <= sizes[1] * 1.001

@@ -75,11 +75,12 @@ HYPERBOLA = Published(
     ("-x + 2*x**2*y", "-y"),
     "FOSSIL, NonPoly1 (roa_1): discs of 0.1 about (-1, 1) and of 0.2 about (1, -1)",
     DISTANCE,
-    Fraction(1),
+    Fraction(1),  # not published: these discs are beyond every level of the distance
     8 / 27**0.5,  # r**2 = 1/(2 cos(a)**3 sin(a)) at its least
     2,
     6,
 )
+DISCS = [((-1.0, 1.0), 0.1), ((1.0, -1.0), 0.2)]  # of roa_1
 PUBLISHED = [VAN_DER_POL, NO_POLYNOMIAL, CUBIC, HYPERBOLA]
 
 GUIDE = ["-x**3 - x*z**2", "-y - x**2*y", "-z - 3*z/(z**2 + 1) + 3*x**2*z"]
