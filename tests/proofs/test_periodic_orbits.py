@@ -186,6 +186,7 @@ def test_a_slide_is_verified_and_forgeries_are_refused() -> None:
     system = load_system("stick-slip")
     proof = prove_orbit(system, find_orbit(system_field(system, (2.0, 0.0)), (2.0, 0.0), 100.0))
     assert proof.check(system)
+    assert proof.period is not None
     (end,) = proof.ends
     forged = [
         replace(proof, attracts=False),
