@@ -10,6 +10,7 @@ from nonsmooth.proofs.many_states.escape import Velocity
 from nonsmooth.proofs.many_states.examination import Examination, find_failure, questions_on
 from nonsmooth.proofs.many_states.instability import Growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
+from nonsmooth.proofs.many_states.relay_degree import RelayDegree
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.stability_result import UNDECIDED_BY
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -25,6 +26,7 @@ class Method(StrEnum):
     LYAPUNOV = "Lyapunov function"
     LINEARIZATION = "linearization"
     ESCAPE = "solution that leaves"
+    RELAY = "relative degree of a relay"
     GROWTH = "function that shows instability"
     NONE = UNDECIDED_BY
 
@@ -68,6 +70,7 @@ class Evidence:
         linear: the linearization; None where there is none, or it was not reached.
         escape: a velocity with which a solution leaves the point; None where none is found.
         ray_rate: a lower bound of the rate at which solutions leave along a ray in a cone; None where none is found.
+        relay: a switching surface that shows instability by its relative degree; None where none does.
         named: the V of the scene (without one the sum of squares of the states).
         searched: a V that was searched and falls; None where none was needed or found.
         growth: a V that shows instability; None where none was needed or found.
@@ -78,6 +81,7 @@ class Evidence:
     linear: LinearPart | None = None
     escape: Velocity | None = None
     ray_rate: Fraction | None = None
+    relay: RelayDegree | None = None
     named: ProvedLyapunov | None = None
     searched: ProvedLyapunov | None = None
     growth: Growth | None = None
@@ -94,8 +98,12 @@ class Evidence:
 
 def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
     """Verdict, reason and what decided."""
+    return _by_leaving(evidence) or _by_functions(evidence)
+
+
+def _by_leaving(evidence: Evidence) -> tuple[Translation, str, Method] | None:
+    """What shows near the point that solutions leave it."""
     spectrum = None if evidence.linear is None else evidence.linear.spectrum
-    proving = evidence.proving
     if evidence.equilibrium is Equilibrium.FAILS:
         return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", Method.EQUILIBRIUM
     if evidence.escape is not None:
@@ -103,8 +111,18 @@ def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
         return Translation.UNSTABLE, f"a solution leaves the point with velocity ({place}), into a cell", Method.ESCAPE
     if evidence.ray_rate is not None:
         return Translation.UNSTABLE, "solutions leave along a ray inside a cone with a linear field", Method.ESCAPE
+    if evidence.relay is not None:
+        order = f"derivative {evidence.relay.degree} of the switching function is the first that depends on its sign"
+        return Translation.UNSTABLE, f"{order}, and a function of the others never falls", Method.RELAY
     if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
         return Translation.UNSTABLE, str(spectrum), Method.LINEARIZATION
+    return None
+
+
+def _by_functions(evidence: Evidence) -> tuple[Translation, str, Method]:
+    """What a V or a stable linearization shows."""
+    spectrum = None if evidence.linear is None else evidence.linear.spectrum
+    proving = evidence.proving
     if proving is not None and proving.examination.verdict is Decrease.STRICT:
         return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, Method.LYAPUNOV
     if spectrum is Spectrum.HURWITZ:

@@ -1,8 +1,9 @@
 """Strong stability of the checked point of a plain system in three states and more.
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
-2. A velocity that leads from the point into a cell (:mod:`nonsmooth.proofs.many_states.escape`), and the
-   linearization, where there is one (:mod:`nonsmooth.proofs.many_states.linear_part`).
+2. A velocity that leads from the point into a cell (:mod:`nonsmooth.proofs.many_states.escape`), a relay of relative
+   degree three or more (:mod:`nonsmooth.proofs.many_states.relay_degree`), and the linearization, where there is one
+   (:mod:`nonsmooth.proofs.many_states.linear_part`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
@@ -25,6 +26,7 @@ from nonsmooth.proofs.many_states.examination import examine
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
+from nonsmooth.proofs.many_states.relay_degree import RelayDegree, high_degree_relay
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -74,8 +76,10 @@ class ManyStateResult(StabilityResult):
         """Verify the evidence and the conclusion; decide equilibrium, linearization and what is beyond reach again."""
         evidence = self.evidence
         found = _begin(self.scene)
-        known = evidence.equilibrium, evidence.linear, evidence.escape, evidence.ray_rate
-        if (found.equilibrium, found.linear, found.escape, found.ray_rate) != known:
+        known = evidence.equilibrium, evidence.linear, evidence.escape, evidence.ray_rate, evidence.relay
+        if (found.equilibrium, found.linear, found.escape, found.ray_rate, found.relay) != known:
+            return False
+        if evidence.relay is not None and not _relay_holds(self.scene, evidence.relay):
             return False
         if found.beyond and found != evidence:
             return False
@@ -141,10 +145,20 @@ def _begin(scene: SwitchedSystem) -> Evidence:
             linear = linear_part(cells) or unstable_mixture(scene, cells)
             escape = escaping_velocity(scene, cells)
             rate = None if linear is not None else escaping_rate(scene, cells)
-            return Evidence(decide_equilibrium(scene, cells), linear, escape, rate)
+            return Evidence(decide_equilibrium(scene, cells), linear, escape, rate, high_degree_relay(scene, cells))
         except BeyondReachError as error:
             beyond = beyond or str(error)
     return Evidence(Equilibrium.UNDECIDED, beyond=beyond)
+
+
+def _relay_holds(scene: SwitchedSystem, relay: RelayDegree) -> bool:
+    """Whether the function of a relay rises on the cells of the first cube that is looked at."""
+    for scale in SCALES:
+        try:
+            return relay.check(build_cells(scene, scene.check.radius * scale))
+        except BeyondReachError:
+            continue
+    return False
 
 
 def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:

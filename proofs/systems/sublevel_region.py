@@ -5,7 +5,8 @@ and falls where ``V < c``.  On each side of the border V is a polynomial in one 
 that falls on the whole square needs nothing else.  For a V without bends that falls near the equilibrium only, the rate
 is proved negative with the guard ``c - V``, factor by factor over Q; or along rays, where V is a quadratic form and the
 rate has two homogeneous parts f and g: with ``f < 0``, and ``f + g <= 0`` on ``V = c``, it is negative where ``V < c``.
-Just above the largest certified c a point refutes: on the border with V below it, or inside with ``V' >= 0``.
+Just above the largest certified c a point refutes: on the border with V below it, or inside with ``V' >= 0``
+(:mod:`nonsmooth.proofs.systems.rising_points`).
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from nonsmooth.proofs.inequalities.binary_forms import Line
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, Witness, prove
 from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.proofs.systems.rising_points import first_rise, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.surfaces import factorize
@@ -29,6 +31,7 @@ BISECTIONS = 12  # after the first one: the level is the largest up to a part in
 SMALLEST = Fraction(1, 2**40)  # level that is looked for
 MOST_OPEN = 2  # levels that are neither certified nor refuted, before the bisection ends
 SIMPLE = 64  # denominators of levels that are preferred within that part
+JUST_BELOW = (Fraction(4095, 4096), Fraction(255, 256), Fraction(15, 16))  # of a level that a point refutes
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,28 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
     bounds = _bounds(cells, radius)
     if bounds is None:
         return None
-    low, high = bounds if falls else (Fraction(0), bounds[1])
+    if falls:
+        return _between(cells, radius, *bounds, falls=True)
+    rise = first_rise(cells, radius)
+    if rise is None or rise[0] >= bounds[1]:
+        return _between(cells, radius, Fraction(0), bounds[1], falls=False)
+    return _below_a_rise(cells, radius, *rise)
+
+
+def _below_a_rise(cells: Sequence[LyapunovCell], radius: Number, high: Fraction, point: Point) -> SublevelRegion | None:
+    """The largest level certified below one that a point refutes."""
+    for share in JUST_BELOW:
+        low = short_below(high * share)
+        if _violation(cells, radius, low, falls=False) is None:
+            low = _simplified(cells, radius, low, high, falls=False)
+            return SublevelRegion(low, high, point, radius, False)
+    return _between(cells, radius, Fraction(0), high * JUST_BELOW[-1], falls=False)
+
+
+def _between(
+    cells: Sequence[LyapunovCell], radius: Number, low: Fraction, high: Fraction, *, falls: bool
+) -> SublevelRegion | None:
+    """By bisection; None where no level is certified."""
     left_open = 0
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
@@ -96,12 +120,18 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
         left_open += found is not None and found.point is None
         if left_open == MOST_OPEN:
             break
-    simple = _simple_between(low, high)
-    if simple is not None and _violation(cells, radius, simple, falls=falls) is None:
-        low = simple
+    low = _simplified(cells, radius, low, high, falls=falls)
     found = _violation(cells, radius, high, falls=falls)
     point = None if found is None else found.point
     return SublevelRegion(low, high, point, radius, falls) if low else None
+
+
+def _simplified(
+    cells: Sequence[LyapunovCell], radius: Number, low: Fraction, high: Fraction, *, falls: bool
+) -> Fraction:
+    """A level of small denominator between two, if it is certified; else the lower one."""
+    simple = _simple_between(low, high)
+    return low if simple is None or _violation(cells, radius, simple, falls=falls) is not None else simple
 
 
 def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fraction] | None:

@@ -62,8 +62,8 @@ KNOWN = [
     Known("x y z", ["y", "z", "-x - 2*y - z - 2*sgn(x + y + z)"], ATTRACTS, "sliding control: Utkin 1992"),
     Known("a b c d", ["b", "c", "d", "-2*sgn(a + 3*b + 3*c + d)"], ATTRACTS, "sliding control: Utkin 1992"),
     Known("a b c d", ["b", "c", "d", "2*sgn(a + 3*b + 3*c + d)"], LEAVES, "the same with the wrong sign"),
-    Known("x y z", ["y", "z", "-sgn(x)"], LEAVES, "relay of relative degree 3: Anosov 1959", said=OPEN),
-    Known("x y z", ["y", "z", "-x - 3*y - 3*z - sgn(x)"], LEAVES, "1/(s + 1)^3 under a relay: Tsypkin", said=OPEN),
+    Known("x y z", ["y", "z", "-sgn(x)"], LEAVES, "relay of relative degree 3: Anosov 1959"),
+    Known("x y z", ["y", "z", "-x - 3*y - 3*z - sgn(x)"], LEAVES, "1/(s + 1)^3 under a relay: Tsypkin"),
     Known(
         "x y z", MAY, ATTRACTS, "May and Leonard 1975, sum below 2", {"equilibrium": ["2/5"] * 3}, parameters={"c": 1}
     ),

@@ -1,0 +1,245 @@
+"""A polynomial V whose certified sublevel set fills much of the region of attraction within the checked square.
+
+Floats follow solutions from points on rays: how far those come back is an outline of the region.  On a part of the
+outline a linear program asks for a polynomial V with ``V' < 0`` inside and ``V >= 1`` from there on, and as little
+above 1 as possible on it, so that its level sets follow the outline.  Where rounded V rises too early, the point
+becomes a row, and the program is solved again.  Exact arithmetic then proves V positive and the largest level
+(:mod:`nonsmooth.proofs.systems.sublevel_region`): what floats took for the region is no part of the claim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.switched_cells import (
+    FieldCell,
+    LyapunovCell,
+    lyapunov_cells,
+    square_regions,
+    system_cells,
+)
+from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.systems.derivatives import inhabited
+from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction, build_formula, smooth_functions
+from nonsmooth.proofs.systems.lyapunov_rows import Floats, Sides, build_sides, values_at
+from nonsmooth.proofs.systems.rising_points import first_rise, where_inside
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
+
+ANGLES, DISTANCES, BEYOND = 120, 32, 12  # of rays, points on each up to the outline, and from there to the border
+NEAREST = (1 / 128, 1 / 512)  # distances against the outline, because near the point terms of low degree decide
+SHARES = (0.98, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5)  # of the outline, tried in turn
+CANDIDATES = 2  # of the parts of the outline whose V are certified
+ROUNDS = 20  # of proposals and rises for one share
+MARGIN = 1 / 64  # of V and of its derivative, against the squared distance
+ENOUGH = 0.9  # of the share's level: a V that rises no earlier is kept
+LARGEST = 8.0  # of V on the outline: beyond it level sets have quite another shape
+DENOMINATOR = 2**14  # of coefficients
+STEP, STEPS, ARRIVED = 1 / 32, 800, 1 / 64  # of paths: in time, and the distance against the half-width
+
+
+@dataclass(frozen=True)
+class LargerRegion:
+    """A V with a certified region.
+
+    Attributes:
+        formula: V, a polynomial in the displacement under the states' names.
+        region: every solution that starts with ``V < level`` in the square stays there and reaches the point.
+    """
+
+    formula: PiecewiseExpression
+    region: SublevelRegion
+
+    def check(self, system: SwitchedSystem) -> bool:
+        """Verify V on the square of the system, and the level, anew."""
+        if self.region.radius.field is not system.field or self.region.radius != system.check.radius:
+            return False
+        cells = _judged(system, self.formula)
+        return _is_definite(cells) and self.region.check(cells)
+
+
+def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion | None:
+    """Search a V of a degree whose certified region in the checked square is large; None where none is certified.
+
+    Args:
+        system: in two states.
+        degree: of V, at least two.
+
+    Raises:
+        SceneError: for another number of states, and for formulas that cannot be used.
+    """
+    require_plane(system)
+    cells = system_cells(system, square_regions(system.check.radius))
+    basis = tuple(f for d in range(2, degree + 1) for f in smooth_functions(system.field, d))
+    outline = _outline(cells, float(system.check.radius))
+    if not outline.reach.min() > 0:
+        return None
+    blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
+    sides = build_sides(lyapunov_cells(cells, blank, system.states, system.origin), basis)
+    certified: list[LargerRegion] = []
+    for shrunk in _promising(sides, outline)[:CANDIDATES]:
+        formula = _proposed(system, sides, basis, shrunk)
+        found = None if formula is None else _certified(system, formula)
+        certified += [] if found is None else [found]
+    return max(certified, key=lambda found: _seen_area(system, found, outline), default=None)
+
+
+def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRegion | None:
+    cells = _judged(system, formula)
+    region = largest_sublevel(cells, system.check.radius, falls=False) if _is_definite(cells) else None
+    return None if region is None else LargerRegion(formula, region)
+
+
+def _judged(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[LyapunovCell, ...]:
+    cells = system_cells(system, square_regions(system.check.radius))
+    return inhabited(lyapunov_cells(cells, formula, system.states, system.origin))
+
+
+def _is_definite(cells: Sequence[LyapunovCell]) -> bool:
+    """Whether V is proved to be zero at the point and positive elsewhere."""
+    return all(
+        (0, 0) not in cell.potential.terms
+        and isinstance(prove(Sense.POSITIVE, cell.potential, cell.region, except_origin=True), Proof)
+        for cell in cells
+    )
+
+
+def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
+    """How much of the square is below the level, as points on rays show it."""
+    potential = _judged(system, found.formula)[0].potential
+    places = _Outline(outline.units, outline.border, outline.border).inside
+    below = values_at(potential, places) < float(found.region.level)
+    return float((below * (places**2).sum(axis=1) ** 0.5).sum())
+
+
+# ---- floats: what to ask for ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Outline:
+    """Directions (n, 2), how far starts on them come back (n), and how far the square reaches (n)."""
+
+    units: Floats
+    reach: Floats
+    border: Floats
+
+    def shrunk(self, share: float) -> _Outline:
+        return _Outline(self.units, self.reach * share, self.border)
+
+    @property
+    def rim(self) -> Floats:
+        return self.reach[:, None] * self.units
+
+    @property
+    def inside(self) -> Floats:
+        shares = np.concatenate([np.arange(1, DISTANCES + 1) / DISTANCES, NEAREST])
+        return np.asarray((shares[:, None, None] * self.rim).reshape(-1, 2))
+
+    @property
+    def outside(self) -> Floats:
+        shares = (np.arange(1, BEYOND + 1) / BEYOND)[:, None]
+        distances = self.reach + shares * (self.border - self.reach)
+        return np.asarray((distances[:, :, None] * self.units).reshape(-1, 2))
+
+
+def _outline(cells: Sequence[FieldCell], radius: float) -> _Outline:
+    """How far starts come back within the square, on rays."""
+    angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
+    units = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    border = radius / np.abs(units).max(axis=1)
+    shares = np.arange(1, DISTANCES + 1) / DISTANCES
+    starts = (shares[:, None, None] * (border[:, None] * units)).reshape(-1, 2)
+    back = _comes_back(cells, starts, radius).reshape(DISTANCES, ANGLES)
+    count = np.where(back.all(axis=0), DISTANCES, np.argmin(back, axis=0))
+    return _Outline(units, count / DISTANCES * border, border)
+
+
+def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> NDArray[np.bool_]:
+    """Whether solutions reach the point without leaving the square, by the classical Runge-Kutta method."""
+    places, back = starts.copy(), np.zeros(len(starts), dtype=bool)
+    going = np.arange(len(starts))
+    for _ in range(STEPS):
+        if not len(going):
+            break
+        x = places[going]
+        first = _field(cells, x)
+        second = _field(cells, x + STEP / 2 * first)
+        third = _field(cells, x + STEP / 2 * second)
+        last = _field(cells, x + STEP * third)
+        places[going] = x + STEP / 6 * (first + 2 * second + 2 * third + last)
+        sizes = np.abs(places[going]).max(axis=1)
+        back[going[sizes <= radius * ARRIVED]] = True
+        going = going[(sizes > radius * ARRIVED) & (sizes <= radius * (1 + STEP))]
+    return back
+
+
+def _field(cells: Sequence[FieldCell], places: Floats) -> Floats:
+    """The field of a cell that holds each place; zero beyond the square."""
+    found = np.zeros_like(places)
+    for cell in cells:
+        held = where_inside(cell.region, places)
+        for k, part in enumerate(cell.velocities[0]):
+            found[held, k] = values_at(part, places[held])
+    return found
+
+
+def _promising(sides: Sequence[Sides], outline: _Outline) -> list[_Outline]:
+    """Parts of the outline on which there is a program's V, those first of which its level 1 seems to hold most."""
+    solved = []
+    for share in SHARES:
+        shrunk = outline.shrunk(share)
+        found = _solved(sides, shrunk.inside, shrunk)
+        if found is not None:
+            solved.append((share**2 / found[1], shrunk))
+    return [shrunk for _, shrunk in sorted(solved, key=lambda entry: -entry[0])]
+
+
+def _proposed(
+    system: SwitchedSystem, sides: Sequence[Sides], basis: Sequence[BasisFunction], outline: _Outline
+) -> PiecewiseExpression | None:
+    """A rounded V that rises, if at all, near its level on the outline; None where no program has one."""
+    inside = outline.inside
+    for _ in range(ROUNDS):
+        solved = _solved(sides, inside, outline)
+        if solved is None:
+            return None
+        rounded = [Fraction(round(float(c) * DENOMINATOR), DENOMINATOR) for c in solved[0]]
+        formula = build_formula(basis, rounded, system.states)
+        rise = first_rise(_judged(system, formula), system.check.radius)
+        if rise is None or rise[0] >= ENOUGH:
+            return formula
+        inside = np.vstack([inside, [[float(x) for x in rise[1]]]])
+    return None
+
+
+def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[Floats, float] | None:
+    """Coefficients with the least maximum of V on the outline, and that; None where there are none."""
+    from scipy.optimize import linprog
+
+    count = len(sides[0].values)
+    rows, bounds = [], []
+
+    def ask(row: Floats, of_top: float, bound: Floats) -> None:
+        """``row . c + of_top top <= bound``."""
+        rows.append(np.column_stack([row, np.full(len(row), of_top)]))
+        bounds.append(bound)
+
+    for side in sides:
+        near = inside[where_inside(side.cell.region, inside)]
+        margin = -MARGIN * (near**2).sum(axis=1)
+        ask(np.column_stack([values_at(p, near) for p in side.rates]), 0, margin)
+    values = [[values_at(p, points) for p in sides[0].values] for points in (inside, outline.rim, outline.outside)]
+    ask(-np.column_stack(values[0]), 0, -MARGIN * (inside**2).sum(axis=1))
+    ask(np.column_stack(values[1]), -1, np.zeros(len(outline.rim)))
+    for points in values[1:]:
+        ask(-np.column_stack(points), 0, -np.ones(len(points[0])))
+    costs = np.append(np.zeros(count), 1.0)
+    limits = [(None, None)] * count + [(1, LARGEST)]
+    found = linprog(costs, A_ub=np.vstack(rows), b_ub=np.concatenate(bounds), bounds=limits, method="highs")
+    return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None

@@ -1,0 +1,100 @@
+"""Published Lyapunov functions and regions, audited exactly; the search for larger regions against paths."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import nonsmooth as ns
+from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.system_decision import audit_function
+from nonsmooth.proofs.systems.larger_region import find_larger_region
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.proofs.published_regions import (
+    GUIDE,
+    GUIDE_POTENTIAL,
+    HYPERBOLA,
+    PUBLISHED,
+    VAN_DER_POL,
+    Published,
+    area,
+    exact_level,
+    published_cells,
+    system_of,
+)
+from tests.thorough import thorough
+
+
+@pytest.mark.parametrize("published", PUBLISHED, ids=lambda published: published.name)
+def test_a_published_level_is_certified_and_the_largest_is_the_limit(published: Published) -> None:
+    found = exact_level(system_of(published))
+    assert found is not None
+    assert found.level >= published.level
+    assert float(found.level) <= published.limit + 1e-5
+    assert found.point is not None
+    if np.isfinite(published.limit):  # else the border of the square refutes larger levels
+        assert found.level == pytest.approx(published.limit, rel=1e-3)
+        assert found.refuted == pytest.approx(published.limit, rel=1e-3)
+        x, y = map(float, found.point)
+        slope = eval(  # noqa: S307 - formulas of the tests
+            " + ".join(f"({d})*({f})" for d, f in zip(gradient(published.potential), published.rhs, strict=True)),
+            {"x": x, "y": y},
+        )
+        assert slope > -1e-9
+    else:
+        assert found.level == published.radius**2
+
+
+def gradient(potential: str) -> tuple[str, str]:
+    return {"x**2 + y**2": ("2*x", "2*y"), "3*x**2/2 - x*y + y**2": ("3*x - y", "2*y - x")}[potential]
+
+
+def test_a_forged_level_is_refused() -> None:
+    system = system_of(VAN_DER_POL)
+    found, cells = exact_level(system), published_cells(system)
+    assert found is not None
+    assert found.check(cells)
+    assert not replace(found, level=found.refuted).check(cells)
+    assert not replace(found, refuted=found.level / 2).check(cells)
+
+
+def test_the_v_of_the_guide_of_sostools_is_proved() -> None:
+    system = ns.System(["x", "y", "z"], GUIDE, radius=2, lyapunov=GUIDE_POTENTIAL).system
+    assert audit_function(system, GUIDE_POTENTIAL).proves is Translation.ASYMPTOTICALLY_STABLE
+    result = decide_many(system)
+    assert result.region is not None
+    assert Fraction(69, 10) < result.region.level <= 4 * Fraction(17945, 10_000)
+    assert result.check()
+
+
+@thorough  # a region that is not there, and forged levels, are refused above and below
+@pytest.mark.parametrize(("published", "degree", "least"), [(VAN_DER_POL, 2, 6.2), (HYPERBOLA, 4, 5.5)])
+def test_a_larger_region_is_certified(published: Published, degree: int, least: float) -> None:
+    """Paths from all over it come home; forged levels and formulas are refused."""
+    system = system_of(published)
+    found = find_larger_region(system, degree)
+    assert found is not None
+    assert found.check(system)
+    level, text = found.region.level, found.formula.text
+    assert area(text, float(level), published.radius) > least
+    assert not replace(found, region=replace(found.region, level=level * 2)).check(system)
+    assert not replace(found, formula=parse_piecewise(f"{text} - x**2", system.states)).check(system)
+    rng = np.random.default_rng(0)
+    starts = [p for p in rng.uniform(-published.radius, published.radius, (60, 2)) if below(text, p, float(level))]
+    assert len(starts) > 8
+    for start in starts[:8]:
+        path = ns.System(["x", "y"], list(published.rhs)).simulate(start.tolist(), 30.0).trajectory
+        assert np.abs(path.at(30.0)).max() < 1e-2
+
+
+def below(text: str, point: NDArray[np.float64], level: float) -> bool:
+    return bool(eval(text, {"x": point[0], "y": point[1]}) < level)  # noqa: S307 - our own V
+
+
+def test_no_region_where_nothing_comes_back() -> None:
+    assert find_larger_region(ns.System(["x", "y"], ["x", "-y"]).system, 2) is None

@@ -1,0 +1,48 @@
+"""The audit of a V beside Z3 on inequalities that are built from the formulas anew; more of it in tests/benchmarks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.many_states.audit import ManyStateAudit
+from nonsmooth.proofs.system_decision import audit_function
+from nonsmooth.proofs.systems.derivatives import Decrease
+from tests.oracles.solver_questions import Questions, read
+from tests.oracles.solvers import ask, with_z3
+
+RELAY, SKEW = ["y", "-3*sign(x) - 2*sign(y)"], ["y", "-2*sign(x + y) + x/2"]
+CHAIN = ["-sgn(x) + y/2", "-sgn(y) + z/2", "-sgn(z) - x/2"]
+DRAG = ["y", "-sign(x) - y*Abs(y)"]
+
+
+def decrease(states: Sequence[str], rhs: Sequence[str], potential: str) -> Decrease:
+    audited = audit_function(ns.System(list(states), list(rhs)).system, potential)
+    evidence = audited.function.examination if isinstance(audited, ManyStateAudit) and audited.function else None
+    found = evidence or getattr(audited, "result", None)
+    assert found is not None
+    assert audited.check()
+    return found.verdict
+
+
+@pytest.mark.parametrize(
+    ("states", "rhs", "potential", "truth"),
+    [
+        ("xy", RELAY, "Abs(x) - x**2/6 + x*y/6 + 2*y**2/7", Decrease.STRICT),
+        ("xy", RELAY, "Abs(x) + x**2/6 - x*y/2 + 2*y**2/7", Decrease.REFUTED),
+        ("xy", SKEW, "Abs(x + y) + x**2 + x*y/2 + y**2/2", Decrease.STRICT),
+        ("xy", SKEW, "Abs(x + y) - x**2 + x*y/2 + y**2/2", Decrease.REFUTED),
+        ("xy", DRAG, "Abs(x) + y**2/2", Decrease.WEAK),
+        ("xyz", CHAIN, "Abs(x) + Abs(y) + Abs(z)", Decrease.STRICT),
+        ("xyz", CHAIN, "Abs(x) + Abs(y) - Abs(z)/4", Decrease.REFUTED),
+    ],
+)
+def test_the_audit_agrees_with_z3(states: str, rhs: list[str], potential: str, truth: Decrease) -> None:
+    assert decrease(states, rhs, potential) is truth
+    stated = read(states, rhs, [0] * len(states), "1/2", potential)
+    strict = ask(with_z3, list(Questions(stated)), 20)
+    assert strict.said == ("proved" if truth is Decrease.STRICT else "refuted"), strict
+    weak = ask(with_z3, list(Questions(stated, rises=">")), 20)
+    assert weak.said == ("refuted" if truth is Decrease.REFUTED else "proved"), weak
