@@ -29,9 +29,12 @@ from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction, build_formula
 from nonsmooth.proofs.systems.lyapunov_rows import Floats, Sides, build_sides, values_at
 from nonsmooth.proofs.systems.rising_points import first_rise, where_inside
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
+DEGREES = range(2, 13)  # of V
 ANGLES, DISTANCES, BEYOND = 120, 32, 12  # of rays, points on each up to the outline, and from there to the border
 NEAREST = (1 / 128, 1 / 512)  # distances against the outline, because near the point terms of low degree decide
 SHARES = (0.98, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5)  # of the outline, tried in turn
@@ -44,7 +47,7 @@ DENOMINATOR = 2**14  # of coefficients
 STEP, STEPS, ARRIVED = 1 / 32, 800, 1 / 64  # of paths: in time, and the distance against the half-width
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LargerRegion:
     """A V with a certified region.
 
@@ -55,6 +58,13 @@ class LargerRegion:
 
     formula: PiecewiseExpression
     region: SublevelRegion
+
+    def __repr__(self) -> str:
+        return f"{self.region} with V = {one_line(self.formula.text)}"
+
+    def _repr_html_(self) -> str:
+        rows = [(one_line(self.formula.text), str(self.region))]
+        return html_table("certified region", ("V", "every start there reaches the point"), rows)
 
     def check(self, system: SwitchedSystem) -> bool:
         """Verify V on the square of the system, and the level, anew."""
@@ -69,11 +79,14 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
 
     Args:
         system: in two states.
-        degree: of V, at least two.
+        degree: of V, from two to twelve.
 
     Raises:
         SceneError: for another number of states, and for formulas that cannot be used.
+        ValueError: for another degree.
     """
+    if degree not in DEGREES:
+        raise ValueError(f"degree: required a whole number from {DEGREES[0]} to {DEGREES[-1]}, received {degree}")
     require_plane(system)
     cells = system_cells(system, square_regions(system.check.radius))
     basis = tuple(f for d in range(2, degree + 1) for f in smooth_functions(system.field, d))

@@ -12,6 +12,7 @@ from nonsmooth.reports.interface.entries import entry, table
 from nonsmooth.reports.interface.made_system import MadeSystem
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.systems.larger_region import LargerRegion
     from nonsmooth.reports.interface.map_result import MapResult
     from nonsmooth.reports.interface.orbit_result import OrbitResult
     from nonsmooth.reports.interface.path_result import PathResult
@@ -158,6 +159,27 @@ class System(MadeSystem):
         from nonsmooth.reports.interface.orbit_result import orbit_of
 
         return orbit_of(self.system, tuple(float(value) for value in start), until)
+
+    def larger_region(self, degree: int = 4) -> LargerRegion | None:
+        """A polynomial V whose certified sublevel set fills much of the region of attraction within the checked square.
+
+        Floats propose V along the outline of the region, exact arithmetic proves it and its level. It takes seconds to
+        a minute.
+
+        Args:
+            degree: of V, from two to twelve.
+
+        Returns:
+            V (``formula.text``) and ``region`` (``level``, and a point that refutes the next one), with ``check``; None
+            where nothing is certified.
+
+        Raises:
+            SceneError: for another number of states than two, and for formulas that cannot be used.
+            ValueError: for another degree.
+        """
+        from nonsmooth.proofs.systems.larger_region import find_larger_region
+
+        return find_larger_region(self.system, degree)
 
     def map(self, grid: int = 21, *, until: float = UNTIL) -> MapResult:
         """Where a grid of starts over the checked square has come to, sampled.
