@@ -157,23 +157,29 @@ class _Builder:
     def on_faces(self) -> Iterator[Question]:
         """The same on faces on which V bends, with mu."""
         number = 0
-        for size in range(1, min(len(self.bending), self.count) + 1):
-            for zero in combinations(self.bending, size):
-                face = build_face([self.surfaces[j] for j in zero], self.count)
-                if face is None or self._is_smaller(face, zero):
-                    continue
-                groups: dict[tuple[tuple[int, int], ...], list[SignCell]] = {}
-                for cell in self.cells:
-                    groups.setdefault(self.at_bends(cell.signs, zero), []).append(cell)
-                for cells in groups.values():
-                    asked = list(self._on_face(face, zero, cells, number))
-                    number += bool(asked)
-                    yield from asked
+        for zero, face in self._places().items():
+            if self._is_elsewhere(face):
+                continue
+            groups: dict[tuple[tuple[int, int], ...], list[SignCell]] = {}
+            for cell in self.cells:
+                groups.setdefault(self.at_bends(cell.signs, zero), []).append(cell)
+            for cells in groups.values():
+                asked = list(self._on_face(face, zero, cells, number))
+                number += bool(asked)
+                yield from asked
 
-    def _is_smaller(self, face: Face, zero: Sequence[int]) -> bool:
-        """Whether another bending surface vanishes on all of it, or it is the checked point or out of the cube."""
-        if any(not face.restricted(self.surfaces[j]) for j in self.bending if j not in zero):
-            return True
+    def _places(self) -> dict[tuple[int, ...], Face]:
+        """Where bending surfaces vanish together, by all that vanish there: more than n planes may share a line."""
+        found: dict[tuple[int, ...], Face] = {}
+        for size in range(1, min(len(self.bending), self.count) + 1):
+            for chosen in combinations(self.bending, size):
+                face = build_face([self.surfaces[j] for j in chosen], self.count)
+                if face is not None:
+                    found.setdefault(tuple(j for j in self.bending if not face.restricted(self.surfaces[j])), face)
+        return found
+
+    def _is_elsewhere(self, face: Face) -> bool:
+        """Whether it is the checked point or out of the cube."""
         origin = (0,) * face.dimension
         still = [form.get(origin, fmpq(0)) for form in face.coordinates if not any(map(sum, form))]
         return (not face.dimension and not any(still)) or any(abs(value) > 1 for value in still)
