@@ -17,6 +17,9 @@ inequalities off the point it is asymptotically stable; with ``<=`` it is stable
 inequalities, it is unstable.  With ``q = kappa V`` or ``q = kappa`` the rate is shown, and with ``V >= level`` on the
 border of the square every start with ``V < level`` in the square stays there and reaches the point.
 
+In one state the signs of all fields on either side of the point decide, and no V is needed: see
+:class:`ScalarCertificate`.
+
 A polynomial is at least 0 on a simplex of the plane (corners, or directions of unbounded cells) if its coefficients in
 the homogeneous coordinates of the simplex are; where some are not, the simplex is cut in two.  Whatever is not shown
 within the limits below is rejected: that is no counterexample.
@@ -34,11 +37,12 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 from math import isqrt
 from typing import Any, TypeAlias
 
-SCHEMA = "nonsmooth-system-certificate/1"
+SCHEMA = "nonsmooth-system-certificate/1"  # of two states
+SCALAR_SCHEMA = "nonsmooth-scalar-certificate/1"  # of one state
 KEYS = "schema states rhs at radius lyapunov verdict level rate notes"
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
@@ -870,13 +874,234 @@ class Certificate:
         return "\n".join(lines)
 
 
+# ---- one state ---------------------------------------------------------------------------------
+
+SCALAR_KEYS = "schema states rhs at verdict starts notes"
+MAX_ANSWERS = 64  # pieces of a formula where signs are not known
+
+Dense: TypeAlias = list[Fraction]  # coefficients of a polynomial in one variable, ascending
+Sure: TypeAlias = Callable[[Polynomial], int]  # the sign of a polynomial on a part of the line; 0 where it is not known
+
+
+class UnknownSignError(Exception):
+    """A sign that a formula needs and nobody knows."""
+
+    def __init__(self, value: Polynomial) -> None:
+        super().__init__(value)
+        self.value = value
+
+
+def dense(value: Polynomial) -> Dense:
+    """The coefficients of a polynomial in x alone."""
+    return [value.terms.get((k, 0), Fraction(0)) for k in range(value.degree + 1)] if value else []
+
+
+def value_at(own: Dense, place: Fraction) -> Fraction:
+    """By Horner's scheme."""
+    total = Fraction(0)
+    for coefficient in reversed(own):
+        total = total * place + coefficient
+    return total
+
+
+def without_root(own: Dense, root: Fraction) -> Dense:
+    """A nonzero polynomial divided by ``(x - root)`` as often as that divides it."""
+    while len(own) > 1 and not value_at(own, root):
+        quotient: Dense = []
+        for coefficient in reversed(own):
+            quotient.append(coefficient + root * (quotient[-1] if quotient else 0))
+        own = quotient[-2::-1]  # the last one is the remainder, which is zero
+    return own
+
+
+def negated_remainder(top: Dense, bottom: Dense) -> Dense:
+    """``-(top mod bottom)``, divided by a positive number."""
+    rest = list(top)
+    BUDGET.spend(1 + len(top) * len(bottom))
+    while len(rest) >= len(bottom):
+        factor = rest[-1] / bottom[-1]
+        for k, coefficient in enumerate(bottom, len(rest) - len(bottom)):
+            rest[k] -= factor * coefficient
+        rest.pop()
+    while rest and not rest[-1]:
+        rest.pop()
+    return [-coefficient / abs(rest[-1]) for coefficient in rest]
+
+
+def variations(chain: Sequence[Dense], place: Fraction) -> int:
+    """Changes of sign along a chain, zeros left out."""
+    values = [value for own in chain if (value := value_at(own, place))]
+    return sum(1 for a, b in pairwise(values) if a * b < 0)
+
+
+def has_root_between(own: Dense, low: Fraction, high: Fraction) -> bool:
+    """Whether a nonzero polynomial vanishes in an open interval: Sturm's theorem.
+
+    Divided by the factors that vanish at the ends, it has as many distinct roots between them as its chain ``p, p',
+    -(p mod p'), ...`` loses changes of sign; this holds for multiple roots too.
+    """
+    own = without_root(without_root(own, low), high)
+    chain = [own, [k * coefficient for k, coefficient in enumerate(own)][1:]]
+    while chain[-1]:
+        chain.append(negated_remainder(chain[-2], chain[-1]))
+    return variations(chain, low) != variations(chain, high)
+
+
+def sign_between(value: Polynomial, low: Fraction, high: Fraction) -> int:
+    """The sign of a nonzero polynomial in an open interval; 0 where it vanishes inside."""
+    own = dense(value)
+    middle = value_at(own, (low + high) / 2)
+    return 0 if not middle or has_root_between(own, low, high) else (1 if middle > 0 else -1)
+
+
+def germ_sign(value: Polynomial) -> int:
+    """The sign at all small positive x: that of the coefficient of the lowest power; 0 for the zero polynomial."""
+    return (1 if value.terms[min(value.terms)] > 0 else -1) if value else 0
+
+
+def pieces_of(formula: Formula, sure: Sure) -> list[Polynomial]:
+    """What a formula can be where some signs are not known: every answer of these is tried, 1 and -1.
+
+    At a point where switching expressions vanish, the limits of the formula from either side are among these.
+    """
+    found: list[Polynomial] = []
+    waiting: list[dict[Polynomial, int]] = [{}]
+    while waiting:
+        answers = waiting.pop()
+
+        def sign_of(value: Polynomial, answers: dict[Polynomial, int] = answers) -> int:
+            known = sure(value) or answers.get(value) or -answers.get(-value, 0)
+            if not known:
+                raise UnknownSignError(value)
+            return known
+
+        try:
+            found.append(formula.on(sign_of))
+        except UnknownSignError as asked:
+            waiting += [{**answers, asked.value: sign} for sign in (1, -1)]
+        require(len(found) + len(waiting) <= MAX_ANSWERS, f"at most {MAX_ANSWERS} pieces of a formula near a point")
+    return found
+
+
+class ScalarCertificate:
+    """A certificate of a system in one state: F is the hull of all limits of its fields at a point."""
+
+    def __init__(self, data: Any) -> None:
+        require(type(data) is dict and sorted(data) == sorted(SCALAR_KEYS.split()), f"the keys {SCALAR_KEYS}")
+        BUDGET.left = MAX_WORK
+        self.states, rhs = data["states"], data["rhs"]
+        require(type(self.states) is list and len(self.states) == 1, "one state")
+        require(type(self.states[0]) is str and NAME.fullmatch(self.states[0]), "a state with a name")
+        require(type(data["at"]) is list and len(data["at"]) == 1, "a point of one number")
+        self.at, self.verdict = rational(data["at"][0]), data["verdict"]
+        require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
+        require(type(rhs) is list and 0 < len(rhs) <= MAX_FIELDS, f"one to {MAX_FIELDS} right-hand sides")
+        require(all(type(side) is list and len(side) == 1 for side in rhs), "one formula in each right-hand side")
+        self.right, self.left = ([self._formula(text, turn) for (text,) in rhs] for turn in (1, -1))
+        self.starts = data["starts"]
+
+    def _formula(self, text: Any, turn: int) -> Formula:
+        """A right-hand side in the distance from the point to one side."""
+        distance = Polynomial({(1, 0): Fraction(turn)})
+        return Formula(text, {self.states[0]: distance + constant(self.at)})
+
+    def check(self) -> None:
+        """Show every claim."""
+        right = [formula.on(germ_sign) for formula in self.right]
+        left = [-formula.on(germ_sign) for formula in self.left]
+        if self.verdict == UNSTABLE:
+            self._show_unstable(right, left)
+        else:
+            self._show_stable(right, left)
+        if self.starts is not None:
+            self._show_starts()
+
+    def _show_stable(self, right: Sequence[Polynomial], left: Sequence[Polynomial]) -> None:
+        """No field leads away near the point; for asymptotic stability every one leads back.
+
+        Off the point the velocity is, at almost all times, a mixture of speeds of that side.  If none of these is
+        positive (away from the point), the distance never grows.  If all are negative they stay below a negative number
+        on each compact part of the side, so every distance is left behind.
+        """
+        most = max(map(germ_sign, (*right, *left)))
+        require(most < 0 or (most == 0 and self.verdict == STABLE), "fields that lead back on both sides")
+
+    def _show_unstable(self, right: Sequence[Polynomial], left: Sequence[Polynomial]) -> None:
+        """A field that leads away on one side, or 0 outside F at the point.
+
+        A positive speed in ``(0, d)`` carries a solution of this field from every start there to d.  If all limits at
+        the point have one sign, so have all fields near it, and every solution leaves.
+        """
+        limits = [f.terms.get((0, 0), Fraction(0)) for f in right]
+        limits += [-f.terms.get((0, 0), Fraction(0)) for f in left]
+        rests = min(limits) <= 0 <= max(limits)
+        require(not rests or max(map(germ_sign, (*right, *left))) > 0, "a field that leads away, or 0 outside F")
+
+    def _show_starts(self) -> None:
+        """Every start in the open interval reaches the point, or tends to it."""
+        require(self.verdict == ASYMPTOTICALLY_STABLE, "starts of a point that attracts")
+        require(type(self.starts) is list and len(self.starts) == 2, "an interval of starts: two numbers")
+        low, high = map(rational, self.starts)
+        require(low < self.at < high, "an interval of starts around the point")
+        show_inward(self.right, high - self.at, 1)
+        show_inward(self.left, self.at - low, -1)
+
+    def describe(self) -> str:
+        """What is shown, one claim to a line."""
+        (state,) = self.states
+        lines = [f"system in {state} at ({self.at}): {self.verdict}", "signs of all fields beside the point"]
+        if self.starts is not None:
+            lines.append(f"every start with {self.starts[0]} < {state} < {self.starts[1]} reaches the point")
+        return "\n".join(lines)
+
+
+def show_inward(formulas: Sequence[Formula], end: Fraction, turn: int) -> None:
+    """Every field leads back at all distances in ``(0, end)``, on one side.
+
+    The interval is cut until, in each open part and at each cut, all pieces that the formulas can be there are
+    negative (away is positive).  Where a switching expression vanishes inside a part both its signs are tried, so the
+    mixtures of the limits at its roots are negative too.  Then the distance falls at a speed that is bounded from
+    below on each compact part.
+    """
+    waiting = [(Fraction(0), end)]
+    for _ in range(MAX_PARTS):
+        if not waiting:
+            return
+        low, high = waiting.pop()
+
+        def between(value: Polynomial, low: Fraction = low, high: Fraction = high) -> int:
+            return sign_between(value, low, high)
+
+        if _all_lead_back(formulas, between, turn):
+            continue
+        middle = (low + high) / 2
+
+        def at_middle(value: Polynomial, middle: Fraction = middle) -> int:
+            return _sign(value_at(dense(value), middle))
+
+        require(_all_lead_back(formulas, at_middle, turn), "fields that lead back from all starts")
+        waiting += [(low, middle), (middle, high)]
+    raise RejectedError("a proof within the limits of this checker")
+
+
+def _all_lead_back(formulas: Sequence[Formula], sure: Sure, turn: int) -> bool:
+    """Whether all pieces of all fields are surely negative (positive where the state falls with the distance)."""
+    pieces = (piece for formula in formulas for piece in pieces_of(formula, sure))
+    return all(piece and sure(piece) * turn < 0 for piece in pieces)
+
+
+def _sign(value: Fraction) -> int:
+    return (value > 0) - (value < 0)
+
+
 # ---- the command -------------------------------------------------------------------------------
 
 
-def read_certificate(data: Any) -> tuple[str, Certificate | None]:
+def read_certificate(data: Any) -> tuple[str, Certificate | ScalarCertificate | None]:
     """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
     try:
-        certificate = Certificate(data)
+        scalar = type(data) is dict and data.get("schema") == SCALAR_SCHEMA
+        certificate = ScalarCertificate(data) if scalar else Certificate(data)
         certificate.check()
     except MALFORMED as error:
         claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from nonsmooth.proofs.many_states.audit import ManyStateAudit, audit_many
 from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, audit
+from nonsmooth.proofs.systems.scalar_certificate import build_scalar_certificate
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scalar
 from nonsmooth.proofs.systems.system_certificate import NoCertificateError, build_system_certificate
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
@@ -48,4 +49,6 @@ def certificate_of(result: DecidedSystem) -> dict[str, Any]:
     """
     if isinstance(result, ManyStateResult):
         raise NoCertificateError(f"a certificate needs two states, received {len(result.scene.states)}")
+    if isinstance(result, ScalarResult):
+        return build_scalar_certificate(result)
     return build_system_certificate(result)

@@ -72,12 +72,14 @@ def _is_of_system(file: str) -> bool:
     """Whether a file says that it is the certificate of a plain system."""
     import json
 
-    from nonsmooth.proofs.system_checker import MAX_BYTES, SCHEMA
+    from nonsmooth.proofs.system_checker import MAX_BYTES, SCALAR_SCHEMA, SCHEMA
 
+    schemas = (SCHEMA, SCALAR_SCHEMA)
     try:
         with open(file, "rb") as stream:
             text = stream.read(MAX_BYTES)
-        return SCHEMA.encode() in text and json.loads(text).get("schema") == SCHEMA
+        named = any(schema.encode() in text for schema in schemas)
+        return named and json.loads(text).get("schema") in schemas
     except (OSError, ValueError, AttributeError, RecursionError):
         return False
 
