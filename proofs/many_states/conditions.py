@@ -54,6 +54,8 @@ class Question:
         zero: numbers of the surfaces that vanish on the face; empty on a cell.
         group: the face, by number; inequalities of one face share mu. -1 on a cell.
         functions: what V is a sum of, there.
+        multipliers: of each parameter of mu, the surface and the monomial that it stands before.
+        member: the number of the right-hand side whose field it is about.
     """
 
     sense: Sense
@@ -62,6 +64,8 @@ class Question:
     zero: tuple[int, ...]
     group: int
     functions: tuple[RationalTerms, ...]
+    multipliers: tuple[tuple[int, int, Exponents], ...] = ()
+    member: int = 0
 
 
 Pieces = Mapping[Pattern, tuple[RationalTerms, ...]]  # on each cell, the polynomial of every function of a basis
@@ -149,10 +153,10 @@ class _Builder:
         space = whole_space(self.count)
         for cell in self.cells:
             guards = self.guards(tuple(enumerate(cell.signs)), space) or ()
-            for field in dict.fromkeys(map(_frozen, cell.velocities)):
-                slopes = {k: _along(p, _thawed(field), self.count) for k, p in enumerate(self.pieces[cell.signs])}
+            for member, velocity in _different_fields(cell):
+                slopes = {k: _along(p, velocity, self.count) for k, p in enumerate(self.pieces[cell.signs])}
                 condition = self.condition(slopes, guards, space, away=False)
-                yield Question(Sense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs])
+                yield Question(Sense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs], member=member)
 
     def on_faces(self) -> Iterator[Question]:
         """The same on faces on which V bends, with mu."""
@@ -193,21 +197,20 @@ class _Builder:
         degree = max((sum(e) for piece in pieces for p in piece for e in p), default=1) - 1
         shapes = monomials_between(face.dimension, 0, max(degree, 0))
         start, functions = self.parameters, tuple(map(face.restricted, pieces[0]))
+        named = tuple(enumerate(((j, shape) for j in zero for shape in shapes), start))
+        multipliers = tuple((number, j, shape) for number, (j, shape) in named)
         for cell in cells:
             others = [(j, s) for j, s in enumerate(cell.signs) if j not in zero]
             guards = self.guards(others, face)
             if guards is None:
                 continue
-            for field in dict.fromkeys(map(_frozen, cell.velocities)):
-                velocity = _thawed(field)
+            for member, velocity in _different_fields(cell):
                 slopes = {k: face.restricted(_along(p, velocity, self.count)) for k, p in enumerate(pieces[0])}
-                for i, j in enumerate(zero):
-                    push = face.restricted(_along(self.surfaces[j], velocity, self.count))
-                    for k, shape in enumerate(shapes):
-                        slopes[start + i * len(shapes) + k] = multiply_terms(push, {shape: fmpq(1)})
+                pushes = {j: face.restricted(_along(self.surfaces[j], velocity, self.count)) for j in zero}
+                slopes.update({k: multiply_terms(pushes[j], {shape: fmpq(1)}) for k, j, shape in multipliers})
                 condition = self.condition(slopes, guards, face, away=away)
-                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number, functions)
-        self.parameters += len(zero) * len(shapes)
+                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number, functions, multipliers, member)
+        self.parameters += len(multipliers)
 
     def _agree(self, face: Face, zero: Sequence[int], cells: Sequence[SignCell]) -> bool:
         """Whether on the face the fields are those of the cells on one side of all its surfaces."""
@@ -267,12 +270,11 @@ def _require_continuous(cells: SignCells, own: Sequence[RationalTerms], other: S
             raise BeyondReachError("V is not continuous")
 
 
-def _frozen(field: Sequence[RationalTerms]) -> tuple[tuple[tuple[Exponents, fmpq], ...], ...]:
-    return tuple(tuple(sorted(part.items())) for part in field)
-
-
-def _thawed(field: Sequence[Sequence[tuple[Exponents, fmpq]]]) -> tuple[RationalTerms, ...]:
-    return tuple(dict(part) for part in field)
+def _different_fields(cell: SignCell) -> Iterator[tuple[int, tuple[RationalTerms, ...]]]:
+    """The fields of a cell, equal ones once, with the number of the first right-hand side that has it."""
+    for member, field in enumerate(cell.velocities):
+        if field not in cell.velocities[:member]:
+            yield member, field
 
 
 def _along(potential: Mapping[Exponents, fmpq], velocity: Sequence[RationalTerms], count: int) -> Terms:

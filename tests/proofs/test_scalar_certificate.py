@@ -108,7 +108,8 @@ MALFORMED: list[Any] = [
     claim("-x", at="nan"), claim("-x", at=""), claim("-x", starts=[-1, 1]), claim("-x", starts=["-1"]),
     claim("-x", starts=["-inf", "inf"]), claim("-x", starts="11"), claim("-x", verdict="holds"), claim("-x/0"),
     claim("-x*9e999999"), claim("-x**99"), claim("__import__('os')"), claim("-" * 5000 + "x"), claim("x.real"),
-    claim("(" * 900 + "x" + ")" * 900), claim("-x", states=[["x"]]), claim("-x", rhs=["-x"]), claim("-x", rhs=[["-x"] * 2]),
+    claim("(" * 900 + "x" + ")" * 900), claim("-x", states=[["x"]]), claim("-x", rhs=["-x"]),
+    claim("-x", rhs=[["-x"] * 2]),
     claim("-x", starts=["-1", "1/0"]), claim("-" + "9" * 500 + "*x"), claim("-x", at="9" * 5000),
 ]  # fmt: skip
 
