@@ -840,7 +840,8 @@ class Certificate:
         P and mu are named by the certificate.  P may be any polynomial of V beside the face: all agree on it, as is
         shown here, so they have one derivative along velocities that stay in it.
         """
-        own = self.faces[name.removeprefix("rate ").removeprefix("face ")]
+        own = self.faces.get(name.removeprefix("rate ").removeprefix("face "))
+        require(own is not None, f"multipliers for {name}")
         require(type(own) is dict and sorted(own) == ["cell", "mu"], "a cell and multipliers for each face")
         chosen = [cell for cell in cells if pattern(cell.signs) == own["cell"]]
         require(len(chosen) == 1, "a cell beside the face")

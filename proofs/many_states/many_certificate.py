@@ -65,7 +65,7 @@ def _written(result: ManyStateResult) -> Record:
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
         )
-    function = _Function(result.scene, proving.formula, proving.radius, proving.examination.cells)
+    function = Function(result.scene, proving.formula, proving.radius, proving.examination.cells)
     own = function.record(result, proving.examination.inequalities, direction=None)
     own["everywhere"] = falls and proving.examination.is_homogeneous
     if result.verdict is not Translation.STABLE:
@@ -86,7 +86,7 @@ def _of_growth(result: ManyStateResult) -> Record:
         raise NoCertificateError(
             f"a certificate needs a function that shows instability, received a verdict by {result.method}"
         )
-    function = _Function(result.scene, growth.formula, growth.radius, growth.cells)
+    function = Function(result.scene, growth.formula, growth.radius, growth.cells)
     return function.record(result, growth.inequalities, direction=[str(x) for x in growth.direction])
 
 
@@ -96,7 +96,7 @@ def _without_equilibrium(result: ManyStateResult) -> Record:
     zero = (0,) * len(cells.states)
     velocities = [[float(p.get(zero, fmpq(0))) for p in field] for c in adjoining(cells) for field in c.velocities]
     direction = _leading_direction(np.array(velocities))
-    record = _Function(system, parse_piecewise("0", cells.states), system.field(cells.radius), cells).record(
+    record = Function(system, parse_piecewise("0", cells.states), system.field(cells.radius), cells).record(
         result, (), direction=direction
     )
     return {**record, "lyapunov": None}
@@ -116,7 +116,7 @@ def _leading_direction(velocities: NDArray[np.float64]) -> list[str]:
 
 
 @dataclass(frozen=True)
-class _Function:
+class Function:
     """A V on its cells, and how the checker names what is shown of it."""
 
     system: SwitchedSystem
