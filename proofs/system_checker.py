@@ -14,8 +14,10 @@ point:
 A continuous V that is polynomial on finitely many convex cells changes along every solution by such derivatives, at
 almost all times (Bacciotti and Ceragioli 1999; Davis, Drusvyatskiy, Kakade and Lee 2020).  With ``q = 0`` and strict
 inequalities off the point it is asymptotically stable; with ``<=`` it is stable; with all fields reversed, and strict
-inequalities, it is unstable.  With ``q = kappa V`` or ``q = kappa`` the rate is shown, and with ``V >= level`` on the
-border of the square every start with ``V < level`` in the square stays there and reaches the point.
+inequalities, it is unstable.  With ``<=`` it is asymptotically stable too where no other solution stays on a level of
+V (LaSalle's principle, :class:`Invariance`).  With ``q = kappa V`` or ``q = kappa`` the rate is shown, and with
+``V >= level`` on the border of the square every start with ``V < level`` in the square stays there and reaches the
+point.
 
 In one state the signs of all fields on either side of the point decide, and no V is needed: see
 :class:`ScalarCertificate`.
@@ -795,6 +797,215 @@ def _hull_holds_zero(velocities: Sequence[tuple[Fraction, ...]]) -> bool:
     return True
 
 
+# ---- what stays where V' = 0 -------------------------------------------------------------------
+
+
+def divided(value: Polynomial, divisor: Polynomial) -> Polynomial | None:
+    """The quotient; None where a remainder is left."""
+    lead = max(divisor.terms)
+    quotient, rest = constant(0), value
+    while rest:
+        top = max(rest.terms)
+        step = (top[0] - lead[0], top[1] - lead[1])
+        if min(step) < 0:
+            return None
+        part = Polynomial({step: rest.terms[top] / divisor.terms[lead]})
+        quotient, rest = quotient + part, rest - part * divisor
+    return quotient
+
+
+def curves_of(value: Polynomial, hints: Sequence[Polynomial]) -> list[Polynomial]:
+    """Polynomials that are zero, together, where a nonzero one is: the hints that divide it, and what is left."""
+    found = []
+    for hint in hints:
+        while hint.degree and value.degree and (quotient := divided(value, hint)) is not None:
+            value = quotient
+            found.append(hint)
+    return [*dict.fromkeys(found), value]
+
+
+def meet_in_points(a: Polynomial, b: Polynomial) -> bool:
+    """Whether two polynomials have finitely many common zeros, as far as this is seen at a few places.
+
+    Infinitely many would lie on a common factor.  Where that held x (or y), the resultant in x (in y) would be zero
+    for all values of the other variable.
+    """
+    places = [Fraction(k, 7) for k in range(1, 8)]
+    return bool(a and b) and all(any(resultant(a, b, which, t) for t in places) for which in (0, 1))
+
+
+def resultant(a: Polynomial, b: Polynomial, which: int, place: Fraction) -> Fraction:
+    """The determinant of Sylvester's matrix in one variable, at a value of the other one; 1 without that variable."""
+    rows = [_coefficients(own, which, place) for own in (a, b)]
+    m, n = (len(row) - 1 for row in rows)
+    if not m or not n:
+        return Fraction(1)
+    shifts = ((rows[0], n), (rows[1], m))
+    zero = Fraction(0)
+    return _determinant([[zero] * k + row + [zero] * (count - 1 - k) for row, count in shifts for k in range(count)])
+
+
+def _coefficients(value: Polynomial, which: int, place: Fraction) -> list[Fraction]:
+    """By powers of one variable, descending from its degree, at a value of the other one."""
+    top = max(e[which] for e in value.terms)
+    found = [Fraction(0)] * (top + 1)
+    for exponents, own in value.terms.items():
+        found[top - exponents[which]] += own * place ** exponents[1 - which]
+    return found
+
+
+def _determinant(matrix: list[list[Fraction]]) -> Fraction:
+    total = Fraction(1)
+    BUDGET.spend(len(matrix) ** 3)
+    for k in range(len(matrix)):
+        pivot = next((i for i in range(k, len(matrix)) if matrix[i][k]), None)
+        if pivot is None:
+            return Fraction(0)
+        if pivot != k:
+            matrix[k], matrix[pivot], total = matrix[pivot], matrix[k], -total
+        total *= matrix[k][k]
+        for i in range(k + 1, len(matrix)):
+            factor = matrix[i][k] / matrix[k][k]
+            matrix[i] = [u - factor * v for u, v in zip(matrix[i], matrix[k], strict=True)]
+    return total
+
+
+class Invariance:
+    """That no solution but the point stays on one level of a V that does not rise (LaSalle's principle).
+
+    A bounded solution of a Filippov inclusion tends to a weakly invariant set on one level of V (Ryan 1998; Bacciotti
+    and Ceragioli 1999).  A solution in it has V' = 0 at almost all times, so it is then in the closed cells where V'
+    vanishes altogether, on sides where V bends or beside those, or on a zero set of V' in another cell.  Of the last
+    two each level holds finitely many points, as is shown first; a solution that is in finitely many points at almost
+    all times rests.  No other point rests, so it is in those cells for ever; there it turns, without end, and would
+    meet a direction in which none of them lies.
+    """
+
+    def __init__(self, cells: Sequence[Cell], radius: Fraction | None, hints: Sequence[Polynomial]) -> None:
+        require(all(len(cell.fields) == 1 for cell in cells), "one right-hand side, where solutions may stay")
+        self.cells, self.radius, self.hints = cells, radius, hints
+        self.still = [cell for cell in cells if not cell.rate(cell.fields[0])]
+        self.sides: dict[frozenset[Generator], list[Cell]] = {}
+        for cell in cells:
+            for ends in sides_of(cell):
+                self.sides.setdefault(frozenset(ends), []).append(cell)
+
+    def show(self) -> None:
+        """Every step."""
+        for cell in self.cells:
+            if cell not in self.still:
+                self._show_points(cell)
+        for ends, beside in self.sides.items():
+            self._show_changes(tuple(ends), beside)
+        self._show_turning()
+        self._show_no_rest()
+
+    def _show_points(self, cell: Cell) -> None:
+        """A level of V holds finitely many zeros of V' in the cell.
+
+        If it held infinitely many, then an arc, on which a polynomial q of ``V' = q_1 ... q_k`` vanishes; both
+        gradients are normal to it, so ``V_x q_y - V_y q_x`` vanishes on it too.
+        """
+        potential = cell.potential
+        for q in curves_of(cell.rate(cell.fields[0]), self.hints):
+            across = potential.derivative(0) * q.derivative(1) - potential.derivative(1) * q.derivative(0)
+            if not q.degree or meet_in_points(q, across):
+                continue
+            definite = any(all(proved_sign(v, t, strict=True) for t in cell.triangles) for v in (q, -q))
+            require(definite, "finitely many points of a level of V with V' = 0")
+
+    def _show_changes(self, ends: tuple[Generator, ...], beside: Sequence[Cell]) -> None:
+        """V is constant on no part of a side where it bends, or beside a cell where V' vanishes altogether."""
+        bends = len(beside) == 2 and beside[0].potential != beside[1].potential
+        still = any(cell in self.still for cell in beside)
+        if not any(place[2] for place in ends) or not (bends or still):
+            return
+        degree = beside[0].potential.degree
+        found = in_simplex(beside[0].potential, degree, ends)
+        level = in_simplex(constant(1), degree, ends)
+        first = next(iter(level))
+        share = found.get(first, Fraction(0)) / level[first]
+        same = all(found.get(e, Fraction(0)) == share * level.get(e, Fraction(0)) for e in {*found, *level})
+        require(not same, "a V that changes along sides")
+
+    def _show_turning(self) -> None:
+        """In the cells where V' vanishes altogether all solutions turn about the point in one sense, not for ever."""
+        if not self.still:
+            return
+        x, y = Polynomial({(1, 0): Fraction(1)}), Polynomial({(0, 1): Fraction(1)})
+        senses = (1, -1)
+        turns = any(
+            all(
+                proved_sign((x * cell.fields[0][1] - y * cell.fields[0][0]) * constant(s), triangle, strict=True)
+                for cell in self.still
+                for triangle in cell.triangles
+            )
+            for s in senses
+        )
+        require(turns, "solutions that turn where V' vanishes altogether")
+        middles = [(sum(g[0] for g in cell.polygon), sum(g[1] for g in cell.polygon)) for cell in self.cells]
+        free = any(not any(_points_into(cell, ray) for cell in self.still) for ray in middles)
+        require(free, "a direction in which V' does not vanish altogether")
+
+    def _show_no_rest(self) -> None:
+        """0 is in F at no other point: no field vanishes in its closed cell, no mixture on a side or at a corner."""
+        for cell in self.cells:
+            require(all(_none_vanishes(t, cell.fields[0]) for t in cell.triangles), "no other point at rest in a cell")
+        for ends, beside in self.sides.items():
+            if len(beside) == 2 and beside[0].fields != beside[1].fields:
+                require(_none_rests(tuple(ends), beside[0].fields[0], beside[1].fields[0]), "no rest on a side")
+        corners = {place for ends in self.sides for place in ends if place[2] and not is_origin(place)}
+        for corner in corners:
+            around = [cell for cell in self.cells if corner in cell.polygon]
+            velocities = [tuple(own.at(corner[0], corner[1]) for own in cell.fields[0]) for cell in around]
+            require(not _hull_holds_zero(velocities), "no rest at a corner")
+
+
+def _none_vanishes(corners: tuple[Generator, ...], field: Field) -> bool:
+    """Whether a field is zero nowhere on a simplex, but perhaps at the point: on each part an entry has one sign."""
+    f, g = field
+    return _one_is_positive((f, -f, g, -g), corners)
+
+
+def _none_rests(ends: tuple[Generator, ...], f: Field, g: Field) -> bool:
+    """Whether no mixture of two fields is zero on a side, but perhaps at the point: they are not opposite.
+
+    On each of its parts their product is positive, or one of them is always on the same side of the other.
+    """
+    across = f[0] * g[1] - f[1] * g[0]
+    return _one_is_positive((f[0] * g[0] + f[1] * g[1], across, -across), ends)
+
+
+def _one_is_positive(values: Sequence[Polynomial], corners: tuple[Generator, ...]) -> bool:
+    """Whether one of some polynomials is shown to be positive on each part of a simplex, but perhaps at the point."""
+    waiting = deque([(corners, 0)])
+    for _ in range(MAX_PARTS):
+        if not waiting:
+            return True
+        part, depth = waiting.popleft()
+        if any(shows(value, part, strict=True) for value in values):
+            continue
+        bounded = (place for place in part if place[2] and not is_origin(place))
+        if any(max(value.at(x, y) for value in values) <= 0 for x, y, _ in bounded):
+            return False
+        others = [k for k, place in enumerate(part) if not is_origin(place)]
+        narrower = len(others) == 2 < len(part) and depth % 2 == 0  # the cone that it spans from the point
+        edge = (others[0], others[1]) if narrower else longest_edge(part)
+        waiting.extend((half, depth + 1) for half in parts_of(part, edge))
+    return not waiting
+
+
+def _points_into(cell: Cell, ray: tuple[Fraction, Fraction]) -> bool:
+    """Whether a ray from the point meets a closed cell elsewhere: it is a mixture of two of its corners."""
+    places = [(x, y) for x, y, _ in cell.polygon if x or y]
+    for u, v in product(places, repeat=2):
+        turn = u[0] * v[1] - u[1] * v[0]
+        first, second = ray[0] * v[1] - ray[1] * v[0], u[0] * ray[1] - u[1] * ray[0]
+        if (turn > 0 and first >= 0 and second >= 0) or (u == v and not second and u[0] * ray[0] + u[1] * ray[1] > 0):
+            return True
+    return False
+
+
 # ---- the certificate ---------------------------------------------------------------------------
 
 
@@ -802,7 +1013,9 @@ class Certificate:
     """One certificate: reading it builds the cells; :meth:`check` shows the claims."""
 
     def __init__(self, data: Any) -> None:
-        require(type(data) is dict and sorted(data) == sorted(KEYS.split()), f"an object with the keys {KEYS}")
+        require(type(data) is dict, f"an object with the keys {KEYS}")
+        own = {key: value for key, value in data.items() if key != "curves"}
+        require(sorted(own) == sorted(KEYS.split()), f"an object with the keys {KEYS} and perhaps curves")
         require(data["schema"] == SCHEMA, f"the schema {SCHEMA}")
         BUDGET.left = MAX_WORK
         self.states = data["states"]
@@ -816,6 +1029,7 @@ class Certificate:
         self.verdict, self.level, self.rate = data["verdict"], data["level"], data["rate"]
         require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
         self.cells = self._build(data["rhs"], data["lyapunov"])
+        self.curves = self._read_curves(data["curves"]) if "curves" in data else None
 
     def _build(self, rhs: Any, lyapunov: Any) -> list[Cell]:
         axes = (Polynomial({(1, 0): Fraction(1)}), Polynomial({(0, 1): Fraction(1)}))
@@ -825,6 +1039,13 @@ class Certificate:
         fields = [(Formula(first, moved), Formula(second, moved)) for first, second in rhs]
         return build_cells(fields, Piecewise(lyapunov, dict(zip(self.states, axes, strict=True))), self.radius)
 
+    def _read_curves(self, data: Any) -> list[Polynomial]:
+        """Factors of V' that may be curves on which it vanishes: hints, which prove nothing."""
+        require(self.verdict == ASYMPTOTICALLY_STABLE, "curves of a point that attracts")
+        require(type(data) is list and len(data) <= MAX_PIECES, "a list of curves")
+        axes = {name: Polynomial({(1 - k, k): Fraction(1)}) for k, name in enumerate(self.states)}
+        return [Formula(text, axes).on(refused_sign) for text in data]
+
     def check(self) -> None:
         """Show every claim."""
         cells = self.cells
@@ -833,7 +1054,9 @@ class Certificate:
         conditions = Conditions(cells, self.radius)
         conditions.show_continuous()
         conditions.show_positive()
-        conditions.show_falls(lambda cell: constant(0), strict=self.verdict != STABLE)
+        conditions.show_falls(lambda cell: constant(0), strict=self.verdict != STABLE and self.curves is None)
+        if self.curves is not None:
+            Invariance(cells, self.radius, [curve for curve in self.curves if curve]).show()
         if self.level is not None:
             self._show_region(rational(self.level))
         if self.rate is not None:
@@ -866,12 +1089,19 @@ class Certificate:
         where = "the plane" if self.radius is None else f"abs({x} - x*), abs({y} - y*) <= {self.radius}"
         point = ", ".join(str(value) for value in self.at)
         lines = [f"system in {x}, {y} at ({point}): {self.verdict}", f"V proved on {where}, {len(self.cells)} cells"]
+        if self.curves is not None:
+            lines.append("V does not rise, and no other solution stays where V' = 0")
         if self.level is not None:
             lines.append(f"every start with V < {self.level} there reaches the point")
         if self.rate is not None:
             fall = f"{self.rate['kappa']} V" if self.rate["kind"] == "exponential" else self.rate["kappa"]
             lines.append(f"V' <= -{fall}")
         return "\n".join(lines)
+
+
+def refused_sign(value: Polynomial) -> int:
+    """Curves are polynomials: no formula of one may ask for a sign."""
+    raise RejectedError("curves without switching")
 
 
 # ---- one state ---------------------------------------------------------------------------------

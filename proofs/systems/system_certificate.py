@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -19,6 +20,7 @@ from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text, 
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.surfaces import factorize
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -37,7 +39,8 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
             does not show all of it within its limits.
     """
     require_no_roots(result.scene)
-    if result.proving is None or result.domain is None or result.method not in (Method.LYAPUNOV, Method.GROWTH):
+    shown = (Method.LYAPUNOV, Method.INVARIANCE, Method.GROWTH)
+    if result.proving is None or result.domain is None or result.method not in shown:
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
         )
@@ -53,7 +56,20 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
         "rate": None if result.rate is None else _rate(result.rate),
         "notes": notes(system),
     }
+    if result.method is Method.INVARIANCE:
+        certificate["curves"] = _curves(result)
     return accepted(certificate, check_certificate)
+
+
+def _curves(result: SystemResult) -> list[str]:
+    """The factors of V' on all cells: curves on which it may vanish."""
+    found: dict[str, None] = {}
+    for cell in () if result.certificate is None else result.certificate.cells:
+        for rate in cell.rates:
+            factored = factorize(rate) if rate else None
+            for factor, _ in () if factored is None else factored[1]:
+                found[str(replace(factor, variables=result.scene.states))] = None
+    return list(found)
 
 
 def require_no_roots(system: SwitchedSystem) -> None:
