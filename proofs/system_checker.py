@@ -932,18 +932,10 @@ class Invariance:
         """In the cells where V' vanishes altogether all solutions turn about the point in one sense, not for ever."""
         if not self.still:
             return
-        x, y = Polynomial({(1, 0): Fraction(1)}), Polynomial({(0, 1): Fraction(1)})
-        senses = (1, -1)
-        turns = any(
-            all(
-                proved_sign((x * cell.fields[0][1] - y * cell.fields[0][0]) * constant(s), triangle, strict=True)
-                for cell in self.still
-                for triangle in cell.triangles
-            )
-            for s in senses
-        )
+        turns = any(all(_turns(cell, sense) for cell in self.still) for sense in (1, -1))
         require(turns, "solutions that turn where V' vanishes altogether")
-        middles = [(sum(g[0] for g in cell.polygon), sum(g[1] for g in cell.polygon)) for cell in self.cells]
+        sums = [[sum(entries, Fraction(0)) for entries in zip(*cell.polygon, strict=True)] for cell in self.cells]
+        middles = [(x, y) for x, y, _ in sums]
         free = any(not any(_points_into(cell, ray) for cell in self.still) for ray in middles)
         require(free, "a direction in which V' does not vanish altogether")
 
@@ -959,6 +951,13 @@ class Invariance:
             around = [cell for cell in self.cells if corner in cell.polygon]
             velocities = [tuple(own.at(corner[0], corner[1]) for own in cell.fields[0]) for cell in around]
             require(not _hull_holds_zero(velocities), "no rest at a corner")
+
+
+def _turns(cell: Cell, sense: int) -> bool:
+    """Whether the field of a closed cell turns about the point in one sense: the sign of ``z x f``."""
+    x, y = Polynomial({(1, 0): Fraction(sense)}), Polynomial({(0, 1): Fraction(sense)})
+    f, g = cell.fields[0]
+    return all(proved_sign(x * g - y * f, triangle, strict=True) for triangle in cell.triangles)
 
 
 def _none_vanishes(corners: tuple[Generator, ...], field: Field) -> bool:

@@ -1,8 +1,8 @@
 """Certificates of plain systems in two states: the statement that a V proves, for the stand-alone checker of systems.
 
 The checker (:mod:`nonsmooth.proofs.system_checker`) reads the formulas itself and proves everything anew, so a
-certificate holds no more than the system, V, its domain and what is claimed.  It takes rational numbers and switching
-lines; other verdicts have no certificate yet.
+certificate holds no more than the system, V, its domain and what is claimed, and of LaSalle's principle the curves on
+which V' may vanish.  It takes rational numbers and switching lines; fans and leading terms have no certificate yet.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
     """The certificate of a verdict, accepted by the stand-alone checker.
 
     Args:
-        result: of a check that a Lyapunov function decides.
+        result: of a check that a Lyapunov function decides, alone or with LaSalle's principle.
 
     Raises:
         NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
