@@ -62,7 +62,7 @@ DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 Exponents: TypeAlias = tuple[int, ...]
-Signs: TypeAlias = tuple[int, ...]
+Pattern: TypeAlias = tuple[int, ...]  # signs of surfaces
 
 
 class RejectedError(ValueError):
@@ -321,7 +321,7 @@ class Cell:
         potential: V.
     """
 
-    signs: Signs
+    signs: Pattern
     fields: tuple[tuple[int, tuple[Polynomial, ...]], ...]
     potential: Polynomial
 
@@ -362,9 +362,9 @@ class Surfaces:
         require(most <= 0, "a mixture that is positive nowhere in the cube")
         return signs
 
-    def patterns(self) -> Iterator[Signs]:
+    def patterns(self) -> Iterator[Pattern]:
         """All patterns of signs but those that were shown to be empty."""
-        waiting: list[Signs] = [()]
+        waiting: list[Pattern] = [()]
         found = 0
         while waiting:
             signs = waiting.pop()
@@ -378,7 +378,7 @@ class Surfaces:
             require(len(waiting) <= MAX_CELLS, f"at most {MAX_CELLS} cells")
             waiting += [(*signs, -1), (*signs, 1)]
 
-    def sign_on(self, signs: Signs, value: Polynomial) -> int:
+    def sign_on(self, signs: Pattern, value: Polynomial) -> int:
         """The sign of a switching expression on a cell: of a product of surfaces and a positive factor."""
         if value not in self.known:
             self.known[value] = self._factors(value)
@@ -656,7 +656,7 @@ class Certificate:
         found = []
         for signs in self.surfaces.patterns():
 
-            def sign_of(value: Polynomial, signs: Signs = signs) -> int:
+            def sign_of(value: Polynomial, signs: Pattern = signs) -> int:
                 return self.surfaces.sign_on(signs, value)
 
             own = [tuple(formula.on(sign_of) for formula in field) for field in fields]
@@ -683,7 +683,7 @@ class Certificate:
                 require(face is not None and not face.restricted(gap), "a V that is continuous")
                 found.add(j)
         bending = tuple(sorted(found))
-        pieces: dict[Signs, Polynomial] = {}
+        pieces: dict[Pattern, Polynomial] = {}
         for cell in self.cells:
             own = pieces.setdefault(tuple(cell.signs[j] for j in bending), cell.potential)
             require(own == cell.potential, "a V that bends on its surfaces alone")
@@ -817,7 +817,7 @@ class Certificate:
         """
         if all(cell.potential == cells[0].potential for cell in cells):
             return True
-        by_side: dict[Signs, dict[Signs, object]] = {}
+        by_side: dict[Pattern, dict[Pattern, object]] = {}
         for cell in cells:
             side = tuple(cell.signs[j] for j in face.zero)
             rest = tuple(s for j, s in enumerate(cell.signs) if j not in face.zero)
