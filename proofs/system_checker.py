@@ -19,6 +19,7 @@ V (LaSalle's principle, :class:`Invariance`).  With ``q = kappa V`` or ``q = kap
 ``V >= level`` on the border of the square every start with ``V < level`` in the square stays there and reaches the
 point.
 
+With ``sqrt(Abs(x))`` in the formulas V is about signed roots, where solutions cross the axes (:class:`RootedFormula`).
 In one state the signs of all fields on either side of the point decide, and no V is needed: see
 :class:`ScalarCertificate`.
 
@@ -39,12 +40,14 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import combinations, pairwise, product
 from math import isqrt
 from typing import Any, TypeAlias
 
 SCHEMA = "nonsmooth-system-certificate/1"  # of two states
 SCALAR_SCHEMA = "nonsmooth-scalar-certificate/1"  # of one state
+MORE_KEYS = ("curves", "roots")
 KEYS = "schema states rhs at radius lyapunov verdict level rate notes"
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
@@ -207,8 +210,7 @@ class Formula:
         if isinstance(node, ast.Constant):
             return constant(self._number(node))
         if isinstance(node, ast.Name):
-            require(node.id in self.states, "formulas in the states")
-            return self.states[node.id]
+            return self._state(node.id, sign_of)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
             value = self._value(node.operand, sign_of, depth - 1)
             return -value if isinstance(node.op, ast.USub) else value
@@ -216,6 +218,13 @@ class Formula:
             return self._operation(node, sign_of, depth - 1)
         require(isinstance(node, ast.Call), "formulas of sums, products, powers and switching functions")
         return self._call(node, sign_of, depth - 1)  # type: ignore[arg-type]
+
+    def _state(self, name: str, sign_of: SignOf) -> Polynomial:
+        require(name in self.states, "formulas in the states")
+        return self.states[name]
+
+    def _square_root(self, arguments: Sequence[ast.expr], sign_of: SignOf) -> Polynomial:
+        raise RejectedError("rational numbers")
 
     def _number(self, node: ast.Constant) -> Fraction:
         text = ast.get_source_segment(self.text, node) or ""
@@ -247,7 +256,9 @@ class Formula:
 
     def _call(self, node: ast.Call, sign_of: SignOf, depth: int) -> Polynomial:
         require(isinstance(node.func, ast.Name) and not node.keywords, "calls of sign, Abs, Max, Min, relu or sat")
-        require(node.func.id not in ("sqrt", "sin", "cos"), "rational numbers")  # type: ignore[attr-defined]
+        require(node.func.id not in ("sin", "cos"), "rational numbers")  # type: ignore[attr-defined]
+        if node.func.id == "sqrt":  # type: ignore[attr-defined]
+            return self._square_root(node.args, sign_of)
         name, values = node.func.id, [self._value(arg, sign_of, depth) for arg in node.args]  # type: ignore[attr-defined]
         if name in ("sign", "sgn", "Abs", "relu"):
             require(len(values) == 1, f"one argument of {name}")
@@ -263,6 +274,53 @@ class Formula:
         for value in values[1:]:
             chosen = choose(chosen, value, sign_of)
         return chosen
+
+
+class RootedFormula(Formula):
+    """A right-hand side in the signed roots ``w = sgn(x) sqrt(Abs(x))`` of some states, times ``2 Abs(w)`` of others.
+
+    Args:
+        text: of the right-hand side.
+        states: the polynomial for each name that is no root.
+        roots: the polynomial of w by the name of its state.
+        scaled: of which states the factors are.
+    """
+
+    def __init__(
+        self, text: Any, states: dict[str, Polynomial], roots: dict[str, Polynomial], scaled: Sequence[str]
+    ) -> None:
+        super().__init__(text, states)
+        self.roots, self.scaled = roots, scaled
+
+    def on(self, sign_of: SignOf) -> Polynomial:
+        """With the factors."""
+        value = self.stated(sign_of)
+        for name in self.scaled:
+            value *= self._square_root_of(name, sign_of) * constant(2)
+        return value
+
+    def stated(self, sign_of: SignOf) -> Polynomial:
+        """Without them; cells are cut where a root is zero."""
+        for root in self.roots.values():
+            sign_of(root)
+        return super().on(sign_of)
+
+    def _state(self, name: str, sign_of: SignOf) -> Polynomial:
+        if name in self.roots:
+            return self.roots[name] * self._square_root_of(name, sign_of)
+        return super()._state(name, sign_of)
+
+    def _square_root_of(self, name: str, sign_of: SignOf) -> Polynomial:
+        return self.roots[name] * constant(sign_of(self.roots[name]))
+
+    def _square_root(self, arguments: Sequence[ast.expr], sign_of: SignOf) -> Polynomial:
+        """``sqrt(Abs(x))`` is ``Abs(w)``."""
+        (inner,) = arguments
+        known = isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name) and inner.func.id == "Abs"
+        require(known and len(inner.args) == 1 and not inner.keywords, "roots sqrt(Abs(x))")  # type: ignore[attr-defined]
+        (state,) = inner.args  # type: ignore[attr-defined]
+        require(isinstance(state, ast.Name) and state.id in self.roots, "roots of states that are listed")
+        return self._square_root_of(state.id, sign_of)
 
 
 def _larger(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
@@ -1013,8 +1071,8 @@ class Certificate:
 
     def __init__(self, data: Any) -> None:
         require(type(data) is dict, f"an object with the keys {KEYS}")
-        own = {key: value for key, value in data.items() if key != "curves"}
-        require(sorted(own) == sorted(KEYS.split()), f"an object with the keys {KEYS} and perhaps curves")
+        own = {key: value for key, value in data.items() if key not in MORE_KEYS}
+        require(sorted(own) == sorted(KEYS.split()), f"an object with the keys {KEYS}, perhaps curves or roots")
         require(data["schema"] == SCHEMA, f"the schema {SCHEMA}")
         BUDGET.left = MAX_WORK
         self.states = data["states"]
@@ -1027,20 +1085,73 @@ class Certificate:
         require(self.radius is None or self.radius > 0, "a square of positive size, or null for the plane")
         self.verdict, self.level, self.rate = data["verdict"], data["level"], data["rate"]
         require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
+        self.rooted = self._read_roots(data["roots"]) if "roots" in data else ()
         self.cells = self._build(data["rhs"], data["lyapunov"])
         self.curves = self._read_curves(data["curves"]) if "curves" in data else None
 
+    def _read_roots(self, data: Any) -> tuple[str, ...]:
+        """The states whose signed roots V is about; rates in the time of the roots are none of the states."""
+        require(type(data) is list and data and all(name in self.states for name in data), "roots of states")
+        require(len(set(data)) == len(data) and self.rate is None, "different roots, and no rate")
+        return tuple(data)
+
     def _build(self, rhs: Any, lyapunov: Any) -> list[Cell]:
         axes = (Polynomial({(1, 0): Fraction(1)}), Polynomial({(0, 1): Fraction(1)}))
-        moved = {name: axis + constant(at) for name, axis, at in zip(self.states, axes, self.at, strict=True)}
+        moved, self.roots, seen = {}, dict[str, Polynomial](), {}
+        for name, axis, at in zip(self.states, axes, self.at, strict=True):
+            if name in self.rooted:
+                root = _square_root(abs(at))
+                self.roots[name] = axis + constant(root if at > 0 else -root)
+            else:
+                moved[name] = axis + constant(at)
+            seen[f"root_{name}" if name in self.rooted else name] = axis
+        require(len(seen) == 2, "two names in V")
         require(type(rhs) is list and 0 < len(rhs) <= MAX_FIELDS, f"one to {MAX_FIELDS} right-hand sides")
         require(all(type(side) is list and len(side) == 2 for side in rhs), "two formulas in each right-hand side")
-        fields = [(Formula(first, moved), Formula(second, moved)) for first, second in rhs]
-        return build_cells(fields, Piecewise(lyapunov, dict(zip(self.states, axes, strict=True))), self.radius)
+        self.fields = [self._read_field(side, moved) for side in rhs]
+        return build_cells(self.fields, Piecewise(lyapunov, seen), self.radius)
+
+    def _read_field(self, side: Sequence[Any], moved: dict[str, Polynomial]) -> tuple[RootedFormula, RootedFormula]:
+        """``f_k`` times ``2 Abs(w_j)`` of the rooted j other than k: the field of the roots, times all of these."""
+        factors = [[name for name in self.rooted if name != state] for state in self.states]
+        first, second = (RootedFormula(text, moved, self.roots, own) for text, own in zip(side, factors, strict=True))
+        return first, second
+
+    def _show_crossed(self) -> None:
+        """Where a root is zero, but at the point, all velocities cross in one sense.
+
+        There every solution has a speed x' of one sign, bounded away from 0: it is there at single instants.  Between
+        them the root w has the velocity ``x'/(2 Abs(w))``, so (w, y) moves along the scaled field, faster by a positive
+        factor.  V is continuous and falls in between; hence it falls, and solutions tend to invariant sets on one level
+        of V: to the point.
+        """
+        for k, name in enumerate(self.states):
+            if name in self.rooted:
+                own = self.roots[name].terms
+                line = tuple(own.get(e, Fraction(0)) for e in ((1, 0), (0, 1), (0, 0)))
+                self._show_crossed_line(line, k)  # type: ignore[arg-type]
+
+    def _show_crossed_line(self, line: Line, k: int) -> None:
+        sides: dict[frozenset[Generator], list[Polynomial]] = {}
+        corners: dict[Generator, list[Fraction]] = {}
+        for cell in self.cells:
+            speeds = [field[k].stated(partial(sign_on, cell.polygon)) for field in self.fields]
+            for ends in sides_of(cell):
+                if any(place[2] for place in ends) and not any(height(line, place) for place in ends):
+                    sides.setdefault(frozenset(ends), []).extend(speeds)
+            for place in cell.polygon:
+                if place[2] and not is_origin(place) and not height(line, place):
+                    corners.setdefault(place, []).extend(speed.at(place[0], place[1]) for speed in speeds)
+        for side, own in sides.items():
+            ends = tuple(side)  # type: ignore[assignment]
+            crossed = any(all(proved_sign(p * constant(s), ends, strict=True) for p in own) for s in (1, -1))
+            require(crossed, "velocities that cross where a root is zero")
+        for values in corners.values():
+            require(min(values) > 0 or max(values) < 0, "velocities that cross where a root is zero")
 
     def _read_curves(self, data: Any) -> list[Polynomial]:
         """Factors of V' that may be curves on which it vanishes: hints, which prove nothing."""
-        require(self.verdict == ASYMPTOTICALLY_STABLE, "curves of a point that attracts")
+        require(self.verdict == ASYMPTOTICALLY_STABLE and not self.rooted, "curves of a point that attracts, no roots")
         require(type(data) is list and len(data) <= MAX_PIECES, "a list of curves")
         axes = {name: Polynomial({(1 - k, k): Fraction(1)}) for k, name in enumerate(self.states)}
         return [Formula(text, axes).on(refused_sign) for text in data]
@@ -1051,6 +1162,7 @@ class Certificate:
         if self.verdict == UNSTABLE:
             cells = [Cell(c.polygon, tuple((-f, -g) for f, g in c.fields), c.potential) for c in cells]
         conditions = Conditions(cells, self.radius)
+        self._show_crossed()
         conditions.show_continuous()
         conditions.show_positive()
         conditions.show_falls(lambda cell: constant(0), strict=self.verdict != STABLE and self.curves is None)
@@ -1085,7 +1197,9 @@ class Certificate:
     def describe(self) -> str:
         """What is shown, one claim to a line."""
         x, y = self.states
-        where = "the plane" if self.radius is None else f"abs({x} - x*), abs({y} - y*) <= {self.radius}"
+        names = [f"root_{name}" if name in self.rooted else name for name in self.states]
+        bounded = ", ".join(f"abs({name} - {name}*)" for name in names)
+        where = "the plane" if self.radius is None else f"{bounded} <= {self.radius}"
         point = ", ".join(str(value) for value in self.at)
         lines = [f"system in {x}, {y} at ({point}): {self.verdict}", f"V proved on {where}, {len(self.cells)} cells"]
         if self.curves is not None:

@@ -38,7 +38,6 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
         NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
             does not show all of it within its limits.
     """
-    require_no_roots(result.scene)
     shown = (Method.LYAPUNOV, Method.INVARIANCE, Method.GROWTH)
     if result.proving is None or result.domain is None or result.method not in shown:
         raise NoCertificateError(
@@ -56,6 +55,8 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
         "rate": None if result.rate is None else _rate(result.rate),
         "notes": notes(system),
     }
+    if system.by_roots is not None:
+        certificate |= {"roots": list(system.by_roots.roots.rooted), "rate": None}  # rates are in the roots' time
     if result.method is Method.INVARIANCE:
         certificate["curves"] = _curves(result)
     return accepted(certificate, check_certificate)
@@ -108,11 +109,17 @@ def notes(system: SwitchedSystem) -> dict[str, Any]:
 
 
 def about(system: SwitchedSystem) -> dict[str, Any]:
-    """What a certificate is about."""
+    """What a certificate is about; where roots of states stand for these, what was stated."""
+    at = system.check.equilibrium
+    if system.by_roots is not None:
+        names, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
+        stated = [z * abs(z) if name in rooted else z for name, z in zip(names, at, strict=True)]
+        rhs = [[one_line(formula) for formula in member] for member in system.written]
+        return {"states": list(names), "rhs": rhs, "at": [exact_text(value) for value in stated]}
     return {
         "states": list(system.states),
         "rhs": [[one_line(side.text) for side in member.rhs] for member in system.members],
-        "at": [exact_text(value) for value in system.check.equilibrium],
+        "at": [exact_text(value) for value in at],
     }
 
 

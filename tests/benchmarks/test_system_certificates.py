@@ -6,13 +6,19 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.proofs import test_invariance_certificate, test_scalar_certificate, test_system_checker
+from tests.proofs import (
+    test_invariance_certificate,
+    test_root_certificate,
+    test_scalar_certificate,
+    test_system_checker,
+)
 from tests.proofs.many_states import test_many_certificate
 
 ATTACKS: dict[str, Callable[[int, int], int]] = {
     "one state": test_scalar_certificate.attack,
     "two states": test_system_checker.attack,
     "invariance principle": test_invariance_certificate.attack,
+    "signed roots": test_root_certificate.attack,
     "three states": test_many_certificate.attack,
 }
 
