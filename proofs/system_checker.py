@@ -315,6 +315,7 @@ class RootedFormula(Formula):
 
     def _square_root(self, arguments: Sequence[ast.expr], sign_of: SignOf) -> Polynomial:
         """``sqrt(Abs(x))`` is ``Abs(w)``."""
+        require(self.roots and len(arguments) == 1, "rational numbers")
         (inner,) = arguments
         known = isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name) and inner.func.id == "Abs"
         require(known and len(inner.args) == 1 and not inner.keywords, "roots sqrt(Abs(x))")  # type: ignore[attr-defined]
