@@ -16,12 +16,12 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.many_state_checker import SCHEMA, check_certificate, pattern
 from nonsmooth.proofs.many_states.conclusion import Method
 from nonsmooth.proofs.many_states.conditions import Question, Sense, bending_surfaces, scaled
 from nonsmooth.proofs.many_states.decay import falling, rate_conditions
 from nonsmooth.proofs.many_states.decision import ManyStateResult, first_cells
+from nonsmooth.proofs.many_states.empty_patterns import empty_patterns
 from nonsmooth.proofs.many_states.examination import Inequality, potential_pieces, with_values
 from nonsmooth.proofs.many_states.faces import Face, build_face, unit
 from nonsmooth.proofs.many_states.instability import find_growth
@@ -137,7 +137,7 @@ class Function:
             "level": None,
             "rate": None,
             "surfaces": [str(surface) for surface in self.cells.surfaces],
-            "empty": list(_empty_patterns(self.cells)),
+            "empty": list(empty_patterns(self.cells)),
             "faces": self._faces(shown),
             "proofs": {self._name(i.question): self._blocks(i.question, _stated(i), i.proved) for i in shown},
             "notes": notes(self.system),
@@ -249,38 +249,3 @@ def _written_squares(condition: Condition, proved: Proved, names: Sequence[tuple
 def _ratio(stated: Mapping[Any, fmpq], divided: Mapping[Any, fmpq]) -> fmpq:
     """By how much a polynomial was divided."""
     return next((c / divided[e] for e, c in stated.items() if c), fmpq(1))
-
-
-def _empty_patterns(cells: SignCells) -> Iterator[list[list[Any]]]:
-    """Why patterns do not occur: mixtures of affine surfaces with these signs that are nowhere positive in the cube.
-
-    Patterns are walked as the checker walks them; of those that have no cell, the shortest beginning is looked at.
-    """
-    occurring = {cell.signs[:size] for cell in cells.cells for size in range(len(cells.surfaces) + 1)}
-    known: list[list[list[Any]]] = []
-    for beginning in sorted(occurring, key=len):
-        for sign in (-1, 1):
-            longer = (*beginning, sign)
-            if len(longer) > len(cells.surfaces) or longer in occurring:
-                continue
-            if not any(all(j < len(longer) and longer[j] == (1 if s == "+" else -1) for j, s, _ in m) for m in known):
-                known.append(_mixture(cells, longer))
-    yield from known
-
-
-def _mixture(cells: SignCells, signs: Pattern) -> list[list[Any]]:
-    """Surfaces, signs and weights of one mixture: the weights of Gordan's alternative."""
-    affine = [j for j in range(len(signs)) if cells.surfaces[j].degree == 1]
-    forms = [cells.surfaces[j] * signs[j] for j in affine]
-    field, count = forms[0].field, len(cells.states)
-    radius = field(cells.radius)
-    zero = (0,) * count
-    columns = [(*(form.terms.get(unit(count, k), field.zero) for k in range(count)), field.one) for form in forms]
-    prices = [-form.terms.get(zero, field.zero) for form in forms]
-    for k in range(count):
-        for side in (1, -1):
-            columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
-            prices.append(-radius)
-    found = best_mixture(columns, (*(field.zero for _ in range(count)), field.one), prices)
-    weights = {} if found is None else dict(found.weights)
-    return [[j, "+" if signs[j] > 0 else "-", exact_text(weights[i])] for i, j in enumerate(affine) if weights.get(i)]

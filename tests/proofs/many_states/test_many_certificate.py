@@ -259,7 +259,14 @@ def test_malformed_data_are_rejected_in_one_line(data: Any) -> None:
 def test_multipliers_of_faces_are_read_with_care() -> None:
     record = record_of("relay-chain")
     name = next(iter(record["faces"]))
-    for mu in (None, {"9": []}, {"0": [["1", [0]]], "1": 3}, {"0": [["nan", [0, 0]]]}, {"0": [["1", [99, 0]]]}):
+    forged: list[Any] = [
+        None,
+        {"9": []},
+        {"0": [["1", [0]]], "1": 3},
+        {"0": [["nan", [0, 0]]]},
+        {"0": [["1", [99, 0]]]},
+    ]
+    for mu in forged:
         assert check_certificate({**record, "faces": {**record["faces"], name: {**record["faces"][name], "mu": mu}}})
     for cell in (None, "+++++", "", 0):
         own = {**record["faces"][name], "cell": cell}
