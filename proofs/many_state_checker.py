@@ -55,7 +55,7 @@ MAX_TEXT, MAX_DEPTH, MAX_DEGREE, MAX_TERMS = 4_000, 60, 16, 20_000
 MAX_DIGITS = 400  # of a number, and of a power of ten in one
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 8, 32, 400, 2_000
 MAX_FLATS, MAX_SQUARES, MAX_ROWS = 2_000, 400, 200
-MAX_WORK = 30_000_000  # products of two numbers, more for long ones: a minute or two
+MAX_WORK = 4_000_000  # products of two numbers, more for long ones: a minute or two
 
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
 DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
