@@ -14,8 +14,14 @@ point:
 A continuous V that is polynomial on finitely many convex cells changes along every solution by such derivatives, at
 almost all times (Bacciotti and Ceragioli 1999; Davis, Drusvyatskiy, Kakade and Lee 2020).  With ``q = 0`` and strict
 inequalities off the point it is asymptotically stable; with ``<=`` it is stable; with all fields reversed, and strict
-inequalities, it is unstable.  With ``q = kappa V`` or ``q = kappa`` the rate is shown, and with ``V >= level`` on the
-border of the square every start with ``V < level`` in the square stays there and reaches the point.
+inequalities, it is unstable.  With ``<=`` it is asymptotically stable too where no other solution stays on a level of
+V (LaSalle's principle, :class:`Invariance`).  With ``q = kappa V`` or ``q = kappa`` the rate is shown, and with
+``V >= level`` on the border of the square every start with ``V < level`` in the square stays there and reaches the
+point.
+
+With ``sqrt(Abs(x))`` in the formulas V is about signed roots, where solutions cross the axes (:class:`RootedFormula`).
+In one state the signs of all fields on either side of the point decide, and no V is needed: see
+:class:`ScalarCertificate`.
 
 A polynomial is at least 0 on a simplex of the plane (corners, or directions of unbounded cells) if its coefficients in
 the homogeneous coordinates of the simplex are; where some are not, the simplex is cut in two.  Whatever is not shown
@@ -34,11 +40,14 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, product
+from functools import partial
+from itertools import combinations, pairwise, product
 from math import isqrt
 from typing import Any, TypeAlias
 
-SCHEMA = "nonsmooth-system-certificate/1"
+SCHEMA = "nonsmooth-system-certificate/1"  # of two states
+SCALAR_SCHEMA = "nonsmooth-scalar-certificate/1"  # of one state
+MORE_KEYS = ("curves", "roots")
 KEYS = "schema states rhs at radius lyapunov verdict level rate notes"
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
@@ -201,8 +210,7 @@ class Formula:
         if isinstance(node, ast.Constant):
             return constant(self._number(node))
         if isinstance(node, ast.Name):
-            require(node.id in self.states, "formulas in the states")
-            return self.states[node.id]
+            return self._state(node.id, sign_of)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
             value = self._value(node.operand, sign_of, depth - 1)
             return -value if isinstance(node.op, ast.USub) else value
@@ -210,6 +218,13 @@ class Formula:
             return self._operation(node, sign_of, depth - 1)
         require(isinstance(node, ast.Call), "formulas of sums, products, powers and switching functions")
         return self._call(node, sign_of, depth - 1)  # type: ignore[arg-type]
+
+    def _state(self, name: str, sign_of: SignOf) -> Polynomial:
+        require(name in self.states, "formulas in the states")
+        return self.states[name]
+
+    def _square_root(self, arguments: Sequence[ast.expr], sign_of: SignOf) -> Polynomial:
+        raise RejectedError("rational numbers")
 
     def _number(self, node: ast.Constant) -> Fraction:
         text = ast.get_source_segment(self.text, node) or ""
@@ -241,7 +256,9 @@ class Formula:
 
     def _call(self, node: ast.Call, sign_of: SignOf, depth: int) -> Polynomial:
         require(isinstance(node.func, ast.Name) and not node.keywords, "calls of sign, Abs, Max, Min, relu or sat")
-        require(node.func.id not in ("sqrt", "sin", "cos"), "rational numbers")  # type: ignore[attr-defined]
+        require(node.func.id not in ("sin", "cos"), "rational numbers")  # type: ignore[attr-defined]
+        if node.func.id == "sqrt":  # type: ignore[attr-defined]
+            return self._square_root(node.args, sign_of)
         name, values = node.func.id, [self._value(arg, sign_of, depth) for arg in node.args]  # type: ignore[attr-defined]
         if name in ("sign", "sgn", "Abs", "relu"):
             require(len(values) == 1, f"one argument of {name}")
@@ -257,6 +274,54 @@ class Formula:
         for value in values[1:]:
             chosen = choose(chosen, value, sign_of)
         return chosen
+
+
+class RootedFormula(Formula):
+    """A right-hand side in the signed roots ``w = sgn(x) sqrt(Abs(x))`` of some states, times ``2 Abs(w)`` of others.
+
+    Args:
+        text: of the right-hand side.
+        states: the polynomial for each name that is no root.
+        roots: the polynomial of w by the name of its state.
+        scaled: of which states the factors are.
+    """
+
+    def __init__(
+        self, text: Any, states: dict[str, Polynomial], roots: dict[str, Polynomial], scaled: Sequence[str]
+    ) -> None:
+        super().__init__(text, states)
+        self.roots, self.scaled = roots, scaled
+
+    def on(self, sign_of: SignOf) -> Polynomial:
+        """With the factors."""
+        value = self.stated(sign_of)
+        for name in self.scaled:
+            value *= self._square_root_of(name, sign_of) * constant(2)
+        return value
+
+    def stated(self, sign_of: SignOf) -> Polynomial:
+        """Without them; cells are cut where a root is zero."""
+        for root in self.roots.values():
+            sign_of(root)
+        return super().on(sign_of)
+
+    def _state(self, name: str, sign_of: SignOf) -> Polynomial:
+        if name in self.roots:
+            return self.roots[name] * self._square_root_of(name, sign_of)
+        return super()._state(name, sign_of)
+
+    def _square_root_of(self, name: str, sign_of: SignOf) -> Polynomial:
+        return self.roots[name] * constant(sign_of(self.roots[name]))
+
+    def _square_root(self, arguments: Sequence[ast.expr], sign_of: SignOf) -> Polynomial:
+        """``sqrt(Abs(x))`` is ``Abs(w)``."""
+        require(self.roots and len(arguments) == 1, "rational numbers")
+        (inner,) = arguments
+        known = isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name) and inner.func.id == "Abs"
+        require(known and len(inner.args) == 1 and not inner.keywords, "roots sqrt(Abs(x))")  # type: ignore[attr-defined]
+        (state,) = inner.args  # type: ignore[attr-defined]
+        require(isinstance(state, ast.Name) and state.id in self.roots, "roots of states that are listed")
+        return self._square_root_of(state.id, sign_of)
 
 
 def _larger(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
@@ -791,6 +856,214 @@ def _hull_holds_zero(velocities: Sequence[tuple[Fraction, ...]]) -> bool:
     return True
 
 
+# ---- what stays where V' = 0 -------------------------------------------------------------------
+
+
+def divided(value: Polynomial, divisor: Polynomial) -> Polynomial | None:
+    """The quotient; None where a remainder is left."""
+    lead = max(divisor.terms)
+    quotient, rest = constant(0), value
+    while rest:
+        top = max(rest.terms)
+        step = (top[0] - lead[0], top[1] - lead[1])
+        if min(step) < 0:
+            return None
+        part = Polynomial({step: rest.terms[top] / divisor.terms[lead]})
+        quotient, rest = quotient + part, rest - part * divisor
+    return quotient
+
+
+def curves_of(value: Polynomial, hints: Sequence[Polynomial]) -> list[Polynomial]:
+    """Polynomials that are zero, together, where a nonzero one is: the hints that divide it, and what is left."""
+    found = []
+    for hint in hints:
+        while hint.degree and value.degree and (quotient := divided(value, hint)) is not None:
+            value = quotient
+            found.append(hint)
+    return [*dict.fromkeys(found), value]
+
+
+def meet_in_points(a: Polynomial, b: Polynomial) -> bool:
+    """Whether two polynomials have finitely many common zeros, as far as this is seen at a few places.
+
+    Infinitely many would lie on a common factor.  Where that held x (or y), the resultant in x (in y) would be zero
+    for all values of the other variable.
+    """
+    places = [Fraction(k, 7) for k in range(1, 8)]
+    return bool(a and b) and all(any(resultant(a, b, which, t) for t in places) for which in (0, 1))
+
+
+def resultant(a: Polynomial, b: Polynomial, which: int, place: Fraction) -> Fraction:
+    """The determinant of Sylvester's matrix in one variable, at a value of the other one; 1 without that variable."""
+    rows = [_coefficients(own, which, place) for own in (a, b)]
+    m, n = (len(row) - 1 for row in rows)
+    if not m or not n:
+        return Fraction(1)
+    shifts = ((rows[0], n), (rows[1], m))
+    zero = Fraction(0)
+    return _determinant([[zero] * k + row + [zero] * (count - 1 - k) for row, count in shifts for k in range(count)])
+
+
+def _coefficients(value: Polynomial, which: int, place: Fraction) -> list[Fraction]:
+    """By powers of one variable, descending from its degree, at a value of the other one."""
+    top = max(e[which] for e in value.terms)
+    found = [Fraction(0)] * (top + 1)
+    for exponents, own in value.terms.items():
+        found[top - exponents[which]] += own * place ** exponents[1 - which]
+    return found
+
+
+def _determinant(matrix: list[list[Fraction]]) -> Fraction:
+    total = Fraction(1)
+    BUDGET.spend(len(matrix) ** 3)
+    for k in range(len(matrix)):
+        pivot = next((i for i in range(k, len(matrix)) if matrix[i][k]), None)
+        if pivot is None:
+            return Fraction(0)
+        if pivot != k:
+            matrix[k], matrix[pivot], total = matrix[pivot], matrix[k], -total
+        total *= matrix[k][k]
+        for i in range(k + 1, len(matrix)):
+            factor = matrix[i][k] / matrix[k][k]
+            matrix[i] = [u - factor * v for u, v in zip(matrix[i], matrix[k], strict=True)]
+    return total
+
+
+class Invariance:
+    """That no solution but the point stays on one level of a V that does not rise (LaSalle's principle).
+
+    A bounded solution of a Filippov inclusion tends to a weakly invariant set on one level of V (Ryan 1998; Bacciotti
+    and Ceragioli 1999).  A solution in it has V' = 0 at almost all times, so it is then in the closed cells where V'
+    vanishes altogether, on sides where V bends or beside those, or on a zero set of V' in another cell.  Of the last
+    two each level holds finitely many points, as is shown first; a solution that is in finitely many points at almost
+    all times rests.  No other point rests, so it is in those cells for ever; there it turns, without end, and would
+    meet a direction in which none of them lies.
+    """
+
+    def __init__(self, cells: Sequence[Cell], radius: Fraction | None, hints: Sequence[Polynomial]) -> None:
+        require(all(len(cell.fields) == 1 for cell in cells), "one right-hand side, where solutions may stay")
+        self.cells, self.radius, self.hints = cells, radius, hints
+        self.still = [cell for cell in cells if not cell.rate(cell.fields[0])]
+        self.sides: dict[frozenset[Generator], list[Cell]] = {}
+        for cell in cells:
+            for ends in sides_of(cell):
+                self.sides.setdefault(frozenset(ends), []).append(cell)
+
+    def show(self) -> None:
+        """Every step."""
+        for cell in self.cells:
+            if cell not in self.still:
+                self._show_points(cell)
+        for ends, beside in self.sides.items():
+            self._show_changes(tuple(ends), beside)
+        self._show_turning()
+        self._show_no_rest()
+
+    def _show_points(self, cell: Cell) -> None:
+        """A level of V holds finitely many zeros of V' in the cell.
+
+        If it held infinitely many, then an arc, on which a polynomial q of ``V' = q_1 ... q_k`` vanishes; both
+        gradients are normal to it, so ``V_x q_y - V_y q_x`` vanishes on it too.
+        """
+        potential = cell.potential
+        for q in curves_of(cell.rate(cell.fields[0]), self.hints):
+            across = potential.derivative(0) * q.derivative(1) - potential.derivative(1) * q.derivative(0)
+            if not q.degree or meet_in_points(q, across):
+                continue
+            definite = any(all(proved_sign(v, t, strict=True) for t in cell.triangles) for v in (q, -q))
+            require(definite, "finitely many points of a level of V with V' = 0")
+
+    def _show_changes(self, ends: tuple[Generator, ...], beside: Sequence[Cell]) -> None:
+        """V is constant on no part of a side where it bends, or beside a cell where V' vanishes altogether."""
+        bends = len(beside) == 2 and beside[0].potential != beside[1].potential
+        still = any(cell in self.still for cell in beside)
+        if not any(place[2] for place in ends) or not (bends or still):
+            return
+        degree = beside[0].potential.degree
+        found = in_simplex(beside[0].potential, degree, ends)
+        level = in_simplex(constant(1), degree, ends)
+        first = next(iter(level))
+        share = found.get(first, Fraction(0)) / level[first]
+        same = all(found.get(e, Fraction(0)) == share * level.get(e, Fraction(0)) for e in {*found, *level})
+        require(not same, "a V that changes along sides")
+
+    def _show_turning(self) -> None:
+        """In the cells where V' vanishes altogether all solutions turn about the point in one sense, not for ever."""
+        if not self.still:
+            return
+        turns = any(all(_turns(cell, sense) for cell in self.still) for sense in (1, -1))
+        require(turns, "solutions that turn where V' vanishes altogether")
+        sums = [[sum(entries, Fraction(0)) for entries in zip(*cell.polygon, strict=True)] for cell in self.cells]
+        middles = [(x, y) for x, y, _ in sums]
+        free = any(not any(_points_into(cell, ray) for cell in self.still) for ray in middles)
+        require(free, "a direction in which V' does not vanish altogether")
+
+    def _show_no_rest(self) -> None:
+        """0 is in F at no other point: no field vanishes in its closed cell, no mixture on a side or at a corner."""
+        for cell in self.cells:
+            require(all(_none_vanishes(t, cell.fields[0]) for t in cell.triangles), "no other point at rest in a cell")
+        for ends, beside in self.sides.items():
+            if len(beside) == 2 and beside[0].fields != beside[1].fields:
+                require(_none_rests(tuple(ends), beside[0].fields[0], beside[1].fields[0]), "no rest on a side")
+        corners = {place for ends in self.sides for place in ends if place[2] and not is_origin(place)}
+        for corner in corners:
+            around = [cell for cell in self.cells if corner in cell.polygon]
+            velocities = [tuple(own.at(corner[0], corner[1]) for own in cell.fields[0]) for cell in around]
+            require(not _hull_holds_zero(velocities), "no rest at a corner")
+
+
+def _turns(cell: Cell, sense: int) -> bool:
+    """Whether the field of a closed cell turns about the point in one sense: the sign of ``z x f``."""
+    x, y = Polynomial({(1, 0): Fraction(sense)}), Polynomial({(0, 1): Fraction(sense)})
+    f, g = cell.fields[0]
+    return all(proved_sign(x * g - y * f, triangle, strict=True) for triangle in cell.triangles)
+
+
+def _none_vanishes(corners: tuple[Generator, ...], field: Field) -> bool:
+    """Whether a field is zero nowhere on a simplex, but perhaps at the point: on each part an entry has one sign."""
+    f, g = field
+    return _one_is_positive((f, -f, g, -g), corners)
+
+
+def _none_rests(ends: tuple[Generator, ...], f: Field, g: Field) -> bool:
+    """Whether no mixture of two fields is zero on a side, but perhaps at the point: they are not opposite.
+
+    On each of its parts their product is positive, or one of them is always on the same side of the other.
+    """
+    across = f[0] * g[1] - f[1] * g[0]
+    return _one_is_positive((f[0] * g[0] + f[1] * g[1], across, -across), ends)
+
+
+def _one_is_positive(values: Sequence[Polynomial], corners: tuple[Generator, ...]) -> bool:
+    """Whether one of some polynomials is shown to be positive on each part of a simplex, but perhaps at the point."""
+    waiting = deque([(corners, 0)])
+    for _ in range(MAX_PARTS):
+        if not waiting:
+            return True
+        part, depth = waiting.popleft()
+        if any(shows(value, part, strict=True) for value in values):
+            continue
+        bounded = (place for place in part if place[2] and not is_origin(place))
+        if any(max(value.at(x, y) for value in values) <= 0 for x, y, _ in bounded):
+            return False
+        others = [k for k, place in enumerate(part) if not is_origin(place)]
+        narrower = len(others) == 2 < len(part) and depth % 2 == 0  # the cone that it spans from the point
+        edge = (others[0], others[1]) if narrower else longest_edge(part)
+        waiting.extend((half, depth + 1) for half in parts_of(part, edge))
+    return not waiting
+
+
+def _points_into(cell: Cell, ray: tuple[Fraction, Fraction]) -> bool:
+    """Whether a ray from the point meets a closed cell elsewhere: it is a mixture of two of its corners."""
+    places = [(x, y) for x, y, _ in cell.polygon if x or y]
+    for u, v in product(places, repeat=2):
+        turn = u[0] * v[1] - u[1] * v[0]
+        first, second = ray[0] * v[1] - ray[1] * v[0], u[0] * ray[1] - u[1] * ray[0]
+        if (turn > 0 and first >= 0 and second >= 0) or (u == v and not second and u[0] * ray[0] + u[1] * ray[1] > 0):
+            return True
+    return False
+
+
 # ---- the certificate ---------------------------------------------------------------------------
 
 
@@ -798,7 +1071,9 @@ class Certificate:
     """One certificate: reading it builds the cells; :meth:`check` shows the claims."""
 
     def __init__(self, data: Any) -> None:
-        require(type(data) is dict and sorted(data) == sorted(KEYS.split()), f"an object with the keys {KEYS}")
+        require(type(data) is dict, f"an object with the keys {KEYS}")
+        own = {key: value for key, value in data.items() if key not in MORE_KEYS}
+        require(sorted(own) == sorted(KEYS.split()), f"an object with the keys {KEYS}, perhaps curves or roots")
         require(data["schema"] == SCHEMA, f"the schema {SCHEMA}")
         BUDGET.left = MAX_WORK
         self.states = data["states"]
@@ -811,15 +1086,76 @@ class Certificate:
         require(self.radius is None or self.radius > 0, "a square of positive size, or null for the plane")
         self.verdict, self.level, self.rate = data["verdict"], data["level"], data["rate"]
         require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
+        self.rooted = self._read_roots(data["roots"]) if "roots" in data else ()
         self.cells = self._build(data["rhs"], data["lyapunov"])
+        self.curves = self._read_curves(data["curves"]) if "curves" in data else None
+
+    def _read_roots(self, data: Any) -> tuple[str, ...]:
+        """The states whose signed roots V is about; rates in the time of the roots are none of the states."""
+        require(type(data) is list and data and all(name in self.states for name in data), "roots of states")
+        require(len(set(data)) == len(data) and self.rate is None, "different roots, and no rate")
+        return tuple(data)
 
     def _build(self, rhs: Any, lyapunov: Any) -> list[Cell]:
         axes = (Polynomial({(1, 0): Fraction(1)}), Polynomial({(0, 1): Fraction(1)}))
-        moved = {name: axis + constant(at) for name, axis, at in zip(self.states, axes, self.at, strict=True)}
+        moved, self.roots, seen = {}, dict[str, Polynomial](), {}
+        for name, axis, at in zip(self.states, axes, self.at, strict=True):
+            if name in self.rooted:
+                root = _square_root(abs(at))
+                self.roots[name] = axis + constant(root if at > 0 else -root)
+            else:
+                moved[name] = axis + constant(at)
+            seen[f"root_{name}" if name in self.rooted else name] = axis
+        require(len(seen) == 2, "two names in V")
         require(type(rhs) is list and 0 < len(rhs) <= MAX_FIELDS, f"one to {MAX_FIELDS} right-hand sides")
         require(all(type(side) is list and len(side) == 2 for side in rhs), "two formulas in each right-hand side")
-        fields = [(Formula(first, moved), Formula(second, moved)) for first, second in rhs]
-        return build_cells(fields, Piecewise(lyapunov, dict(zip(self.states, axes, strict=True))), self.radius)
+        self.fields = [self._read_field(side, moved) for side in rhs]
+        return build_cells(self.fields, Piecewise(lyapunov, seen), self.radius)
+
+    def _read_field(self, side: Sequence[Any], moved: dict[str, Polynomial]) -> tuple[RootedFormula, RootedFormula]:
+        """``f_k`` times ``2 Abs(w_j)`` of the rooted j other than k: the field of the roots, times all of these."""
+        factors = [[name for name in self.rooted if name != state] for state in self.states]
+        first, second = (RootedFormula(text, moved, self.roots, own) for text, own in zip(side, factors, strict=True))
+        return first, second
+
+    def _show_crossed(self) -> None:
+        """Where a root is zero, but at the point, all velocities cross in one sense.
+
+        There every solution has a speed x' of one sign, bounded away from 0: it is there at single instants.  Between
+        them the root w has the velocity ``x'/(2 Abs(w))``, so (w, y) moves along the scaled field, faster by a positive
+        factor.  V is continuous and falls in between; hence it falls, and solutions tend to invariant sets on one level
+        of V: to the point.
+        """
+        for k, name in enumerate(self.states):
+            if name in self.rooted:
+                own = self.roots[name].terms
+                line = tuple(own.get(e, Fraction(0)) for e in ((1, 0), (0, 1), (0, 0)))
+                self._show_crossed_line(line, k)  # type: ignore[arg-type]
+
+    def _show_crossed_line(self, line: Line, k: int) -> None:
+        sides: dict[frozenset[Generator], list[Polynomial]] = {}
+        corners: dict[Generator, list[Fraction]] = {}
+        for cell in self.cells:
+            speeds = [field[k].stated(partial(sign_on, cell.polygon)) for field in self.fields]
+            for ends in sides_of(cell):
+                if any(place[2] for place in ends) and not any(height(line, place) for place in ends):
+                    sides.setdefault(frozenset(ends), []).extend(speeds)
+            for place in cell.polygon:
+                if place[2] and not is_origin(place) and not height(line, place):
+                    corners.setdefault(place, []).extend(speed.at(place[0], place[1]) for speed in speeds)
+        for side, own in sides.items():
+            ends = tuple(side)  # type: ignore[assignment]
+            crossed = any(all(proved_sign(p * constant(s), ends, strict=True) for p in own) for s in (1, -1))
+            require(crossed, "velocities that cross where a root is zero")
+        for values in corners.values():
+            require(min(values) > 0 or max(values) < 0, "velocities that cross where a root is zero")
+
+    def _read_curves(self, data: Any) -> list[Polynomial]:
+        """Factors of V' that may be curves on which it vanishes: hints, which prove nothing."""
+        require(self.verdict == ASYMPTOTICALLY_STABLE and not self.rooted, "curves of a point that attracts, no roots")
+        require(type(data) is list and len(data) <= MAX_PIECES, "a list of curves")
+        axes = {name: Polynomial({(1 - k, k): Fraction(1)}) for k, name in enumerate(self.states)}
+        return [Formula(text, axes).on(refused_sign) for text in data]
 
     def check(self) -> None:
         """Show every claim."""
@@ -827,9 +1163,12 @@ class Certificate:
         if self.verdict == UNSTABLE:
             cells = [Cell(c.polygon, tuple((-f, -g) for f, g in c.fields), c.potential) for c in cells]
         conditions = Conditions(cells, self.radius)
+        self._show_crossed()
         conditions.show_continuous()
         conditions.show_positive()
-        conditions.show_falls(lambda cell: constant(0), strict=self.verdict != STABLE)
+        conditions.show_falls(lambda cell: constant(0), strict=self.verdict != STABLE and self.curves is None)
+        if self.curves is not None:
+            Invariance(cells, self.radius, [curve for curve in self.curves if curve]).show()
         if self.level is not None:
             self._show_region(rational(self.level))
         if self.rate is not None:
@@ -859,9 +1198,13 @@ class Certificate:
     def describe(self) -> str:
         """What is shown, one claim to a line."""
         x, y = self.states
-        where = "the plane" if self.radius is None else f"abs({x} - x*), abs({y} - y*) <= {self.radius}"
+        names = [f"root_{name}" if name in self.rooted else name for name in self.states]
+        bounded = ", ".join(f"abs({name} - {name}*)" for name in names)
+        where = "the plane" if self.radius is None else f"{bounded} <= {self.radius}"
         point = ", ".join(str(value) for value in self.at)
         lines = [f"system in {x}, {y} at ({point}): {self.verdict}", f"V proved on {where}, {len(self.cells)} cells"]
+        if self.curves is not None:
+            lines.append("V does not rise, and no other solution stays where V' = 0")
         if self.level is not None:
             lines.append(f"every start with V < {self.level} there reaches the point")
         if self.rate is not None:
@@ -870,13 +1213,239 @@ class Certificate:
         return "\n".join(lines)
 
 
+def refused_sign(value: Polynomial) -> int:
+    """Curves are polynomials: no formula of one may ask for a sign."""
+    raise RejectedError("curves without switching")
+
+
+# ---- one state ---------------------------------------------------------------------------------
+
+SCALAR_KEYS = "schema states rhs at verdict starts notes"
+MAX_ANSWERS = 64  # pieces of a formula where signs are not known
+
+Dense: TypeAlias = list[Fraction]  # coefficients of a polynomial in one variable, ascending
+Sure: TypeAlias = Callable[[Polynomial], int]  # the sign of a polynomial on a part of the line; 0 where it is not known
+
+
+class UnknownSignError(Exception):
+    """A sign that a formula needs and nobody knows."""
+
+    def __init__(self, value: Polynomial) -> None:
+        super().__init__(value)
+        self.value = value
+
+
+def dense(value: Polynomial) -> Dense:
+    """The coefficients of a polynomial in x alone."""
+    return [value.terms.get((k, 0), Fraction(0)) for k in range(value.degree + 1)] if value else []
+
+
+def value_at(own: Dense, place: Fraction) -> Fraction:
+    """By Horner's scheme."""
+    total = Fraction(0)
+    for coefficient in reversed(own):
+        total = total * place + coefficient
+    return total
+
+
+def without_root(own: Dense, root: Fraction) -> Dense:
+    """A nonzero polynomial divided by ``(x - root)`` as often as that divides it."""
+    while len(own) > 1 and not value_at(own, root):
+        quotient: Dense = []
+        for coefficient in reversed(own):
+            quotient.append(coefficient + root * (quotient[-1] if quotient else 0))
+        own = quotient[-2::-1]  # the last one is the remainder, which is zero
+    return own
+
+
+def negated_remainder(top: Dense, bottom: Dense) -> Dense:
+    """``-(top mod bottom)``, divided by a positive number."""
+    rest = list(top)
+    BUDGET.spend(1 + len(top) * len(bottom))
+    while len(rest) >= len(bottom):
+        factor = rest[-1] / bottom[-1]
+        for k, coefficient in enumerate(bottom, len(rest) - len(bottom)):
+            rest[k] -= factor * coefficient
+        rest.pop()
+    while rest and not rest[-1]:
+        rest.pop()
+    return [-coefficient / abs(rest[-1]) for coefficient in rest]
+
+
+def variations(chain: Sequence[Dense], place: Fraction) -> int:
+    """Changes of sign along a chain, zeros left out."""
+    values = [value for own in chain if (value := value_at(own, place))]
+    return sum(1 for a, b in pairwise(values) if a * b < 0)
+
+
+def has_root_between(own: Dense, low: Fraction, high: Fraction) -> bool:
+    """Whether a nonzero polynomial vanishes in an open interval: Sturm's theorem.
+
+    Divided by the factors that vanish at the ends, it has as many distinct roots between them as its chain ``p, p',
+    -(p mod p'), ...`` loses changes of sign; this holds for multiple roots too.
+    """
+    own = without_root(without_root(own, low), high)
+    chain = [own, [k * coefficient for k, coefficient in enumerate(own)][1:]]
+    while chain[-1]:
+        chain.append(negated_remainder(chain[-2], chain[-1]))
+    return variations(chain, low) != variations(chain, high)
+
+
+def sign_between(value: Polynomial, low: Fraction, high: Fraction) -> int:
+    """The sign of a nonzero polynomial in an open interval; 0 where it vanishes inside."""
+    own = dense(value)
+    middle = value_at(own, (low + high) / 2)
+    return 0 if not middle or has_root_between(own, low, high) else (1 if middle > 0 else -1)
+
+
+def germ_sign(value: Polynomial) -> int:
+    """The sign at all small positive x: that of the coefficient of the lowest power; 0 for the zero polynomial."""
+    return (1 if value.terms[min(value.terms)] > 0 else -1) if value else 0
+
+
+def pieces_of(formula: Formula, sure: Sure) -> list[Polynomial]:
+    """What a formula can be where some signs are not known: every answer of these is tried, 1 and -1.
+
+    At a point where switching expressions vanish, the limits of the formula from either side are among these.
+    """
+    found: list[Polynomial] = []
+    waiting: list[dict[Polynomial, int]] = [{}]
+    while waiting:
+        answers = waiting.pop()
+
+        def sign_of(value: Polynomial, answers: dict[Polynomial, int] = answers) -> int:
+            known = sure(value) or answers.get(value) or -answers.get(-value, 0)
+            if not known:
+                raise UnknownSignError(value)
+            return known
+
+        try:
+            found.append(formula.on(sign_of))
+        except UnknownSignError as asked:
+            waiting += [{**answers, asked.value: sign} for sign in (1, -1)]
+        require(len(found) + len(waiting) <= MAX_ANSWERS, f"at most {MAX_ANSWERS} pieces of a formula near a point")
+    return found
+
+
+class ScalarCertificate:
+    """A certificate of a system in one state: F is the hull of all limits of its fields at a point."""
+
+    def __init__(self, data: Any) -> None:
+        require(type(data) is dict and sorted(data) == sorted(SCALAR_KEYS.split()), f"the keys {SCALAR_KEYS}")
+        BUDGET.left = MAX_WORK
+        self.states, rhs = data["states"], data["rhs"]
+        require(type(self.states) is list and len(self.states) == 1, "one state")
+        require(type(self.states[0]) is str and NAME.fullmatch(self.states[0]), "a state with a name")
+        require(type(data["at"]) is list and len(data["at"]) == 1, "a point of one number")
+        self.at, self.verdict = rational(data["at"][0]), data["verdict"]
+        require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
+        require(type(rhs) is list and 0 < len(rhs) <= MAX_FIELDS, f"one to {MAX_FIELDS} right-hand sides")
+        require(all(type(side) is list and len(side) == 1 for side in rhs), "one formula in each right-hand side")
+        self.right, self.left = ([self._formula(text, turn) for (text,) in rhs] for turn in (1, -1))
+        self.starts = data["starts"]
+
+    def _formula(self, text: Any, turn: int) -> Formula:
+        """A right-hand side in the distance from the point to one side."""
+        distance = Polynomial({(1, 0): Fraction(turn)})
+        return Formula(text, {self.states[0]: distance + constant(self.at)})
+
+    def check(self) -> None:
+        """Show every claim."""
+        right = [formula.on(germ_sign) for formula in self.right]
+        left = [-formula.on(germ_sign) for formula in self.left]
+        if self.verdict == UNSTABLE:
+            self._show_unstable(right, left)
+        else:
+            self._show_stable(right, left)
+        if self.starts is not None:
+            self._show_starts()
+
+    def _show_stable(self, right: Sequence[Polynomial], left: Sequence[Polynomial]) -> None:
+        """No field leads away near the point; for asymptotic stability every one leads back.
+
+        Off the point the velocity is, at almost all times, a mixture of speeds of that side.  If none of these is
+        positive (away from the point), the distance never grows.  If all are negative they stay below a negative number
+        on each compact part of the side, so every distance is left behind.
+        """
+        most = max(map(germ_sign, (*right, *left)))
+        require(most < 0 or (most == 0 and self.verdict == STABLE), "fields that lead back on both sides")
+
+    def _show_unstable(self, right: Sequence[Polynomial], left: Sequence[Polynomial]) -> None:
+        """A field that leads away on one side, or 0 outside F at the point.
+
+        A positive speed in ``(0, d)`` carries a solution of this field from every start there to d.  If all limits at
+        the point have one sign, so have all fields near it, and every solution leaves.
+        """
+        limits = [f.terms.get((0, 0), Fraction(0)) for f in right]
+        limits += [-f.terms.get((0, 0), Fraction(0)) for f in left]
+        rests = min(limits) <= 0 <= max(limits)
+        require(not rests or max(map(germ_sign, (*right, *left))) > 0, "a field that leads away, or 0 outside F")
+
+    def _show_starts(self) -> None:
+        """Every start in the open interval reaches the point, or tends to it."""
+        require(self.verdict == ASYMPTOTICALLY_STABLE, "starts of a point that attracts")
+        require(type(self.starts) is list and len(self.starts) == 2, "an interval of starts: two numbers")
+        low, high = map(rational, self.starts)
+        require(low < self.at < high, "an interval of starts around the point")
+        show_inward(self.right, high - self.at, 1)
+        show_inward(self.left, self.at - low, -1)
+
+    def describe(self) -> str:
+        """What is shown, one claim to a line."""
+        (state,) = self.states
+        lines = [f"system in {state} at ({self.at}): {self.verdict}", "signs of all fields beside the point"]
+        if self.starts is not None:
+            lines.append(f"every start with {self.starts[0]} < {state} < {self.starts[1]} reaches the point")
+        return "\n".join(lines)
+
+
+def show_inward(formulas: Sequence[Formula], end: Fraction, turn: int) -> None:
+    """Every field leads back at all distances in ``(0, end)``, on one side.
+
+    The interval is cut until, in each open part and at each cut, all pieces that the formulas can be there are
+    negative (away is positive).  Where a switching expression vanishes inside a part both its signs are tried, so the
+    mixtures of the limits at its roots are negative too.  Then the distance falls at a speed that is bounded from
+    below on each compact part.
+    """
+    waiting = [(Fraction(0), end)]
+    for _ in range(MAX_PARTS):
+        if not waiting:
+            return
+        low, high = waiting.pop()
+
+        def between(value: Polynomial, low: Fraction = low, high: Fraction = high) -> int:
+            return sign_between(value, low, high)
+
+        if _all_lead_back(formulas, between, turn):
+            continue
+        middle = (low + high) / 2
+
+        def at_middle(value: Polynomial, middle: Fraction = middle) -> int:
+            return _sign(value_at(dense(value), middle))
+
+        require(_all_lead_back(formulas, at_middle, turn), "fields that lead back from all starts")
+        waiting += [(low, middle), (middle, high)]
+    raise RejectedError("a proof within the limits of this checker")
+
+
+def _all_lead_back(formulas: Sequence[Formula], sure: Sure, turn: int) -> bool:
+    """Whether all pieces of all fields are surely negative (positive where the state falls with the distance)."""
+    pieces = (piece for formula in formulas for piece in pieces_of(formula, sure))
+    return all(piece and sure(piece) * turn < 0 for piece in pieces)
+
+
+def _sign(value: Fraction) -> int:
+    return (value > 0) - (value < 0)
+
+
 # ---- the command -------------------------------------------------------------------------------
 
 
-def read_certificate(data: Any) -> tuple[str, Certificate | None]:
+def read_certificate(data: Any) -> tuple[str, Certificate | ScalarCertificate | None]:
     """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
     try:
-        certificate = Certificate(data)
+        scalar = type(data) is dict and data.get("schema") == SCALAR_SCHEMA
+        certificate = ScalarCertificate(data) if scalar else Certificate(data)
         certificate.check()
     except MALFORMED as error:
         claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"

@@ -54,6 +54,8 @@ class Question:
         zero: numbers of the surfaces that vanish on the face; empty on a cell.
         group: the face, by number; inequalities of one face share mu. -1 on a cell.
         functions: what V is a sum of, there.
+        multipliers: of each parameter of mu, the surface and the monomial that it stands before.
+        member: the number of the right-hand side whose field it is about.
     """
 
     sense: Sense
@@ -62,6 +64,8 @@ class Question:
     zero: tuple[int, ...]
     group: int
     functions: tuple[RationalTerms, ...]
+    multipliers: tuple[tuple[int, int, Exponents], ...] = ()
+    member: int = 0
 
 
 Pieces = Mapping[Pattern, tuple[RationalTerms, ...]]  # on each cell, the polynomial of every function of a basis
@@ -149,31 +153,37 @@ class _Builder:
         space = whole_space(self.count)
         for cell in self.cells:
             guards = self.guards(tuple(enumerate(cell.signs)), space) or ()
-            for field in dict.fromkeys(map(_frozen, cell.velocities)):
-                slopes = {k: _along(p, _thawed(field), self.count) for k, p in enumerate(self.pieces[cell.signs])}
+            for member, velocity in _different_fields(cell):
+                slopes = {k: _along(p, velocity, self.count) for k, p in enumerate(self.pieces[cell.signs])}
                 condition = self.condition(slopes, guards, space, away=False)
-                yield Question(Sense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs])
+                yield Question(Sense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs], member=member)
 
     def on_faces(self) -> Iterator[Question]:
         """The same on faces on which V bends, with mu."""
         number = 0
-        for size in range(1, min(len(self.bending), self.count) + 1):
-            for zero in combinations(self.bending, size):
-                face = build_face([self.surfaces[j] for j in zero], self.count)
-                if face is None or self._is_smaller(face, zero):
-                    continue
-                groups: dict[tuple[tuple[int, int], ...], list[SignCell]] = {}
-                for cell in self.cells:
-                    groups.setdefault(self.at_bends(cell.signs, zero), []).append(cell)
-                for cells in groups.values():
-                    asked = list(self._on_face(face, zero, cells, number))
-                    number += bool(asked)
-                    yield from asked
+        for zero, face in self._places().items():
+            if self._is_elsewhere(face):
+                continue
+            groups: dict[tuple[tuple[int, int], ...], list[SignCell]] = {}
+            for cell in self.cells:
+                groups.setdefault(self.at_bends(cell.signs, zero), []).append(cell)
+            for cells in groups.values():
+                asked = list(self._on_face(face, zero, cells, number))
+                number += bool(asked)
+                yield from asked
 
-    def _is_smaller(self, face: Face, zero: Sequence[int]) -> bool:
-        """Whether another bending surface vanishes on all of it, or it is the checked point or out of the cube."""
-        if any(not face.restricted(self.surfaces[j]) for j in self.bending if j not in zero):
-            return True
+    def _places(self) -> dict[tuple[int, ...], Face]:
+        """Where bending surfaces vanish together, by all that vanish there: more than n planes may share a line."""
+        found: dict[tuple[int, ...], Face] = {}
+        for size in range(1, min(len(self.bending), self.count) + 1):
+            for chosen in combinations(self.bending, size):
+                face = build_face([self.surfaces[j] for j in chosen], self.count)
+                if face is not None:
+                    found.setdefault(tuple(j for j in self.bending if not face.restricted(self.surfaces[j])), face)
+        return found
+
+    def _is_elsewhere(self, face: Face) -> bool:
+        """Whether it is the checked point or out of the cube."""
         origin = (0,) * face.dimension
         still = [form.get(origin, fmpq(0)) for form in face.coordinates if not any(map(sum, form))]
         return (not face.dimension and not any(still)) or any(abs(value) > 1 for value in still)
@@ -187,21 +197,20 @@ class _Builder:
         degree = max((sum(e) for piece in pieces for p in piece for e in p), default=1) - 1
         shapes = monomials_between(face.dimension, 0, max(degree, 0))
         start, functions = self.parameters, tuple(map(face.restricted, pieces[0]))
+        named = tuple(enumerate(((j, shape) for j in zero for shape in shapes), start))
+        multipliers = tuple((number, j, shape) for number, (j, shape) in named)
         for cell in cells:
             others = [(j, s) for j, s in enumerate(cell.signs) if j not in zero]
             guards = self.guards(others, face)
             if guards is None:
                 continue
-            for field in dict.fromkeys(map(_frozen, cell.velocities)):
-                velocity = _thawed(field)
+            for member, velocity in _different_fields(cell):
                 slopes = {k: face.restricted(_along(p, velocity, self.count)) for k, p in enumerate(pieces[0])}
-                for i, j in enumerate(zero):
-                    push = face.restricted(_along(self.surfaces[j], velocity, self.count))
-                    for k, shape in enumerate(shapes):
-                        slopes[start + i * len(shapes) + k] = multiply_terms(push, {shape: fmpq(1)})
+                pushes = {j: face.restricted(_along(self.surfaces[j], velocity, self.count)) for j in zero}
+                slopes.update({k: multiply_terms(pushes[j], {shape: fmpq(1)}) for k, j, shape in multipliers})
                 condition = self.condition(slopes, guards, face, away=away)
-                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number, functions)
-        self.parameters += len(zero) * len(shapes)
+                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number, functions, multipliers, member)
+        self.parameters += len(multipliers)
 
     def _agree(self, face: Face, zero: Sequence[int], cells: Sequence[SignCell]) -> bool:
         """Whether on the face the fields are those of the cells on one side of all its surfaces."""
@@ -261,12 +270,11 @@ def _require_continuous(cells: SignCells, own: Sequence[RationalTerms], other: S
             raise BeyondReachError("V is not continuous")
 
 
-def _frozen(field: Sequence[RationalTerms]) -> tuple[tuple[tuple[Exponents, fmpq], ...], ...]:
-    return tuple(tuple(sorted(part.items())) for part in field)
-
-
-def _thawed(field: Sequence[Sequence[tuple[Exponents, fmpq]]]) -> tuple[RationalTerms, ...]:
-    return tuple(dict(part) for part in field)
+def _different_fields(cell: SignCell) -> Iterator[tuple[int, tuple[RationalTerms, ...]]]:
+    """The fields of a cell, equal ones once, with the number of the first right-hand side that has it."""
+    for member, field in enumerate(cell.velocities):
+        if field not in cell.velocities[:member]:
+            yield member, field
 
 
 def _along(potential: Mapping[Exponents, fmpq], velocity: Sequence[RationalTerms], count: int) -> Terms:

@@ -44,7 +44,7 @@ class DecayRate:
 
     def check(self, examination: Examination) -> bool:
         """Verify every inequality again."""
-        asked = list(_conditions(examination, self.decay, self.kappa))
+        asked = list(rate_conditions(examination, self.decay, self.kappa))
         return (
             self.kappa > 0
             and len(asked) == len(self.evidence)
@@ -55,7 +55,7 @@ class DecayRate:
 def decay_rate(examination: Examination) -> DecayRate | None:
     """A rate of a V that is proved to fall; None where none is proved."""
     for decay in Decay:
-        most = min((_ratio(examination, decay, i) for i in _falling(examination)), default=0.0)
+        most = min((_ratio(examination, decay, i) for i in falling(examination)), default=0.0)
         for share in SHARES if np.isfinite(most) else ():
             kappa = Fraction(int(most * float(share) * DENOMINATOR), DENOMINATOR)
             evidence = _proofs(examination, decay, kappa) if kappa else None
@@ -66,7 +66,7 @@ def decay_rate(examination: Examination) -> DecayRate | None:
 
 def _proofs(examination: Examination, decay: Decay, kappa: Fraction) -> tuple[Proved, ...] | None:
     found = []
-    for condition in _conditions(examination, decay, kappa):
+    for condition in rate_conditions(examination, decay, kappa):
         proved = prove_positive(condition, Effort.HASTY)
         if proved is None:
             return None
@@ -74,14 +74,18 @@ def _proofs(examination: Examination, decay: Decay, kappa: Fraction) -> tuple[Pr
     return tuple(found)
 
 
-def _falling(examination: Examination) -> Iterator[Inequality]:
+def falling(examination: Examination) -> Iterator[Inequality]:
+    """The inequalities about V'."""
     return (i for i in examination.inequalities if i.question.sense is Sense.FALLS)
 
 
-def _conditions(examination: Examination, decay: Decay, kappa: Fraction) -> Iterator[Condition]:
-    """The inequalities with kappa, in the displacement divided by the half-width of the cube, which multiplies V'."""
+def rate_conditions(examination: Examination, decay: Decay, kappa: Fraction) -> Iterator[Condition]:
+    """The inequalities about V' with kappa, in their order.
+
+    They are in the displacement divided by the half-width of the cube, which multiplies V'.
+    """
     factor = fmpq(kappa.numerator, kappa.denominator) * examination.cells.radius
-    for inequality in _falling(examination):
+    for inequality in falling(examination):
         whole = with_values(inequality.question.condition, inequality.mu)
         least = {e: -c * factor for e, c in _target(decay, inequality.question).items()}
         finite = decay is Decay.FINITE

@@ -138,27 +138,37 @@ def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
 
 def _begin(scene: SwitchedSystem) -> Evidence:
     """The equilibrium and the linearization: what is so near the point, on the first cube that is looked at."""
-    beyond = ""
+    try:
+        cells = first_cells(scene)
+        linear = linear_part(cells) or unstable_mixture(scene, cells)
+        escape = escaping_velocity(scene, cells)
+        rate = None if linear is not None else escaping_rate(scene, cells)
+        return Evidence(decide_equilibrium(scene, cells), linear, escape, rate, high_degree_relay(scene, cells))
+    except BeyondReachError as error:
+        return Evidence(Equilibrium.UNDECIDED, beyond=str(error))
+
+
+def first_cells(scene: SwitchedSystem) -> SignCells:
+    """The cells of the checked cube, or of the first smaller one that is looked at.
+
+    Raises:
+        BeyondReachError: where none is, with what is said of the checked cube.
+    """
+    reasons = []
     for scale in SCALES:
         try:
-            cells = build_cells(scene, scene.check.radius * scale)
-            linear = linear_part(cells) or unstable_mixture(scene, cells)
-            escape = escaping_velocity(scene, cells)
-            rate = None if linear is not None else escaping_rate(scene, cells)
-            return Evidence(decide_equilibrium(scene, cells), linear, escape, rate, high_degree_relay(scene, cells))
+            return build_cells(scene, scene.check.radius * scale)
         except BeyondReachError as error:
-            beyond = beyond or str(error)
-    return Evidence(Equilibrium.UNDECIDED, beyond=beyond)
+            reasons.append(error)
+    raise reasons[0]
 
 
 def _relay_holds(scene: SwitchedSystem, relay: RelayDegree) -> bool:
     """Whether the function of a relay rises on the cells of the first cube that is looked at."""
-    for scale in SCALES:
-        try:
-            return relay.check(build_cells(scene, scene.check.radius * scale))
-        except BeyondReachError:
-            continue
-    return False
+    try:
+        return relay.check(first_cells(scene))
+    except BeyondReachError:
+        return False
 
 
 def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:

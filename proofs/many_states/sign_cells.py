@@ -15,7 +15,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -191,8 +191,15 @@ def _sampled_signs(surfaces: Sequence[Polynomial], radius: Number) -> NDArray[np
 
 def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
     """Whether affine forms are positive together nowhere in the open cube: a mixture is not positive (Gordan)."""
-    if not forms:
-        return False
+    found = least_mixture(forms, radius) if forms else None
+    return found is not None and found.value.sign() >= 0
+
+
+def least_mixture(forms: Sequence[Polynomial], radius: Number) -> Mixture | None:
+    """The mixture of affine forms, and of those of the sides of the cube, that is constant and least.
+
+    Its weights are of the forms first; its value is minus the constant.
+    """
     field, count = forms[0].field, len(forms[0].variables)
     units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
     zero = (0,) * count
@@ -202,6 +209,4 @@ def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
         for side in (1, -1):
             columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
             prices.append(-radius)
-    target = (*(field.zero for _ in range(count)), field.one)
-    found = best_mixture(columns, target, prices)
-    return found is not None and found.value.sign() >= 0
+    return best_mixture(columns, (*(field.zero for _ in range(count)), field.one), prices)

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 from flint import fmpq
 
 from nonsmooth.proofs.many_states.conditions import Sense
-from nonsmooth.proofs.many_states.examination import Examination
+from nonsmooth.proofs.many_states.examination import Examination, Inequality
 from nonsmooth.proofs.many_states.faces import build_face, unit
 from nonsmooth.proofs.many_states.samples import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
@@ -41,7 +42,7 @@ class SublevelSet:
 
     def check(self, examination: Examination) -> bool:
         """Verify the level on the border anew."""
-        asked = list(_at_border(examination, self.level))
+        asked = list(at_border(examination, self.level))
         own = len(asked) == len(self.evidence) and self.radius == _fraction(examination.cells.radius)
         return own and all(
             proved.claim.strict and proved.proves_condition(condition)
@@ -53,7 +54,7 @@ def largest_sublevel(examination: Examination) -> SublevelSet | None:
     """A certified level near the least value on the border; None where none is proved."""
     if examination.is_homogeneous:
         return None
-    least = min((_least(condition) for condition in _at_border(examination, Fraction(0))), default=0.0)
+    least = min((_least(condition) for condition in at_border(examination, Fraction(0))), default=0.0)
     if not least > 0:
         return None
     for share in SHARES:
@@ -66,7 +67,7 @@ def largest_sublevel(examination: Examination) -> SublevelSet | None:
 
 def _proofs(examination: Examination, level: Fraction) -> tuple[Proved, ...] | None:
     found = []
-    for condition in _at_border(examination, level):
+    for condition in at_border(examination, level):
         proved = prove_positive(condition)
         if proved is None:
             return None
@@ -74,26 +75,32 @@ def _proofs(examination: Examination, level: Fraction) -> tuple[Proved, ...] | N
     return tuple(found)
 
 
-def _at_border(examination: Examination, level: Fraction) -> Iterator[Condition]:
+def at_border(examination: Examination, level: Fraction) -> Iterator[Condition]:
     """``V - level`` on each side of the cube, cell by cell of V, in the displacement divided by its half-width."""
+    for _, _, _, condition in named_border(examination, level):
+        yield condition
+
+
+def named_border(examination: Examination, level: Fraction) -> Iterator[tuple[Inequality, int, int, Condition]]:
+    """The same, each with the inequality about V on the cell, the number of the state and its sign."""
     count = len(examination.cells.states)
     zero = (0,) * count
     for inequality in examination.inequalities:
         if inequality.question.sense is not Sense.POSITIVE:
             continue
         whole = inequality.question.condition
-        for k in range(count):
-            for side in (1, -1):
-                face = build_face([{unit(count, k): fmpq(1), zero: fmpq(-side)}], count)
-                if face is None:
-                    continue
-                guards = [face.restricted(guard) for guard in whole.guards]
-                if any(not any(map(sum, g)) and g and next(iter(g.values())) < 0 for g in guards):
-                    continue
-                above = add_terms(dict(whole.constant), {zero: -fmpq(level.numerator, level.denominator)})
-                bounds = tuple(form for form in face.coordinates if any(map(sum, form)))
-                kept = tuple(g for g in guards if any(map(sum, g)))
-                yield Condition(face.restricted(above), {}, kept, bounds, face.dimension, at_origin=True)
+        for k, side in product(range(count), (1, -1)):
+            face = build_face([{unit(count, k): fmpq(1), zero: fmpq(-side)}], count)
+            if face is None:
+                continue
+            guards = [face.restricted(guard) for guard in whole.guards]
+            if any(not any(map(sum, g)) and g and next(iter(g.values())) < 0 for g in guards):
+                continue
+            above = add_terms(dict(whole.constant), {zero: -fmpq(level.numerator, level.denominator)})
+            bounds = tuple(form for form in face.coordinates if any(map(sum, form)))
+            kept = tuple(g for g in guards if any(map(sum, g)))
+            condition = Condition(face.restricted(above), {}, kept, bounds, face.dimension, at_origin=True)
+            yield inequality, k, side, condition
 
 
 def _least(condition: Condition) -> float:

@@ -1,24 +1,26 @@
-"""Certificates of plain systems: the statement that a V proves, for the stand-alone checker of systems.
+"""Certificates of plain systems in two states: the statement that a V proves, for the stand-alone checker of systems.
 
 The checker (:mod:`nonsmooth.proofs.system_checker`) reads the formulas itself and proves everything anew, so a
-certificate holds no more than the system, V, its domain and what is claimed.  It takes rational numbers and switching
-lines; other verdicts have no certificate yet.
+certificate holds no more than the system, V, its domain and what is claimed, and of LaSalle's principle the curves on
+which V' may vanish.  It takes rational numbers and switching lines; fans and leading terms have no certificate yet.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text, rewriting_words
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.surfaces import factorize
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -26,21 +28,18 @@ class NoCertificateError(ValueError):
     """A verdict that has no certificate, in one line."""
 
 
-def build_system_certificate(result: SystemResult | ScalarResult) -> dict[str, Any]:
+def build_system_certificate(result: SystemResult) -> dict[str, Any]:
     """The certificate of a verdict, accepted by the stand-alone checker.
 
     Args:
-        result: of a check that a Lyapunov function decides.
+        result: of a check that a Lyapunov function decides, alone or with LaSalle's principle.
 
     Raises:
         NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
             does not show all of it within its limits.
     """
-    if isinstance(result, ScalarResult):
-        raise NoCertificateError("a certificate needs two states, received one")
-    if result.scene.by_roots is not None:
-        raise NoCertificateError("a certificate needs formulas without sqrt(Abs(x)), received some with it")
-    if result.proving is None or result.domain is None or result.method not in (Method.LYAPUNOV, Method.GROWTH):
+    shown = (Method.LYAPUNOV, Method.INVARIANCE, Method.GROWTH)
+    if result.proving is None or result.domain is None or result.method not in shown:
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
         )
@@ -48,35 +47,79 @@ def build_system_certificate(result: SystemResult | ScalarResult) -> dict[str, A
     region = result.region if result.region is not None and result.region.falls else None
     certificate = {
         "schema": SCHEMA,
-        **_about(system),
-        "radius": None if radius is None else _text(radius),
+        **about(system),
+        "radius": None if radius is None else exact_text(radius),
         "lyapunov": _lyapunov(result),
         "verdict": str(result.verdict),
-        "level": None if region is None else _text(region.level),
+        "level": None if region is None else exact_text(region.level),
         "rate": None if result.rate is None else _rate(result.rate),
-        "notes": _notes(system),
+        "notes": notes(system),
     }
-    refused = check_certificate(certificate)
+    if system.by_roots is not None:
+        certificate |= {"roots": list(system.by_roots.roots.rooted), "rate": None}  # rates are in the roots' time
+    if result.method is Method.INVARIANCE:
+        certificate["curves"] = _curves(result)
+    return accepted(certificate, check_certificate)
+
+
+def _curves(result: SystemResult) -> list[str]:
+    """The factors of V' on all cells: curves on which it may vanish."""
+    found: dict[str, None] = {}
+    for cell in () if result.certificate is None else result.certificate.cells:
+        for rate in cell.rates:
+            factored = factorize(rate) if rate else None
+            for factor, _ in () if factored is None else factored[1]:
+                found[str(replace(factor, variables=result.scene.states))] = None
+    return list(found)
+
+
+def require_no_roots(system: SwitchedSystem) -> None:
+    """Refuse square roots of states.
+
+    Raises:
+        NoCertificateError: for a system with such.
+    """
+    if system.by_roots is not None:
+        raise NoCertificateError("a certificate needs formulas without sqrt(Abs(x)), received some with it")
+
+
+def accepted(certificate: dict[str, Any], check: Callable[[Any], str]) -> dict[str, Any]:
+    """The certificate, which a stand-alone checker has accepted.
+
+    Args:
+        certificate: what is written.
+        check: the checker; it says what is not shown.
+
+    Raises:
+        NoCertificateError: where something is not shown.
+    """
+    refused = check(certificate)
     if refused:
         raise NoCertificateError(f"the stand-alone checker does not show it: required {refused}")
     return certificate
 
 
-def _notes(system: SwitchedSystem) -> dict[str, Any]:
+def notes(system: SwitchedSystem) -> dict[str, Any]:
     """The name of the scene, and the stated formulas where the right-hand sides are others; nothing that is proved."""
-    notes: dict[str, Any] = {"scene": system.name}
+    found: dict[str, Any] = {"scene": system.name}
     if system.written:
-        notes["stated"] = [[one_line(formula) for formula in member] for member in system.written]
-        notes["right-hand sides"] = rewriting_words(system)
-    return notes
+        found["stated"] = [[one_line(formula) for formula in member] for member in system.written]
+        found["right-hand sides"] = rewriting_words(system)
+    return found
 
 
-def _about(system: SwitchedSystem) -> dict[str, Any]:
-    """What a certificate is about."""
+def about(system: SwitchedSystem) -> dict[str, Any]:
+    """What a certificate is about; where roots of states stand for these, what was stated."""
+    at = system.check.equilibrium
+    if system.by_roots is not None:
+        names, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
+        stated = [z * abs(z) if name in rooted else z for name, z in zip(names, at, strict=True)]
+        rhs = [[one_line(formula) for formula in member] for member in system.written]
+        return {"states": list(names), "rhs": rhs, "at": [exact_text(value) for value in stated]}
     return {
         "states": list(system.states),
         "rhs": [[one_line(side.text) for side in member.rhs] for member in system.members],
-        "at": [_text(value) for value in system.check.equilibrium],
+        "at": [exact_text(value) for value in at],
     }
 
 
@@ -92,7 +135,7 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     """
     with open(file, encoding="utf-8") as stream:
         data = json.load(stream)
-    return next((f"other {key}" for key, value in _about(system).items() if data[key] != value), "")
+    return next((f"other {key}" for key, value in about(system).items() if data[key] != value), "")
 
 
 def certificate_text(certificate: dict[str, Any]) -> str:
@@ -100,7 +143,12 @@ def certificate_text(certificate: dict[str, Any]) -> str:
     return json.dumps(certificate, indent=1, ensure_ascii=True) + "\n"
 
 
-def _text(value: Number | Fraction) -> str:
+def exact_text(value: Number | Fraction) -> str:
+    """A rational number as certificates write it.
+
+    Raises:
+        NoCertificateError: for a number with roots.
+    """
     text = str(value)
     if not set(text) <= set("-0123456789/"):
         raise NoCertificateError(f"a certificate of a plain system needs rational numbers, received {text[:60]}")
@@ -115,10 +163,10 @@ def _lyapunov(result: SystemResult) -> str | list[dict[str, Any]]:
     for piece in pieces:
         if piece.start is None or piece.end is None:
             raise NoCertificateError("a certificate needs a V on cones with both rays")
-        rays = {key: [_text(v) for v in ray] for key, ray in (("from", piece.start), ("to", piece.end))}
+        rays = {key: [exact_text(v) for v in ray] for key, ray in (("from", piece.start), ("to", piece.end))}
         found.append({**rays, "V": str(piece.potential)})
     return found
 
 
 def _rate(rate: DecayRate) -> dict[str, str]:
-    return {"kind": rate.decay.name.lower(), "kappa": _text(rate.kappa)}
+    return {"kind": rate.decay.name.lower(), "kappa": exact_text(rate.kappa)}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 REJECTED = 1
+Checker: TypeAlias = Callable[[str], tuple[int, str]]  # of a file: exit status and what to print
 
 
 def verify(
@@ -37,8 +39,9 @@ def verify(
     """
     from nonsmooth.proofs.checker import check_file
 
-    if _is_of_system(file):
-        return _verify_system(file, scene, radius, at, rule=rule)
+    checker = _checker_of_system(file)
+    if checker is not None:
+        return _verify_system(checker, file, scene, radius, at, rule=rule)
     wanted = _wanted(scene, rule, radius, at)
     status, message = check_file(file)
     if status == BAD_INPUT:
@@ -68,23 +71,30 @@ def _compared(status: int, message: str, scene: str | None, difference: str, sam
     return status
 
 
-def _is_of_system(file: str) -> bool:
-    """Whether a file says that it is the certificate of a plain system."""
+def _checker_of_system(file: str) -> Checker | None:
+    """The stand-alone checker of the plain system that a file says it is about; None where it does not say so."""
     import json
 
-    from nonsmooth.proofs.system_checker import MAX_BYTES, SCHEMA
+    from nonsmooth.proofs import many_state_checker, system_checker
 
+    checkers: dict[str, Checker] = {
+        system_checker.SCALAR_SCHEMA: system_checker.check_file,
+        system_checker.SCHEMA: system_checker.check_file,
+        many_state_checker.SCHEMA: many_state_checker.check_file,
+    }
     try:
         with open(file, "rb") as stream:
-            text = stream.read(MAX_BYTES)
-        return SCHEMA.encode() in text and json.loads(text).get("schema") == SCHEMA
-    except (OSError, ValueError, AttributeError, RecursionError):
-        return False
+            text = stream.read(many_state_checker.MAX_BYTES)
+        named = any(schema.encode() in text for schema in checkers)
+        return checkers.get(json.loads(text).get("schema")) if named else None
+    except (OSError, ValueError, AttributeError, TypeError, RecursionError):
+        return None
 
 
-def _verify_system(file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object) -> int:
+def _verify_system(
+    check_file: Checker, file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object
+) -> int:
     """The certificate of a plain system, and whether it is about the system that is named."""
-    from nonsmooth.proofs.system_checker import check_file
     from nonsmooth.proofs.systems.system_certificate import NoCertificateError, find_system_difference
     from nonsmooth.symbolic.files.system_file import load_system
 

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
-from tests.proofs.test_system_checker import attack
+from tests.proofs import (
+    test_invariance_certificate,
+    test_root_certificate,
+    test_scalar_certificate,
+    test_system_checker,
+)
+from tests.proofs.many_states import test_many_certificate
+
+ATTACKS: dict[str, Callable[[int, int], int]] = {
+    "one state": test_scalar_certificate.attack,
+    "two states": test_system_checker.attack,
+    "invariance principle": test_invariance_certificate.attack,
+    "signed roots": test_root_certificate.attack,
+    "three states": test_many_certificate.attack,
+}
 
 
 @pytest.mark.benchmark
-def test_ten_thousand_mutants() -> None:
-    accepted = attack(10_000, 7)
-    print(f"{accepted} of 10,000 mutants accepted, all of them still true")
+@pytest.mark.parametrize("states", ATTACKS)
+def test_ten_thousand_mutants(states: str) -> None:
+    accepted = ATTACKS[states](10_000, 7)
+    print(f"{states}: {accepted} of 10,000 mutants accepted, all of them still true")
     assert 0 < accepted < 10_000

@@ -142,22 +142,26 @@ def test_no_formula_keeps_the_checker_busy() -> None:
 
 # ---- mutations -----------------------------------------------------------------------------------
 
-NUMBER = "0123456789"
+DIGITS = "0123456789"
 
 
 def mutant(record: Record, source: random.Random) -> Record:
     """One digit, sign or operator of one text changed."""
     text = json.dumps({key: record[key] for key in ("rhs", "lyapunov", "radius", "level", "rate", "verdict", "at")})
-    places = [k for k, letter in enumerate(text) if letter in NUMBER + "+-*xy"]
+    places = [k for k, letter in enumerate(text) if letter in DIGITS + "+-*xy"]
     k = source.choice(places)
-    other = source.choice([c for c in (NUMBER if text[k] in NUMBER else "+-*xy") if c != text[k]])
+    other = source.choice([c for c in (DIGITS if text[k] in DIGITS else "+-*xy") if c != text[k]])
     try:
         return {**record, **json.loads(text[:k] + other + text[k + 1 :])}
     except ValueError:
         return record
 
 
-NAMES = {"sign": np.sign, "Abs": abs, "Max": max, "Min": min, "sat": lambda v, low, high: max(low, min(high, v))}
+NAMES = {
+    **{"sign": np.sign, "Abs": abs, "Max": max, "Min": min},
+    "sat": lambda v, low, high: max(low, min(high, v)),
+    "relu": lambda v: max(v, 0.0),
+}
 
 
 def in_floats(text: str) -> Callable[[float, float], float]:

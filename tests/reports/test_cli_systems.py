@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -364,6 +365,30 @@ def test_a_certificate_is_written_verified_and_compared(invoke: Invoke, tmp_path
     )  # fmt: skip
     file.write_text(file.read_text(encoding="utf-8").replace("asymptotically stable", "unstable"), encoding="utf-8")
     assert invoke("verify", str(file)).out.startswith("rejected: required V' below its bound")
+
+
+@pytest.mark.parametrize(
+    ("states", "rhs"),
+    [(["x"], ["-x + 8*x**3"]), (["x", "y"], ["y", "-x*Abs(x) - y**3"]), (["x", "y", "z"], ["-x", "-y + x", "-sgn(z)"])],
+)
+def test_certificates_of_one_state_of_damping_and_of_three(
+    invoke: Invoke, tmp_path: Path, states: list[str], rhs: list[str]
+) -> None:
+    for name, formulas in (("own", rhs), ("other", [f"2*({rhs[0]})", *rhs[1:]])):
+        table = f'name = "{name}"\n[system]\nstates = {json.dumps(states)}\nrhs = {json.dumps(formulas)}\n'
+        (tmp_path / f"{name}.toml").write_text(table, encoding="utf-8")
+    file, own, other = (str(tmp_path / name) for name in ("c.json", "own.toml", "other.toml"))
+    assert invoke("check", own, "--certificate", file).status == 0
+    accepted = invoke("verify", file, own)
+    assert (accepted.status, accepted.out.splitlines()[0]) == (0, "valid")
+    assert accepted.out.splitlines()[-1] == f"about {own}: the same states, formulas and point"
+    refused = invoke("verify", file, other)
+    assert (refused.status, refused.out.splitlines()[0]) == (
+        1, f"rejected: required a certificate about {other}, received one with other rhs"
+    )  # fmt: skip
+    record = json.loads(Path(file).read_text(encoding="utf-8"))
+    Path(file).write_text(json.dumps({**record, "verdict": "unstable"}), encoding="utf-8")
+    assert invoke("verify", file).status == 1
 
 
 def test_a_point_that_no_certificate_names_is_one_line(invoke: Invoke, tmp_path: Path) -> None:

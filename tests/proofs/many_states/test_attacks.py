@@ -54,6 +54,8 @@ def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any
         (["-sgn(x)", "y", "-z"], "4*Abs(x) + y**2 + z**2", {INVALID, OPEN}),  # falls in cells, not along the slide
         (["-sgn(x)", "-sgn(y)", "z"], "4*Abs(x) + 4*Abs(y) + z**2", {INVALID, OPEN}),  # nor on an edge
         (["-sgn(x)", "-sgn(y)", "-z"], "4*Abs(x) + 4*Abs(y) + z**2", {VALID}),
+        # nor on a line on which more surfaces vanish than there are states
+        (["-3*sgn(x)", "-3*sgn(y)", "sgn(z)"], "Abs(x) + Abs(y) + Abs(x + y) + Abs(x - y) + Abs(z)", {INVALID, OPEN}),
         (["-sgn(x)", "-sgn(y)", "-z"], "Abs(x + y) + Abs(x - y) + z**2", {VALID}),
         (["sgn(x)", "-y", "-z"], SQUARES, {INVALID}),  # both sides leave a surface
         (["2 - sgn(x)", "-y", "-z"], SQUARES, {INVALID}),  # 0 is no mixture of the velocities
