@@ -58,6 +58,7 @@ MAX_TEXT, MAX_DEPTH, MAX_DEGREE = 4_000, 60, 16
 MAX_DIGITS = 400  # of a number, and of a power of ten in one
 MAX_FIELDS, MAX_PIECES, MAX_LINES, MAX_CELLS = 8, 64, 12, 200
 MAX_PARTS = 3_000  # into which a cell or an edge is cut
+MAX_HALVINGS = 200  # of an interval of starts
 MAX_WORK = 2_000_000  # products of two numbers: less than half a minute
 
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
@@ -1418,6 +1419,7 @@ def show_inward(formulas: Sequence[Formula], end: Fraction, turn: int) -> None:
 
         if _all_lead_back(formulas, between, turn):
             continue
+        require((high - low) * 2**MAX_HALVINGS > end, "a proof within the limits of this checker")
         middle = (low + high) / 2
 
         def at_middle(value: Polynomial, middle: Fraction = middle) -> int:

@@ -106,16 +106,17 @@ class Theorem4Result(ShortRepr):
         """
         return None
 
-    def check(self) -> bool:
-        """Re-verify the evidence of every clause, that it is about this array, and the conclusion."""
+    def evidence_holds(self) -> bool:
+        """Verify the evidence of every clause, that it is about this array, and the conclusion."""
         return (
-            all(
-                result.check() and clause.is_about(result, self) and clause.recompute(result, self)
-                for clause, result in self.clauses
-            )
+            all(result.check() and clause.is_about(result, self) for clause, result in self.clauses)
             and self.authority.check(self.scene)
             and self.verdict is conclude(self.results)[0]
         )
+
+    def check(self) -> bool:
+        """Verify all evidence, and decide again what evidence does not show, which refuses what was changed since."""
+        return self.evidence_holds() and all(clause.recompute(result, self) for clause, result in self.clauses)
 
     def _repr_html_(self) -> str:
         """The verdicts with their reasons, for a notebook."""
@@ -177,14 +178,14 @@ class CellCheck(Theorem4Result):
         arrives = self.partition.complete and rotation_bound(self.partition, self.translation) is not None
         return drift is not None and arrives and drift.interval[0] <= 0 <= drift.interval[1]
 
-    def check(self) -> bool:
-        """Re-verify the evidence of every clause on all cells of the array, and the conclusion.
+    def evidence_holds(self) -> bool:
+        """Verify the evidence of every clause on all cells of the array, and the conclusion.
 
         Raises:
             nonsmooth.proofs.own_paths.ContradictionError: where a path contradicts the verdict about (x, y).
         """
         refuse_contradiction(self.partition, self.translation)
-        return self.partition.scene == self.scene.recentred() and super().check()
+        return self.partition.scene == self.scene.recentred() and super().evidence_holds()
 
 
 @dataclass(frozen=True, repr=False)

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 
 class SelfChecking(Protocol):
-    """A result that can verify its own evidence."""
+    """A result that can verify itself."""
 
     def check(self) -> bool:
         """Whether the evidence verifies."""
         ...
 
 
+class Evident(Protocol):
+    """A result that can verify its evidence alone."""
+
+    def evidence_holds(self) -> bool:
+        """Whether the evidence verifies."""
+        ...
+
+
 Result = TypeVar("Result", bound=SelfChecking)
+EvidentResult = TypeVar("EvidentResult", bound=Evident)
 
 
 def verified(result: Result) -> Result:
@@ -22,6 +31,19 @@ def verified(result: Result) -> Result:
     Raises:
         RuntimeError: if it does not verify.
     """
-    if not result.check():
+    return _unless_refused(result, holds=result.check())
+
+
+def with_evidence(result: EvidentResult) -> EvidentResult:
+    """The same for one of many results that were decided a moment ago: none of it is decided again.
+
+    Raises:
+        RuntimeError: if its evidence does not verify.
+    """
+    return _unless_refused(result, holds=result.evidence_holds())
+
+
+def _unless_refused(result: Any, *, holds: bool) -> Any:
+    if not holds:
         raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
     return result

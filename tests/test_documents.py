@@ -30,7 +30,9 @@ from tests.thorough import keep
 ROOT = Path(__file__).resolve().parents[1]
 WITH_COMMANDS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LONGEST = ("choose.md", "stress.md", "theory.md")  # their commands run in `make bench`
-LONG_COMMANDS = re.compile(r"nonsmooth (derive .*\.html|precision|stress|simulate .*--grid)\b")  # and these
+LONG_COMMANDS = re.compile(
+    r"nonsmooth (derive .*\.html|precision|stress|simulate .*--grid|sweep .*\.svg)\b"
+)  # and these
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 

@@ -16,7 +16,7 @@ from nonsmooth.proofs.answers.answer import Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.proofs.verified import verified
+from nonsmooth.proofs.verified import with_evidence
 from nonsmooth.symbolic.contact_set import TipsError, require_standing, standing, whole
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError
@@ -134,7 +134,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
 def _decided(scene: Scene, number: int, kind: FailureKind) -> Failure:
     """The answers about what is left; where they are refused, undecided and why."""
     try:
-        check = verified(check_theorem4(scene, beside=False))
+        check = with_evidence(check_theorem4(scene, beside=False))
     except (RefusalError, SceneError) as error:
         return _undecided(number, kind, str(error))
     found = {answer.name: answer.verdict for answer in answers_of(check)}

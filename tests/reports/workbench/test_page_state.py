@@ -20,12 +20,12 @@ from tests.reports.workbench.workbench_page import (
     proved,
     settled,
 )
+from tests.thorough import keep
 from tests.workbench_server import Workbench
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
 
 SMALL = {"width": 500, "height": 400}  # pixels of a page that nobody looks at
-EDITS = 50
 KEYS = ("ArrowLeft", "ArrowUp", "Shift+ArrowRight", "Alt+ArrowDown", "[", "]", "{", "c", "a", "r", "M", "Delete", "o")
 REFUSED = 1500  # milliseconds: an edit that Python refuses, such as two wheels at one place, changes nothing
 CHANGED = """(most) => new Promise((ready) => { const began = performance.now(); const look = () => {
@@ -50,21 +50,24 @@ def random_edit(page: Page, hand: random.Random) -> None:
     page.evaluate(CHANGED, REFUSED)
 
 
-def test_undo_of_50_random_edits_gives_the_same_file_byte_for_byte(browser: Browser, server: Workbench) -> None:
+@pytest.mark.parametrize("edits", keep(1, [15, 50]))
+def test_undo_of_random_edits_gives_the_same_file_byte_for_byte(
+    browser: Browser, server: Workbench, edits: int
+) -> None:
     opened = Opened(browser, server.address, viewport=SMALL)
     page = opened.page
     page.evaluate("() => { workbench.conversation.dragging = true; }")  # cells and answers suffice, as in a drag
     first = toml(server, page)
     hand = random.Random(7)
-    while page.evaluate("() => workbench.store.past.length") < EDITS:
+    while page.evaluate("() => workbench.store.past.length") < edits:
         random_edit(page, hand)
     last = toml(server, page)
     assert last != first
-    for _ in range(EDITS):
+    for _ in range(edits):
         page.keyboard.press("Control+z")
     assert toml(server, page) == first
     assert page.locator("#undo").is_disabled()
-    for _ in range(EDITS):
+    for _ in range(edits):
         page.keyboard.press("Control+Shift+z")
     assert toml(server, page) == last
     opened.context.close()

@@ -8,18 +8,19 @@ import pytest
 
 from nonsmooth.reports.interface.load import load
 from nonsmooth.reports.workbench.documents import document_of, opened
+from tests.thorough import thorough
 from tests.workbench_server import Workbench
 
 ENDS = {
     "toml": (".toml", "application/toml"),
-    "report": (".html", "text/html"),
+    "report": (".html", "text/html"),  # in `make test` by test_page.py: test_the_report_is_a_page_of_its_own
     "figure": (".svg", "image/svg+xml"),
     "json": (".json", "application/json"),
     "certificate": (".json", "application/json"),
 }
 
 
-@pytest.mark.parametrize("kind", ENDS)
+@pytest.mark.parametrize("kind", [k if k != "report" else pytest.param(k, marks=thorough) for k in ENDS])
 def test_an_array_is_saved_as(server: Workbench, kind: str) -> None:
     reply = server.ask("/api/export", {"document": server.document("ring-3"), "kind": kind})
     suffix, media = ENDS[kind]
