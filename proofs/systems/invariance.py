@@ -26,6 +26,7 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.systems.border_motion import along_edge
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
 from nonsmooth.proofs.systems.rest_points import Rests, find_rests
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign
@@ -139,3 +140,9 @@ def _middles(cells: Sequence[LyapunovCell]) -> Iterator[Point]:
 
 def _in_cone(ray: Point, start: Point, end: Point) -> bool:
     return sign(cross(start, ray)) >= 0 and sign(cross(ray, end)) >= 0
+
+
+def staying_of(certificate: LyapunovResult | None) -> Staying | None:
+    """What stays where V' = 0, of a V that does not increase; None for any other."""
+    weak = certificate is not None and certificate.verdict is Decrease.WEAK
+    return decide_staying(certificate.cells) if certificate is not None and weak else None

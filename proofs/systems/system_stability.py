@@ -26,18 +26,23 @@ from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
     LyapunovCell,
-    lyapunov_cells,
     square_regions,
-    system_cells,
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.certified_reach import (
+    arrives_in_finite_time,
+    cells_of_square,
+    certified_reach,
+    holds_everywhere,
+    scene_cells,
+)
 from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncovered
-from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
+from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.invariance import Staying, staying_of
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.lyapunov_search import has_curves
@@ -50,10 +55,10 @@ from nonsmooth.proofs.systems.ray_moves import (
     ray_moves,
     resting_edges,
 )
-from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed, axes_are_crossed_within
+from nonsmooth.proofs.systems.root_axes import axes_are_crossed
 from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov, search_weak_lyapunov
 from nonsmooth.proofs.systems.stability_result import StabilityResult
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -138,8 +143,10 @@ class SystemResult(StabilityResult):
         evidence = self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading
         concluded = conclude(*evidence, self.staying) if self.covered else conclude_uncovered(self.equilibrium)
         genuine = genuine and self.covered is axes_are_crossed(self.scene)
-        genuine = genuine and self.finite_time is _arrives(self.scene, cells, self.verdict, self.certificate)
-        genuine = genuine and (self.staying is None or self.staying is _staying(self.certificate))
+        genuine = genuine and self.finite_time is arrives_in_finite_time(
+            self.scene, cells, self.verdict, self.certificate
+        )
+        genuine = genuine and (self.staying is None or self.staying is staying_of(self.certificate))
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
 
     def _region_is_genuine(self) -> bool:
@@ -156,7 +163,7 @@ class SystemResult(StabilityResult):
                 self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
             )
         own = self.searched is None and self.region.radius == self.scene.check.radius
-        return rate and own and self.region.check(inhabited(_cells_of_square(self.scene)))
+        return rate and own and self.region.check(inhabited(cells_of_square(self.scene)))
 
     def _gain_is_genuine(self, gain: DisturbanceGain, cells: Sequence[LyapunovCell], domain: Domain) -> bool:
         """Whether the gain is one of the V, its rate and its region."""
@@ -166,7 +173,7 @@ class SystemResult(StabilityResult):
 
     def recompute(self, cells: Sequence[FieldCell]) -> bool:
         """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
-        everywhere = _everywhere(self.scene, self.verdict, cells)
+        everywhere = holds_everywhere(self.scene, self.verdict, cells)
         found = _rays(self.scene, cells), _equilibrium(self.scene, cells), everywhere
         fan = self.fan is None or self.fan.fan.recompute()
         leading = self.leading is None or self.leading == decide_leading_terms(self.scene)
@@ -201,7 +208,7 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     certificate, domain = _certificate(scene, reported, others)
     fan, growth, searched, leading, staying = None, None, None, None, None
     if has_curves(scene) and not (scene.check.is_default or rays):
-        staying = _staying(certificate)  # of the V that the scene names: beside curves a search takes long
+        staying = staying_of(certificate)  # of the V that the scene names: beside curves a search takes long
     if staying is not Staying.NONE and (certificate is None or certificate.verdict is not Decrease.STRICT):
         fan = decide_constant_fan(cells)
         if holds is Equilibrium.HOLDS and fan is None:
@@ -216,10 +223,10 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         known = certificate, domain, searched
         certificate, domain, searched, staying = _by_invariance(scene, rays, concluded, known)
     verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading, staying)
-    everywhere = _everywhere(scene, verdict, cells)
+    everywhere = holds_everywhere(scene, verdict, cells)
     region, rate, gain = None, None, None
     if method in (Method.LYAPUNOV, Method.INVARIANCE) and verdict is Translation.ASYMPTOTICALLY_STABLE:
-        region, rate, gain = _reach(scene, certificate, domain, searched)
+        region, rate, gain = certified_reach(scene, certificate, domain, searched)
     evidence = (
         holds,
         everywhere,
@@ -236,7 +243,7 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         staying,
         gain,
     )
-    arrives = _arrives(scene, cells, verdict, certificate)
+    arrives = arrives_in_finite_time(scene, cells, verdict, certificate)
     return SystemResult(scene, verdict, reason, method, *evidence, finite_time=arrives)
 
 
@@ -248,47 +255,6 @@ def _uncovered(
     return SystemResult(
         scene, *concluded, holds, False, reported, None, None, None, rays, None, None, None, covered=False
     )
-
-
-def _reach(
-    scene: SwitchedSystem,
-    certificate: LyapunovResult | None,
-    domain: Domain | None,
-    searched: SearchedLyapunov | None,
-) -> tuple[SublevelRegion | None, DecayRate | None, DisturbanceGain | None]:
-    """Region, rate and gain of a V that is proved on a square; on the plane the region is the plane."""
-    if certificate is None or domain is None or domain.radius is None:
-        return None, None, None
-    if not axes_are_crossed_within(scene, scene.check.radius):
-        return None, None, None
-    region = None
-    if searched is None and domain.radius != scene.check.radius:
-        region = largest_sublevel(inhabited(_cells_of_square(scene)), scene.check.radius, falls=False)
-    region = region or largest_sublevel(certificate.cells, domain.radius)
-    scaled = scene.scale is not None or scene.by_roots is not None  # a scaled field has another rate
-    rate = None if scaled else decay_rate(certificate.cells)
-    if rate is None:
-        return region, None, None
-    return region, rate, disturbance_gain(certificate.cells, domain.radius, rate, region)
-
-
-def _arrives(
-    scene: SwitchedSystem, cells: Sequence[FieldCell], verdict: Translation, certificate: LyapunovResult | None
-) -> bool:
-    """Whether solutions of a system in roots of states are known to arrive in finite time."""
-    if scene.by_roots is None or verdict is not Translation.ASYMPTOTICALLY_STABLE:
-        return False
-    if arrives_in_time(scene, cells, falls_exponentially=False):
-        return True
-    strict = certificate is not None and certificate.verdict is Decrease.STRICT
-    bounded = strict and certificate is not None and not are_cones(certificate.cells)
-    fast = bounded and certificate is not None and decay_rate(certificate.cells) is not None
-    return fast and arrives_in_time(scene, cells, falls_exponentially=True)
-
-
-def _cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
-    """The cells of the checked square with the scene's V."""
-    return scene_cells(scene, square_regions(scene.check.radius))
 
 
 def _searched(
@@ -327,30 +293,19 @@ def _by_invariance(
     weak = method is Method.LYAPUNOV and verdict is Translation.STABLE
     if not (weak or method is Method.NONE) or (weak and rays) or scene.others:
         return *known, None
-    staying = _staying(known[0])
+    staying = staying_of(known[0])
     if staying is Staying.NONE:
         return *known, staying
     if weak and known[1] is not None and known[1].radius == scene.check.radius:
         smaller = Domain(scene.check.radius * SHRINKING)
         result = examine(scene_cells(scene, square_regions(smaller.radius or scene.check.radius)))
-        if result.verdict is Decrease.WEAK and _staying(result) is Staying.NONE:
+        if result.verdict is Decrease.WEAK and staying_of(result) is Staying.NONE:
             return result, smaller, None, Staying.NONE
     found = search_weak_lyapunov(scene)
     if found is None:
         return *known, staying
-    own = None if rays else _staying(found.result)
+    own = None if rays else staying_of(found.result)
     return (*known, staying) if weak and own is not Staying.NONE else (found.result, found.domain, found, own)
-
-
-def _staying(certificate: LyapunovResult | None) -> Staying | None:
-    """What stays where V' = 0, of a V that does not increase; None for any other."""
-    weak = certificate is not None and certificate.verdict is Decrease.WEAK
-    return decide_staying(certificate.cells) if certificate is not None and weak else None
-
-
-def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
-    """The cells of some regions, cut further where the scene's V bends."""
-    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
 
 
 def _certificate(
@@ -389,11 +344,3 @@ def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, .
 def _equilibrium(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> Equilibrium:
     """Whether 0 is in F at the point: of the stated fields, where roots of states scale them."""
     return decide_equilibrium(cells if scene.by_roots is None else plane_cells(scene.by_roots.unscaled))
-
-
-def _everywhere(scene: SwitchedSystem, verdict: Translation, cells: Sequence[FieldCell]) -> bool:
-    """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
-    if not axes_are_crossed_within(scene, None):
-        return False
-    degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
-    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
+from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
-from nonsmooth.proofs.systems.system_stability import scene_cells
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

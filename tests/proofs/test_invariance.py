@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
 from nonsmooth.proofs.systems.rest_points import Rests, find_rests
-from nonsmooth.proofs.systems.system_stability import scene_cells, system_check
+from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
+from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -18,7 +19,7 @@ from nonsmooth.proofs.systems.lyapunov_program import propose
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.systems.search import reversed_cells
 from nonsmooth.proofs.systems.sublevel_region import largest_sublevel
-from nonsmooth.proofs.systems.system_stability import scene_cells, system_check
+from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.thorough import thorough

@@ -1,0 +1,78 @@
+"""How far and how fast a planar system's asymptotic stability reaches: region, rate, gain, arrival in finite time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from nonsmooth.analysis.cells.region import Region
+from nonsmooth.analysis.cells.switched_cells import (
+    FieldCell,
+    LyapunovCell,
+    lyapunov_cells,
+    square_regions,
+    system_cells,
+)
+from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, inhabited
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.ray_moves import are_cones
+from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed_within
+from nonsmooth.proofs.systems.search import SearchedLyapunov
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
+    """The cells of some regions, cut further where the scene's V bends."""
+    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
+
+
+def cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
+    """The cells of the checked square with the scene's V."""
+    return scene_cells(scene, square_regions(scene.check.radius))
+
+
+def certified_reach(
+    scene: SwitchedSystem,
+    certificate: LyapunovResult | None,
+    domain: Domain | None,
+    searched: SearchedLyapunov | None,
+) -> tuple[SublevelRegion | None, DecayRate | None, DisturbanceGain | None]:
+    """Region, rate and gain of a V that is proved on a square; on the plane the region is the plane."""
+    if certificate is None or domain is None or domain.radius is None:
+        return None, None, None
+    if not axes_are_crossed_within(scene, scene.check.radius):
+        return None, None, None
+    region = None
+    if searched is None and domain.radius != scene.check.radius:
+        region = largest_sublevel(inhabited(cells_of_square(scene)), scene.check.radius, falls=False)
+    region = region or largest_sublevel(certificate.cells, domain.radius)
+    scaled = scene.scale is not None or scene.by_roots is not None  # a scaled field has another rate
+    rate = None if scaled else decay_rate(certificate.cells)
+    if rate is None:
+        return region, None, None
+    return region, rate, disturbance_gain(certificate.cells, domain.radius, rate, region)
+
+
+def arrives_in_finite_time(
+    scene: SwitchedSystem, cells: Sequence[FieldCell], verdict: Translation, certificate: LyapunovResult | None
+) -> bool:
+    """Whether solutions of a system in roots of states are known to arrive in finite time."""
+    if scene.by_roots is None or verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        return False
+    if arrives_in_time(scene, cells, falls_exponentially=False):
+        return True
+    strict = certificate is not None and certificate.verdict is Decrease.STRICT
+    bounded = strict and certificate is not None and not are_cones(certificate.cells)
+    fast = bounded and certificate is not None and decay_rate(certificate.cells) is not None
+    return fast and arrives_in_time(scene, cells, falls_exponentially=True)
+
+
+def holds_everywhere(scene: SwitchedSystem, verdict: Translation, cells: Sequence[FieldCell]) -> bool:
+    """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
+    if not axes_are_crossed_within(scene, None):
+        return False
+    degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
+    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1
