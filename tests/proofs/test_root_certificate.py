@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import random
 from typing import Any
 
@@ -12,8 +11,10 @@ import pytest
 from nonsmooth.proofs.system_checker import check_certificate
 from nonsmooth.proofs.systems.system_certificate import build_system_certificate
 from nonsmooth.proofs.systems.system_stability import system_check
+from tests.proofs import mutants
+from tests.proofs.mutants import Record, is_one_line
 from tests.proofs.test_square_roots import NAMES, ROOT, built
-from tests.proofs.test_system_checker import DIGITS, Record, claim
+from tests.proofs.test_system_checker import claim
 from tests.thorough import thorough
 
 TWISTING = [f"-2*{ROOT} + y", "-sgn(x)"]
@@ -83,24 +84,15 @@ CHANGES: list[dict[str, Any]] = [
 @pytest.mark.parametrize("change", CHANGES, ids=range(len(CHANGES)))
 def test_other_claims_are_rejected_in_one_line(change: dict[str, Any]) -> None:
     refused = check_certificate({**certified(WITH_REGION), **change})
-    assert refused
-    assert "\n" not in refused
+    assert is_one_line(refused)
 
 
 # ---- mutations -----------------------------------------------------------------------------------
 
-LETTERS = "+-*xy"
 
-
-def mutant(record: Record, source: random.Random) -> Record:
+def mutated(record: Record, source: random.Random) -> Record:
     """One digit, sign or operator of one text changed."""
-    text = json.dumps({key: record[key] for key in ("rhs", "lyapunov", "radius", "verdict", "level", "roots")})
-    k = source.choice([k for k, letter in enumerate(text) if letter in DIGITS + LETTERS])
-    other = source.choice([c for c in (DIGITS if text[k] in DIGITS else LETTERS) if c != text[k]])
-    try:
-        return {**record, **json.loads(text[:k] + other + text[k + 1 :])}
-    except ValueError:
-        return record
+    return mutants.mutant(record, ("rhs", "lyapunov", "radius", "verdict", "level", "roots"), "xy", source)
 
 
 def assert_true(record: Record, source: random.Random) -> None:
@@ -119,18 +111,12 @@ def assert_true(record: Record, source: random.Random) -> None:
 
 def attack(count: int, seed: int) -> int:
     """How many of many mutants are accepted; each is put to the test."""
-    source, accepted = random.Random(seed), 0
     originals = [
         by_roots(TWISTING, "root_x**2 - root_x*y/2 + y**2"),
         certified(WITH_REGION),
         certified([f"-3/2*{ROOT} + y - x", "-11/10*sgn(x) - x"]),
     ]
-    for k in range(count):
-        forged = mutant(originals[k % len(originals)], source)
-        if not check_certificate(forged):
-            accepted += 1
-            assert_true(forged, source)
-    return accepted
+    return mutants.attack(originals, mutated, check_certificate, assert_true, count, seed)
 
 
 @thorough  # the small one: test_false_claims_are_rejected
