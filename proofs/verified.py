@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 
 class SelfChecking(Protocol):
@@ -31,7 +31,8 @@ def verified(result: Result) -> Result:
     Raises:
         RuntimeError: if it does not verify.
     """
-    return _unless_refused(result, holds=result.check())
+    _require(result.check())
+    return result
 
 
 def with_evidence(result: EvidentResult) -> EvidentResult:
@@ -40,10 +41,10 @@ def with_evidence(result: EvidentResult) -> EvidentResult:
     Raises:
         RuntimeError: if its evidence does not verify.
     """
-    return _unless_refused(result, holds=result.evidence_holds())
+    _require(result.evidence_holds())
+    return result
 
 
-def _unless_refused(result: Any, *, holds: bool) -> Any:
+def _require(holds: bool) -> None:
     if not holds:
         raise RuntimeError("required evidence that verifies, received evidence that does not: please report this")
-    return result
