@@ -102,8 +102,8 @@ class Freedom:
             for step, place in enumerate(orbit):
                 turns = step * 4 // self.order
                 own = scene.wheels[place]
-                turned = wheel_after_turns(scene, replace(chosen, friction=own.friction, named=own.named), turns)
-                tables[place] = wheel_entry(turned, unit)
+                like = replace(chosen, friction=own.friction, speed_limit=own.speed_limit, named=own.named)
+                tables[place] = wheel_entry(wheel_after_turns(scene, like, turns), unit)
         return {**kept, "wheel": tables}
 
     def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:

@@ -72,6 +72,16 @@ def test_the_symmetry_is_kept_exactly(name: str, order: int) -> None:
             assert first.speed == second.speed
 
 
+def test_every_wheel_of_an_orbit_keeps_its_own_limit() -> None:
+    document, label, path = read_document("four-wheel")
+    document["wheel"] = [dict(entry) for entry in document["wheel"]]
+    document["wheel"][2]["speed_limit"] = 3
+    scene = build_scene(document, label, path)
+    freedom = Freedom(("headings",), order=4)
+    changed = build_scene(freedom.document(document, scene, [0.6]), label, path)
+    assert [None if w.speed_limit is None else float(w.speed_limit) for w in changed.wheels] == [None, None, 3, None]
+
+
 def test_the_start_is_the_scene_itself() -> None:
     document, label, path = read_document("rectangle")
     scene = build_scene(document, label, path)
