@@ -37,14 +37,23 @@ def first_change(signals: Signals, part: Part, *, first: bool) -> tuple[float, i
 
 
 def _root(signals: Signals, state: Any, low: float, high: float, signal: int) -> float:
-    """When a signal changes its sign, down to rounding: the later side, where it has changed."""
+    """When a signal changes its sign, down to rounding: the later side, where it has changed.
+
+    Many states at once and one alone may be rounded differently, so that a change that was seen may be none here: then
+    it is the end of the interval.
+    """
     from scipy.optimize import brentq
 
     def value(time: float) -> float:
         return float(signals(state(time)[None])[0, signal])
 
     ulp = float(np.spacing(high))
-    near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS)) if value(low) > 0 else low
+    if value(low) <= 0:
+        near = low
+    elif value(high) >= 0:
+        near = high
+    else:
+        near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS))
     step = ulp
     while near < high and value(near) >= 0:
         near, step = min(near + step, high), 2 * step

@@ -75,13 +75,20 @@ class HeldWheels:
         return None
 
     def _root(self, piece: Piece, wheel: int, low: float, high: float) -> float:
-        """When a wheel comes to the edge; the earlier time where it lies there already."""
+        """When a wheel comes to the edge: the earlier time where it lies there already.
+
+        The later time, where a wheel that was beyond it among many states is not when looked at alone, by rounding.
+        """
         from scipy.optimize import brentq
 
         def depth(time: float) -> float:
             return float(self._signs[wheel] * self._outline.depths(self._poses(piece, np.array([time])))[0, wheel])
 
-        return low if depth(low) <= 0 else float(brentq(depth, low, high, xtol=float(np.spacing(high))))
+        if depth(low) <= 0:
+            return low
+        if depth(high) >= 0:
+            return high
+        return float(brentq(depth, low, high, xtol=float(np.spacing(high))))
 
     @staticmethod
     def _poses(piece: Piece, times: Floats) -> Floats:

@@ -25,6 +25,7 @@ from nonsmooth.analysis.trajectories.smooth import follow_legs
 NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
 RETURNS = 12  # that are compared: an orbit may pass the section several times in a turn
 PREFERRED = 4.0  # an earlier return is taken unless a later one is so many times nearer
+SAME = 1e-9  # of the extent of the path: returns so near are equally near, whatever rounding left of them
 STANDS = 1e-9  # relative to the size of the states: the extent of a path that stands still
 
 
@@ -52,7 +53,7 @@ def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
     for first, within in ((0.0, NEARBY), (until / 2, math.inf), (0.0, math.inf)):
         try:
             x, period = _return_after(legs, first, within)
-            return _begun_inside(shoot(field, x, period))
+            return single_turn(_begun_inside(shoot(field, x, period)))
         except (OrbitError, TrajectoryError) as error:
             refusals.append(str(error))
     raise OrbitError(refusals[1])
@@ -86,7 +87,8 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Vect
             "or a later --until"
         )
     least = min(distance for _, distance in near)
-    return x, next(t for t, distance in near if distance <= PREFERRED * least) - moment
+    near_enough = max(PREFERRED * least, SAME * extent)
+    return x, next(t for t, distance in near if distance <= near_enough) - moment
 
 
 def _returns(legs: Sequence[Leg], x: Vector, along: Vector, moment: float) -> list[tuple[float, float]]:
@@ -118,3 +120,13 @@ def _begun_inside(orbit: Orbit) -> Orbit:
     longest = max(legs, key=lambda leg: (not leg.motion.face.keep, leg.end - leg.start))
     middle = longest.at((longest.start + longest.end) / 2)
     return shoot(orbit.field, middle, orbit.period)
+
+
+def single_turn(orbit: Orbit) -> Orbit:
+    """The same orbit, gone through once: two turns close as well as one, where a start returned closer after two."""
+    first = orbit.legs[0]
+    extent = float(np.ptp(orbit.path.array, axis=0).max())
+    for time, distance in _returns(orbit.legs, first.first, first.motion(0.0, first.first), 0.0):
+        if distance <= SAME * extent and time < orbit.period * (1 - SAME):
+            return shoot(orbit.field, first.first, time)
+    return orbit

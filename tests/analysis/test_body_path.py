@@ -17,7 +17,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.bodies.contact_sets import ContactSets
+from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.path import BodyPath
+from nonsmooth.analysis.bodies.stretch import Part
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -314,3 +316,14 @@ def test_a_path_passes_a_place_where_the_slip_of_a_wheel_vanishes() -> None:
     assert abs(path.at(ends)[0] - line.y[0, -1]) < 1e-8
     assert abs(path.at(ends)[1]) < 1e-9
     assert len(mode.times) < 5_000
+
+
+def test_a_change_that_only_many_states_together_show_is_the_end_of_its_interval() -> None:
+    """Products of many states and of one are rounded differently: what is below zero there is above it alone."""
+
+    def signals(states: Floats) -> Floats:
+        above = 1.0 - states[:, :1]
+        return above - 1e-12 if len(states) > 1 else above + 1e-12
+
+    part = Part(0.0, 1.0, lambda times: np.array([times]))
+    assert first_change(signals, part, first=False) == (1.0, 0, 1)

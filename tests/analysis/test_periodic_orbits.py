@@ -15,7 +15,8 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
-from nonsmooth.analysis.orbits.search import find_orbit
+from nonsmooth.analysis.orbits.search import find_orbit, single_turn
+from nonsmooth.analysis.orbits.shooting import shoot
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival, matrix
 
@@ -95,6 +96,16 @@ def test_stick_slip_on_a_belt_is_a_closed_form() -> None:
     assert found.period == pytest.approx(float(period), abs=1e-10)
     assert abs(found.multipliers[0]) < 1e-11
     assert [bool(leg.motion.face.keep) for leg in found.legs] == [False, True, False]
+
+
+@pytest.mark.parametrize("turns", [2, 3])
+def test_an_orbit_gone_through_several_times_has_the_period_of_one_turn(turns: int) -> None:
+    """A path that ends exactly on the orbit may return closer after two turns, by rounding alone."""
+    found = orbit(["x", "y"], ["y", "(1 - x**2)*y - x"], (0.5, 0.0), 60.0)
+    again = shoot(found.field, found.point, turns * found.period)
+    assert again.period == pytest.approx(turns * found.period, rel=1e-9)
+    assert single_turn(again).period == pytest.approx(found.period, rel=1e-9)
+    assert single_turn(found) is found
 
 
 def returned(system: ns.System, x: np.ndarray, along: np.ndarray, point: np.ndarray, period: float) -> np.ndarray:
