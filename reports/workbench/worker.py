@@ -95,7 +95,7 @@ def answers(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any
 
     try:
         yield from JOBS[name](body, look_up)
-    except (EOFError, BrokenPipeError):
+    except (EOFError, ConnectionError):  # the server is gone, and with it what it did not read
         raise
     except Exception as error:
         yield refusal(error)
