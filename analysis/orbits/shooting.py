@@ -23,7 +23,7 @@ from nonsmooth.analysis.trajectories.smooth import follow_legs, onto
 STEPS = 12  # of Newton's method; five are usual
 CLOSED = 1e-9  # relative to the size of the states: a turn that closes no better is none
 CLOSE = 1e-12  # and one that closes so well is not improved: the integrator errs as much
-TRUST = 0.5  # of the orbit's extent: a longer step leaves what the derivative describes
+TRUST = 0.5  # of the orbit's extent and of its period: a longer step leaves what the derivative describes
 SMALLEST = 1e-6  # relative to the size of the states: a smaller orbit is an equilibrium
 
 
@@ -91,9 +91,10 @@ def _improved(field: SignField, turn: Turn) -> Turn:
     system[:count, count] = along
     system[count, :count] = first.motion(0.0, x)
     move = np.linalg.lstsq(system, np.append(-turn.gap, 0.0), rcond=None)[0]
-    share = min(1.0, TRUST * turn.extent / max(largest(move[:count]), np.finfo(float).tiny))
-    period = turn.legs[-1].end + share * float(move[count])
-    if not period > 0:
-        raise OrbitError("Newton's method leads to a period that is not positive")
+    lasted = float(turn.legs[-1].end)
+    longer = float(move[count]) / lasted  # where an equilibrium is near, turns last ever longer
+    wider = largest(move[:count]) / max(turn.extent, SMALLEST * field.size)
+    share = min(1.0, TRUST / max(abs(longer), wider, TRUST))
+    period = lasted * (1 + share * longer)
     start = onto(x + share * move[:count], first.motion.face.keep, field.size)
     return _turn(field, start, period)

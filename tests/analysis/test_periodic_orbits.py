@@ -152,3 +152,5 @@ def test_where_there_is_no_orbit_it_says_why() -> None:
         orbit(["x", "y"], ["sign(y)", "-sign(x) - sign(y)/2"], (0.2, 0.3))
     with pytest.raises(OrbitError, match="no return"):
         orbit(["x", "y"], ["1", "sign(y)"], (0.2, 0.3))
+    with pytest.raises(OrbitError, match="no return"):  # Newton's method goes on to ever longer turns
+        orbit(["x", "y"], ["y + 3/20*x - sign(x)/10", "-3/2*x - 3/20*y - y*Abs(x)*3/40"], (1.0, 0.3), 60.0)
