@@ -28,17 +28,14 @@ class Axis:
     """One number of the scene, and its values.
 
     Attributes:
+        name: ``friction.mu_side``.
         path: where it stands in the document.
         values: a range or a list.
     """
 
+    name: str
     path: Path
     values: Values
-
-    @property
-    def name(self) -> str:
-        """``friction.mu_side``."""
-        return path_text(self.path)
 
 
 @dataclass(frozen=True)
@@ -138,7 +135,8 @@ def read_plan(
 
 def _axes(vary: Mapping[str, str], document: Mapping[str, Any], file: str) -> Iterator[Axis]:
     for name, text in vary.items():
-        yield Axis(find_path(name, document, file), read_values(text, f"vary {name}"))
+        path = find_path(name, document, file)
+        yield Axis(path_text(path, document), path, read_values(text, f"vary {name}"))
 
 
 def _require_counts(axes: Sequence[Axis]) -> None:

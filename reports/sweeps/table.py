@@ -220,7 +220,7 @@ def _borders_view(sweep: Sweep) -> RenderableType:
 
 
 def _place(sweep: Sweep, border: Border) -> str:
-    """``friction.mu_side = 1, wheel.1.position.0 = 1/2``; what lies between two long fractions as a decimal."""
+    """``friction.mu_side = 1, wheel.1.position.x = 1/2``; what lies between two long fractions as a decimal."""
     values = zip(sweep.plan.names, border.point, strict=True)
     return ", ".join(f"{name} = {_short(str(value.entry), value.number)}" for name, value in values)
 

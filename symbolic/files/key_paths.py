@@ -1,9 +1,11 @@
-"""Key paths of scene files: ``friction.mu_side``, ``wheel.1.heading``, ``wheel.2.position.0``.
+"""Key paths of scene files: ``friction.mu_side``, ``wheel.1.heading``, ``wheel.2.position.x``.
 
-A path names one number of a document.  Tables and keys are joined by dots; wheels and other tables of a list are
-counted from 1 as in messages, the two or three numbers of one entry (a position, a row of loads) from 0.  A key that
-only one table has may stand alone: ``mu_side`` is ``friction.mu_side``.  Which numbers there are is read from the
-tables of :mod:`nonsmooth.symbolic.files.scene_document`, and from the document where it holds lists.
+A path names one number of a document.  Tables and keys are joined by dots; wheels and all else in lists are counted
+from 1 as in messages.  The two numbers of a position or a direction are its ``x`` and ``y``, those of a row of loads
+``c0``, ``cx`` and ``cy``; of a plain system the ends of an interval are ``low`` and ``high``, and those of the point
+that is checked have the names of its states.  A key that only one table has may stand alone: ``mu_side`` is
+``friction.mu_side``.  Which numbers there are is read from the tables of
+:mod:`nonsmooth.symbolic.files.scene_document`, and from the document where it holds lists.
 """
 
 from __future__ import annotations
@@ -24,6 +26,11 @@ Step: TypeAlias = str | int  # a key, or the place in a list counted from 0
 Path: TypeAlias = tuple[Step, ...]
 
 PARAMETERS = ("system", "parameters")  # of a plain system: named alone
+ENDS = ("low", "high")  # of a parameter's interval
+COORDINATES = ("x", "y")  # of a position or a direction
+LOADS, ROW = ("contact", "loads"), ("c0", "cx", "cy")  # loads of one wheel, row by row
+COUNTED = (*LOADS, "values")  # as many numbers as there are wheels
+PLACED = (*LOADS, "at")
 NEVER_ALONE = ("tolerance",)  # tables whose keys other tables have: they are always named
 DIRECTION = "heading"
 MATCHES, LIKENESS, LISTED = 3, 0.5, 6  # near matches of an unknown path, how near (difflib), else so many examples
@@ -40,11 +47,11 @@ def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
     Raises:
         SceneError: for a path that names no number of this scene; the message lists near ones.
     """
-    known = {path_text(path): path for path in numeric_paths(document)}
+    known = {path_text(path, document): path for path in numeric_paths(document)}
     if text in known:
         return known[text]
     alone = {
-        name: path_text(path[2:] if path[:2] == PARAMETERS else path[1:])
+        name: ".".join(name.split(".")[2 if path[:2] == PARAMETERS else 1 :])
         for name, path in known.items()
         if not isinstance(path[1], int) and path[0] not in NEVER_ALONE
     }
@@ -56,10 +63,30 @@ def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
     raise SceneError(file, "", f"the key path of a number, such as {' or '.join(near)}", text)
 
 
-def path_text(path: Path) -> str:
-    """``wheel.2.position.0``: tables of a list are counted from 1, the numbers of one entry from 0."""
-    last = len(path) - 1
-    return ".".join(str(step + 1 if isinstance(step, int) and k < last else step) for k, step in enumerate(path))
+def path_text(path: Path, document: Mapping[str, Any]) -> str:
+    """``wheel.2.position.x``.
+
+    Args:
+        path: one of :func:`numeric_paths`.
+        document: the tables of the scene file.
+    """
+    words = [str(step + 1 if isinstance(step, int) else step) for step in path]
+    last = path[-1]
+    if isinstance(last, int):
+        names = _entry_names(path[:-1], document)
+        words[-1] = names[last] if last < len(names) else words[-1]
+    return ".".join(words)
+
+
+def _entry_names(path: Path, document: Mapping[str, Any]) -> Sequence[str]:
+    """What the numbers of a list are called; none where they are counted."""
+    if path[: len(PARAMETERS)] == PARAMETERS:
+        return ENDS
+    if "system" in document:
+        return [str(name) for name in document["system"]["states"]]
+    if path == COUNTED:
+        return []
+    return ROW if path[: len(LOADS)] == LOADS and path != PLACED else COORDINATES
 
 
 def with_value(document: Mapping[str, Any], path: Path, value: object) -> dict[str, Any]:

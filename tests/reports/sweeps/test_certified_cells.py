@@ -28,7 +28,7 @@ TOLERANCE = '[tolerance]\nposition = "1/1000"\nheading = "1 deg"\nspeed = "1/50"
 DEFAULTS = {"mu_side": 0.5, "x": 0.1, "heading": 225, "speed": 0.1}
 PATHS = {
     "mu_side": "friction.mu_side",
-    "x": "wheel.1.position.0",
+    "x": "wheel.1.position.x",
     "heading": "wheel.1.heading",
     "speed": "wheel.1.speed",
 }

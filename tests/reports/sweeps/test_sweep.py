@@ -50,7 +50,7 @@ def values(border: Border) -> list[Any]:
 
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
-    found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.0": "0:1/4:2"}, rule=rule)
+    found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.x": "0:1/4:2"}, rule=rule)
     array = ns.load("four-wheel")
     assert isinstance(array, ns.Array)
     scenes = product(("1/2", "3/2"), (0, "1/4"))
@@ -148,11 +148,11 @@ def test_answers_change_where_friction_is_equal(rule: str, question: str) -> Non
 
 def test_rest_ends_where_the_theory_says() -> None:
     """Rule box: the point (x, y) is an equilibrium iff ``|x| + |y| <= mu_S/mu_R``."""
-    vary = {"equilibrium.0": "-7/10:3/5:2", "equilibrium.1": "1/10", "mu_side": "1/2"}
+    vary = {"equilibrium.x": "-7/10:3/5:2", "equilibrium.y": "1/10", "mu_side": "1/2"}
     found = swept("four-wheel", vary, Means(borders=True), rule="box", radius="1/20")
     assert [outcome["equilibrium"] for outcome in found.outcomes] == ["fails", "fails"]
     assert found.borders == ()  # both ends answer alike: what lies between them is not looked for
-    found = swept("four-wheel", {**vary, "equilibrium.0": "0:3/5:2"}, Means(borders=True), rule="box", radius="1/20")
+    found = swept("four-wheel", {**vary, "equilibrium.x": "0:3/5:2"}, Means(borders=True), rule="box", radius="1/20")
     (border,) = found.borders or ()
     assert values(border) == ["2/5", "1/10", "1/2"]
     assert border.before[0] == border.there[0] == "stays near"
@@ -236,7 +236,7 @@ def test_tables_files_and_python_say_the_same(invoke: Invoke, tmp_path: Path) ->
 def test_pictures_hold_strips_and_maps(invoke: Invoke, tmp_path: Path) -> None:
     store = ("--store", "r.sqlite", "--workers", "1")
     assert invoke("sweep", "four-wheel", "--vary", "mu_side=1/2:3/2:2", "-o", "a.svg", *store).status == 0
-    two = ("--vary", "equilibrium.0=0:1/4:2", "--vary", "mu_side=0.1:0.3:2", "--rule", "box", "--radius", "1/20")
+    two = ("--vary", "equilibrium.x=0:1/4:2", "--vary", "mu_side=0.1:0.3:2", "--rule", "box", "--radius", "1/20")
     assert invoke("sweep", "four-wheel", *two, "-o", "b.svg", *store).status == 0
     before = (tmp_path / "b.svg").read_bytes()
     assert invoke("sweep", "four-wheel", *two, "-o", "b.svg", *store).status == 0  # all from the store
@@ -337,7 +337,7 @@ def test_a_wheel_of_a_layout_varies_on_its_own(invoke: Invoke, tmp_path: Path, n
 @pytest.mark.parametrize("rule", ["nearest", "ellipse"])
 def test_what_a_scene_says_of_all_wheels_varies_beside_one_wheel(invoke: Invoke, rule: str) -> None:
     """Wheel 1 stays where the ring has it, so that the answers are those of the ring with another friction."""
-    vary = ("--vary", "mu_side=1/2,3/2", "--vary", "wheel.1.position.0=1,1")
+    vary = ("--vary", "mu_side=1/2,3/2", "--vary", "wheel.1.position.x=1,1")
     rows = invoke("sweep", "ring-6", "--rule", rule, *vary, "--workers", "1", "--json").record["rows"]
     ring = ns.load("ring-6")
     assert isinstance(ring, ns.Array)
@@ -361,7 +361,7 @@ contact = { rule = "ellipse" }
 """
     (tmp_path / "ring.toml").write_text(ring, encoding="utf-8")
     own = invoke("check", "ring.toml", "--json").record["answers"]["position"]
-    row = invoke("sweep", "ring.toml", "--vary", "wheel.1.position.0=100,110", "--json").record["rows"][0]
+    row = invoke("sweep", "ring.toml", "--vary", "wheel.1.position.x=100,110", "--json").record["rows"][0]
     assert own["rate"] == pytest.approx(row["rate"])
 
 

@@ -73,7 +73,7 @@ def test_random_draws_agree_with_the_formula_of_the_region() -> None:
 @thorough
 def test_an_end_of_an_interval_varies() -> None:
     system = {"states": ["x", "y"], "rhs": ["y", "-x - k*y"], "parameters": {"k": [1, 2]}}
-    found = swept(system, {"k.0": "-1,1"})
+    found = swept(system, {"k.low": "-1,1"})
     assert [outcome["stability"] == "asymptotically stable" for outcome in found.outcomes] == [False, True]
 
 

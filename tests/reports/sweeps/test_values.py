@@ -112,9 +112,9 @@ def test_a_plan_of_any_size_costs_nothing() -> None:
 def test_every_path_names_its_own_number(name: str) -> None:
     document, file, _ = read_document(name)
     paths = list(numeric_paths(document))
-    assert len({path_text(path) for path in paths}) == len(paths)
+    assert len({path_text(path, document) for path in paths}) == len(paths)
     for path in paths:
-        assert find_path(path_text(path), document, file) == path
+        assert find_path(path_text(path, document), document, file) == path
         changed = with_value(document, path, 17)
         inner: object = changed
         for step in path:
@@ -122,16 +122,28 @@ def test_every_path_names_its_own_number(name: str) -> None:
         assert inner == 17
 
 
-def test_paths_inside_lists_are_counted_as_messages_count() -> None:
+def test_paths_inside_lists_have_names_or_are_counted_as_messages_count() -> None:
     document = {
         "wheel": [{"position": [0, 1]}, {"position": [2, 3]}],
         "contact": {"loads": {"kind": "measured", "values": [1, 2]}},
         "body": {"shape": "polygon", "vertices": [[0, 0], [1, 0], [0, 1]]},
     }
-    assert find_path("wheel.2.position.0", document, "f") == ("wheel", 1, "position", 0)
+    assert find_path("wheel.2.position.x", document, "f") == ("wheel", 1, "position", 0)
     assert find_path("wheel.2.heading", document, "f") == ("wheel", 1, "heading")
-    assert find_path("body.vertices.3.1", document, "f") == ("body", "vertices", 2, 1)
-    assert find_path("contact.loads.values.1", document, "f") == ("contact", "loads", "values", 1)
+    assert find_path("body.vertices.3.y", document, "f") == ("body", "vertices", 2, 1)
+    assert find_path("contact.loads.values.2", document, "f") == ("contact", "loads", "values", 1)
+    rows = {"contact": {"loads": [[1, 0, 0], [1, "1/9", 0]]}}
+    assert find_path("contact.loads.2.cx", rows, "f") == ("contact", "loads", 1, 1)
+    system = {"states": ["x", "v"], "rhs": ["v", "-x - k*v"], "parameters": {"k": [1, 2]}}
+    plain = {"system": system, "check": {"equilibrium": [0, 0]}}
+    assert find_path("k.high", plain, "f") == ("system", "parameters", "k", 1)
+    assert find_path("check.equilibrium.v", plain, "f") == ("check", "equilibrium", 1)
+
+
+def test_a_coordinate_that_is_counted_is_refused_with_its_name() -> None:
+    document = {"wheel": [{"position": [0, 1]}, {"position": [2, 3]}]}
+    with pytest.raises(SceneError, match=r"wheel\.1\.position\.x"):
+        find_path("wheel.1.position.1", document, "f")
 
 
 @pytest.mark.parametrize(
