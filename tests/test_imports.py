@@ -12,8 +12,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = ("symbolic", "analysis", "proofs", "reports")
+from tests.sources import PACKAGES, ROOT, parse, sources
 
 # Circles that are known; the list may only become shorter. Each with the reason why it still stands.
 KNOWN_RINGS: dict[frozenset[str], str] = {}
@@ -24,7 +23,7 @@ Graph = Mapping[str, set[str]]
 
 def source_files() -> dict[str, Path]:
     """Every file of the product by its module's name without ``nonsmooth.``."""
-    paths = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+    paths = [path for package in PACKAGES for path in sources(package)]
     return {module_name(path): path for path in paths}
 
 
@@ -50,10 +49,10 @@ def imported_names(node: ast.Import | ast.ImportFrom) -> list[str]:
     return [f"{node.module}.{alias.name}" for alias in node.names]
 
 
-def imports_of(text: str, modules: Mapping[str, object]) -> set[str]:
-    """The modules among the given ones that a source text imports."""
+def imports_of(tree: ast.Module, modules: Mapping[str, object]) -> set[str]:
+    """The modules among the given ones that a source file imports."""
     found = set()
-    for node in running_imports(ast.parse(text)):
+    for node in running_imports(tree):
         for name in imported_names(node):
             inner = name.removeprefix("nonsmooth.")
             found.add(inner if inner in modules else inner.rpartition(".")[0])
@@ -63,7 +62,7 @@ def imports_of(text: str, modules: Mapping[str, object]) -> set[str]:
 @cache
 def import_graph() -> Graph:
     files = source_files()
-    return {name: imports_of(path.read_text(encoding="utf-8"), files) - {name} for name, path in files.items()}
+    return {name: imports_of(parse(path), files) - {name} for name, path in files.items()}
 
 
 def folder_of(path: Path) -> str:
@@ -140,4 +139,4 @@ def call():
     from nonsmooth import c
     import nonsmooth.d.e
 """
-    assert imports_of(text, dict.fromkeys(["a", "b", "c", "d.e"])) == {"a", "c", "d.e"}
+    assert imports_of(ast.parse(text), dict.fromkeys(["a", "b", "c", "d.e"])) == {"a", "c", "d.e"}

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = ("symbolic", "analysis", "proofs", "reports")  # each may import the packages to its left
+from tests.sources import PACKAGES, ROOT, nodes, parse, sources, tokens
+
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
 IMPORTED_AS = {"python-flint": "flint", "mujoco-core": "mujoco", "z3-solver": "z3", "pillow": "PIL"}
@@ -22,15 +22,6 @@ TOLERANCE_NAMES = {"isclose", "allclose", "tol", "atol", "rtol", "tolerance"}
 TOLERANCE_NUMBER = re.compile(r"\b\d*\.?\d*e-\d+", re.IGNORECASE)
 
 Import = ast.Import | ast.ImportFrom
-
-
-def sources(package: str) -> list[Path]:
-    return sorted((ROOT / package).rglob("*.py"))
-
-
-@cache
-def parse(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
 
 
 def place(path: Path, line: int) -> str:
@@ -44,12 +35,15 @@ def imported_modules(node: Import) -> list[str]:
     return [f"{node.module}.{alias.name}" for alias in node.names]
 
 
-def imports(package: str) -> Iterator[tuple[str, Import]]:
+@cache
+def imports(package: str) -> list[tuple[str, Import]]:
     """Every import of a package, also those inside functions."""
-    for path in sources(package):
-        for node in ast.walk(parse(path)):
-            if isinstance(node, Import):
-                yield place(path, node.lineno), node
+    return [
+        (place(path, node.lineno), node)
+        for path in sources(package)
+        for node in nodes(path)
+        if isinstance(node, Import)
+    ]
 
 
 def is_type_checking_block(node: ast.AST) -> bool:
@@ -135,7 +129,7 @@ def test_heavy_libraries_are_imported_by_the_call_that_needs_them(package: str) 
 def test_text_is_never_evaluated(package: str) -> None:
     found = []
     for path in sources(package):
-        for node in ast.walk(parse(path)):
+        for node in nodes(path):
             if isinstance(node, ast.Call):
                 name = ast.unparse(node.func).rsplit(".", maxsplit=1)[-1]
             elif isinstance(node, ast.alias):
@@ -151,11 +145,10 @@ def test_text_is_never_evaluated(package: str) -> None:
 def test_exact_packages_have_no_tolerance(package: str) -> None:
     found = []
     for path in sources(package):
-        with tokenize.open(path) as file:
-            for token in tokenize.generate_tokens(file.readline):
-                small_number = token.type == tokenize.NUMBER and TOLERANCE_NUMBER.search(token.string)
-                if small_number or (token.type == tokenize.NAME and token.string in TOLERANCE_NAMES):
-                    found.append(f"{place(path, token.start[0])} {token.string}")
+        for token in tokens(path):
+            small_number = token.type == tokenize.NUMBER and TOLERANCE_NUMBER.search(token.string)
+            if small_number or (token.type == tokenize.NAME and token.string in TOLERANCE_NAMES):
+                found.append(f"{place(path, token.start[0])} {token.string}")
     assert found == []
 
 
@@ -217,7 +210,6 @@ def test_verdicts_take_exact_signs(package: str) -> None:
     """Slacks are for paths in floats: what decides around a point is told of none."""
     found = []
     for path in sources(package):
-        with tokenize.open(path) as file:
-            names = [token for token in tokenize.generate_tokens(file.readline) if token.type == tokenize.NAME]
+        names = [token for token in tokens(path) if token.type == tokenize.NAME]
         found += [place(path, name.start[0]) for name in names if name.string in {"Signs", "signs_of"}]
     assert found == []

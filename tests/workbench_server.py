@@ -6,6 +6,7 @@ import http.client
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -70,6 +71,11 @@ class Workbench:
         finally:
             connection.close()
 
+    def head(self, length: str) -> bytes:
+        """The lines before the body of a view, with the one that tells how long the body is."""
+        host, token = f"Host: 127.0.0.1:{self.port}", f"Authorization: Bearer {self.token}"
+        return "\r\n".join(["POST /api/view HTTP/1.1", host, token, length, "", ""]).encode()
+
     def document(self, name: str) -> Json:
         found: Json = self.ask(f"/api/scenes/{name}").json["document"]
         return found
@@ -116,6 +122,35 @@ class Workbench:
         if self.process.stdout is not None:
             self.process.stdout.close()
         return status
+
+
+class SlowBody:
+    """A request whose body never ends; the server gives it up after ten seconds."""
+
+    def __init__(self, server: Workbench) -> None:
+        self._server = server
+        self._begin()
+
+    def answer(self) -> bytes:
+        """What the server says in the end; asked again where it was killed before it said anything."""
+        try:
+            said = self._connection.recv(4096)
+        except ConnectionResetError:
+            said = b""
+        if not said and self._server.process.pid != self._asked:
+            self.close()
+            self._begin()
+            said = self._connection.recv(4096)
+        return said
+
+    def close(self) -> None:
+        """Hang up."""
+        self._connection.close()
+
+    def _begin(self) -> None:
+        self._asked = self._server.process.pid
+        self._connection = socket.create_connection(("127.0.0.1", self._server.port), timeout=ANSWERS)
+        self._connection.sendall(self._server.head("Content-Length: 1000") + b'{"tab"')
 
 
 def _children(pid: int) -> list[int]:

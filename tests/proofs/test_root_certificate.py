@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import random
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,7 +28,13 @@ def by_roots(rhs: list[str], lyapunov: str, verdict: str = "asymptotically stabl
 
 
 def certified(rhs: list[str]) -> Record:
-    return build_system_certificate(system_check(built(rhs)))
+    """The certificate of a system about the origin; a copy of one that is built once."""
+    return copy.deepcopy(_certified(tuple(rhs)))
+
+
+@cache
+def _certified(rhs: tuple[str, ...]) -> Record:
+    return build_system_certificate(system_check(built(list(rhs))))
 
 
 # ---- what is true --------------------------------------------------------------------------------

@@ -21,6 +21,6 @@ derived = cache(derived_afresh)
 
 
 @cache
-def page(name: str) -> str:
+def page(name: str, rule: str | None = None) -> str:
     """The page of a report, drawn once."""
-    return render_report(derived(name), ".html")
+    return render_report(derived(name) if rule is None else derived(name, rule), ".html")

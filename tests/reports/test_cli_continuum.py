@@ -14,6 +14,7 @@ from nonsmooth.reports.console import run
 from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
+from tests.thorough import keep
 
 HEADING = 1e-12
 
@@ -86,8 +87,12 @@ def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.parametrize("suffix", REPORT_FORMATS)
-def test_the_derivation_has_a_section(suffix: str) -> None:
-    text = render_report(derived("elliptic"), suffix)
+@pytest.mark.parametrize("extent", keep(1, ["short", "all"]))
+def test_the_derivation_has_a_section(extent: str, suffix: str) -> None:
+    """That it is in a report of all sections, tests/reports/test_derivation.py shows for another scene."""
+    short = ("verdict", "continuum")
+    report = derived("elliptic") if extent == "all" else derive_report(load_scene("elliptic"), parts=short)
+    text = render_report(report, suffix)
     assert "The continuous idealization" in text
     assert "turns to certain headings" in text
 

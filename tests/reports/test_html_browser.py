@@ -11,8 +11,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-from nonsmooth.reports.derivation import render_report
-from tests.reports.derived import derived
+from tests.reports import derived
 from tests.thorough import keep
 
 CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
@@ -69,7 +68,8 @@ class Pages(dict[str, Path]):
 
     def __missing__(self, name: str) -> Path:
         path = self[name] = self._folder / f"{name}.html"
-        path.write_text(render_report(derived(name, SCENES[name]), ".html"), encoding="utf-8")
+        rule = SCENES[name]
+        path.write_text(derived.page(name) if rule is None else derived.page(name, rule), encoding="utf-8")
         return path
 
 
@@ -112,14 +112,25 @@ def test_a_report_opens_quietly_and_fits(browser: Browser, pages: Pages, name: s
     seen.page.context.close()
 
 
-@pytest.fixture
-def page(browser: Browser, pages: Pages) -> Iterator[Page]:
-    """The four-wheel report on a desk."""
+@pytest.fixture(scope="module")
+def desk(browser: Browser, pages: Pages) -> Iterator[Opened]:
+    """The four-wheel report on a desk, for all tests that need no other page: to open it takes a second."""
     seen = opened(browser, pages["four-wheel"])
-    yield seen.page
-    assert seen.said == []
-    assert len(seen.asked) == 1
+    yield seen
     seen.page.context.close()
+
+
+@pytest.fixture
+def page(desk: Opened) -> Iterator[Page]:
+    """The four-wheel report as when it was opened; nobody points at anything."""
+    page = desk.page
+    page.set_viewport_size({"width": WIDE, "height": 900})
+    page.emulate_media(media="null", color_scheme="null")
+    page.mouse.move(0, 0)
+    page.evaluate("() => { document.activeElement.blur(); scrollTo(0, 0); }")
+    yield page
+    assert desk.said == []
+    assert len(desk.asked) == 1
 
 
 def middle(page: Page, mark: str) -> tuple[float, float]:
@@ -230,14 +241,13 @@ def test_the_page_serves_with_scripts_off(browser: Browser, pages: Pages) -> Non
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_and_figures_are_readable(browser: Browser, pages: Pages, scheme: Any) -> None:
-    seen = opened(browser, pages["four-wheel"], color_scheme=scheme)
+def test_text_and_figures_are_readable(page: Page, scheme: Any) -> None:
+    page.emulate_media(color_scheme=scheme)
     places = ("main p", "main td", "figcaption", "main a", "code", "math mi", "#cell-map svg text, #cell-map svg g use")
     for place in places:
-        assert seen.page.locator(place).first.evaluate(CONTRAST) >= READABLE, place
-    brightness = seen.page.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)[0]")
+        assert page.locator(place).first.evaluate(CONTRAST) >= READABLE, place
+    brightness = page.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)[0]")
     assert (brightness > 128) == (scheme == "light")
-    seen.page.context.close()
 
 
 def test_the_page_prints_without_its_controls(page: Page) -> None:

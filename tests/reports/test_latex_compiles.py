@@ -56,12 +56,12 @@ def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
 
 
 def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path) -> None:
-    write_report(derived("elliptic"), tmp_path / "spiral.tex")
-    files = {file.name for file in (tmp_path / "spiral-figures").iterdir()}
-    assert files == {f"{figure.key}.pdf" for figure in derived("elliptic").document.figures}
-    said = compiled(tmp_path, (tmp_path / "spiral.tex").read_text(encoding="utf-8"))
+    write_report(derived("four-wheel"), tmp_path / "report.tex")
+    files = {file.name for file in (tmp_path / "report-figures").iterdir()}
+    assert files == {f"{figure.key}.pdf" for figure in derived("four-wheel").document.figures}
+    said = compiled(tmp_path, (tmp_path / "report.tex").read_text(encoding="utf-8"))
     unbroken = said.replace("\n", "")  # pdflatex breaks its lines at 79 characters
-    assert all(f"spiral-figures/{name}" in unbroken for name in files)
+    assert all(f"report-figures/{name}" in unbroken for name in files)
 
 
 def test_hostile_names_compile(tmp_path: Path) -> None:

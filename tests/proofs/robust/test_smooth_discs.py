@@ -18,6 +18,7 @@ from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
 from nonsmooth.proofs.robust.intervals import Intervals, cosine
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.rings import EndDisc
+from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.robust.smooth import equilibrium_box
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.verdicts import Certainty
@@ -46,8 +47,18 @@ def box_of(scene: Scene, share: Fraction) -> Tolerance:
 
 
 @cache
+def statement_of(name: str, rule: str, share: Fraction) -> Robust:
+    """What is said about a scene; kept, since two tests look at one that takes many seconds."""
+    scene = load_scene(name, rule=rule)
+    return decided_statement(replace(scene, tolerances=box_of(scene, share)))
+
+
+@cache
 def disc_of(name: str, rule: str, share: Fraction) -> tuple[Scene, EndDisc | None]:
-    scene = standing(load_scene(name, rule=rule)).recentred()
+    """A scene about its point, and the disc in which bodies end; from what is said where that is about this disc."""
+    scene, said = standing(load_scene(name, rule=rule)).recentred(), statement_of(name, rule, share)
+    if said.radius is not None and said.start is not None and said.within is not None:
+        return scene, EndDisc(said.radius, said.start, (said.start - said.radius) / said.within)
     return scene, SmoothDisc(scene).disc(box_of(scene, share), Fraction(str(inner_radius(scene))))
 
 
@@ -100,7 +111,7 @@ def test_what_is_said() -> None:
     scene = load_scene("four-wheel", rule="ellipse")
     large = replace(scene, tolerances=box_of(scene, Fraction(1, 4)))
     small = replace(scene, tolerances=box_of(scene, Fraction(1, 32)))
-    wide = decided_statement(large)
+    wide = statement_of("four-wheel", "ellipse", Fraction(1, 4))
     found = replace(wide, equilibrium=Fraction(1, 50), drift=Fraction(0))
     assert wide.verdict is Certainty.CERTIFIED
     assert wide.start is not None

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.reports.workbench.workbench_page import Opened, chromium, settled
-from tests.workbench_server import Json, Workbench
+from tests.workbench_server import Json, SlowBody, Workbench
 
 
 @pytest.fixture(scope="package")
@@ -19,6 +19,14 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
     finally:
         assert running.stop() == 0
         assert "Traceback" not in running.log.read_text()
+
+
+@pytest.fixture(scope="package", autouse=True)
+def slow_body(server: Workbench) -> Iterator[SlowBody]:
+    """Begun with the server, so that other tests run while it waits."""
+    request = SlowBody(server)
+    yield request
+    request.close()
 
 
 @pytest.fixture(scope="package")

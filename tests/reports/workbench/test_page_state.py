@@ -211,8 +211,10 @@ def test_a_scene_that_is_refused_is_told_once(browser: Browser, server: Workbenc
     page.on("request", lambda request: asked.append(request.url))
     refusal: dict[str, Any] = {"status": 500, "content_type": "application/json", "body": '{"error": "no such luck"}'}
     page.route("**/api/scenes/*", lambda route: route.fulfill(**refusal))
+    page.clock.install()
     page.goto(server.address)
     page.locator("#error", has_text="no such luck").wait_for()
-    page.wait_for_timeout(2500)
+    page.clock.run_for(2500)
+    page.wait_for_timeout(100)  # for requests that were sent in this time
     assert len([address for address in asked if "/api/scenes/" in address]) == 1
     context.close()

@@ -1,0 +1,37 @@
+"""The source files of the product and of the tests, parsed once in a process."""
+
+from __future__ import annotations
+
+import ast
+import tokenize
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("symbolic", "analysis", "proofs", "reports")  # each may import the packages to its left
+
+
+@cache
+def sources(folder: str) -> list[Path]:
+    """The Python files of a folder and of those in it."""
+    return sorted((ROOT / folder).rglob("*.py"))
+
+
+@cache
+def parse(path: Path) -> ast.Module:
+    """The tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+@cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All nodes of that tree."""
+    return tuple(ast.walk(parse(path)))
+
+
+@cache
+def tokens(path: Path) -> tuple[tokenize.TokenInfo, ...]:
+    """The names and numbers of a file."""
+    with tokenize.open(path) as file:
+        found = tokenize.generate_tokens(file.readline)
+        return tuple(token for token in found if token.type in {tokenize.NAME, tokenize.NUMBER})
