@@ -172,7 +172,7 @@ BAD = {
     ),
     "a certificate of a system": (
         ["check", "eq-3", "--certificate", "eq-3.json"],
-        "eq-3: a certificate needs a verdict by a Lyapunov function, received one by fan of cones",
+        "eq-3: a certificate of a plain system needs rational numbers, received -sqrt(2)/2",
     ),
     "a certificate of all rules": (
         ["check", "four-wheel", "--rule", "all", "--certificate", "all.json"],
