@@ -203,6 +203,7 @@ class Formula:
         require(type(text) is str and len(text) <= MAX_TEXT, f"formulas as texts of at most {MAX_TEXT} characters")
         self.text, self.states = text.strip(), states
         self.tree = ast.parse(self.text, mode="eval").body
+        self.numbers: dict[ast.Constant, Fraction] = {}  # as they are read
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell, given the signs of switching expressions there."""
@@ -211,7 +212,9 @@ class Formula:
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
         if isinstance(node, ast.Constant):
-            return constant(self._number(node))
+            if node not in self.numbers:
+                self.numbers[node] = self._number(node)
+            return constant(self.numbers[node])
         if isinstance(node, ast.Name):
             return self._state(node.id, sign_of)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
