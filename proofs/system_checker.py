@@ -1655,6 +1655,21 @@ class Fan:
                 found.append(Motion(_scaled(ray), (x, y)))
         return found
 
+    def slides_out_slowly(self, ray: Ray) -> bool:
+        """Whether the sliding velocity on a ray, zero at the point, is outward at all small distances from it.
+
+        The ray must be a switching line, which is straight, and the fields f, g beside it (clockwise, counterclockwise)
+        push strictly to opposite sides at the point, so also at ``s r`` for small s.  The radial part of their sliding
+        velocity there has the sign of ``((r x g)(r . f) - (r x f)(r . g)) (r x g - r x f)``, a polynomial in s.
+        """
+        k = next(k for k, own in enumerate(self.rays) if same_direction(own, ray))
+        lines = [own for (a, b), own in self.surfaces.items() if not a * ray[0] + b * ray[1]]
+        (n, radial), (m, along) = (_beside(field, ray) for field in (self.fields[k - 1], self.fields[k]))
+        p, q = (own.terms.get((0, 0), Fraction(0)) for own in (n, m))
+        if any(line.degree > 1 for line in lines) or p * q >= 0:
+            return False
+        return germ_sign(m * radial - n * along) * _sign(q - p) > 0
+
     def require_strict(self) -> None:
         """On no ray across which the field jumps does a velocity beside it lie along the ray, or vanish."""
         require(self.sectors[0].jumps, "a field that jumps at the point")
@@ -1673,6 +1688,19 @@ class Fan:
         for sector in self.sectors:
             total *= turn_of(sector.rays[0], sector.velocity) / turn_of(sector.rays[-1], sector.velocity)
         return total if senses == {1} else 1 / total
+
+
+def _beside(field: Field, ray: Ray) -> tuple[Polynomial, Polynomial]:
+    """``r x f`` and ``r . f`` at the places ``s r``, as polynomials in s (in place of x)."""
+    x, y = constant(ray[0]), constant(ray[1])
+    parts = []
+    for own in field:
+        terms: dict[Exponents, Fraction] = {}
+        for (i, j), value in own.terms.items():
+            terms[i + j, 0] = terms.get((i + j, 0), Fraction(0)) + value * ray[0] ** i * ray[1] ** j
+        parts.append(Polynomial(terms))
+    f, g = parts
+    return x * g - y * f, x * f + y * g
 
 
 def _scaled(ray: Ray) -> Ray:
@@ -1740,13 +1768,18 @@ class FanCertificate:
         fields beside a ray r push strictly to opposite sides, with a mixture along +r, the same holds, near the point,
         of both fields on the curve that touches r (:class:`Fan`): F holds there a velocity tangent to the curve, which
         is continuous and outward with a speed that is bounded from below.  The solution that follows it goes to a
-        fixed distance, whether sliding attracts or repels (Filippov 1988, secs. 4 and 16).
+        fixed distance, whether sliding attracts or repels (Filippov 1988, secs. 4 and 16).  Where the mixture is zero
+        and the curve a line, a sliding velocity that is outward at all places of the ray but the point does the same.
 
-        *Test*: it is one of the motions of the fan, with positive speed.  Nothing is asked of other rays.
+        *Test*: it is one of the motions of the fan, with positive speed, or with none where the sliding velocity is
+        outward at small distances (:meth:`Fan.slides_out_slowly`).  Nothing is asked of other rays.
         """
         require(len(self.motions) == 1, "one motion that leads outward, or the gain of a full turn")
         (motion,) = self.motions
-        require(motion in self.fan.motions() and motion.speed > 0, "a radial velocity that leads outward")
+        slow = not any(motion.velocity)
+        require(motion in self.fan.motions(), "a radial velocity that leads outward")
+        outward = self.fan.slides_out_slowly(motion.ray) if slow else motion.speed > 0
+        require(outward, "a radial velocity that leads outward")
 
     def _show_arrival(self) -> None:
         """*Claim*: the listed motions are all radial velocities, not none, and lead inward: asymptotically stable.

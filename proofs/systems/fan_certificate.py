@@ -14,6 +14,7 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.system_checker import FAN_SCHEMA, check_certificate
+from nonsmooth.proofs.systems.leading_terms import radial_motions
 from nonsmooth.proofs.systems.system_certificate import (
     NoCertificateError,
     about,
@@ -26,7 +27,7 @@ from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.tangent_fan import TangentFan, build_tangent_fan
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import around, cross, dot
+from nonsmooth.symbolic.plane import around, cross, dot, same_direction
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -86,7 +87,8 @@ def fan_statement(system: SwitchedSystem, verdict: Translation) -> dict[str, Any
     cones = _frozen_cones(system)
     motions = list(radial_velocities(cones))
     if verdict is Translation.UNSTABLE:
-        motions = next(([motion] for motion in motions if motion.is_outward), [])
+        outward = [motion for motion in motions if motion.is_outward]
+        motions = (outward or _slow_departures(system, motions) or motions)[:1]
     return {
         "schema": FAN_SCHEMA,
         **about(system),
@@ -95,6 +97,14 @@ def fan_statement(system: SwitchedSystem, verdict: Translation) -> dict[str, Any
         "gain": None if motions else exact_text(full_turn_gain(cones)),
         "notes": notes(system),
     }
+
+
+def _slow_departures(system: SwitchedSystem, motions: Sequence[RadialVelocity]) -> list[RadialVelocity]:
+    """Of the radial velocities that are zero, those with a sliding motion that leads outward by its first term."""
+    fan = build_tangent_fan(system)
+    rays = [m.ray for m in radial_motions(fan) if m.direction > 0 and m.lasting] if fan is not None else []
+    zero = [motion for motion in motions if not any(map(sign, motion.velocity))]
+    return [motion for motion in zero if any(same_direction(motion.ray, ray) for ray in rays)]
 
 
 def _frozen_cones(system: SwitchedSystem) -> list[FrozenCone]:

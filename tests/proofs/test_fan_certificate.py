@@ -71,6 +71,8 @@ TRUE = {
     "slides home where it repels": claim(
         ["sign(x)*(3*sign(y + Abs(x)) - 1)/2", "-1 - 2*sign(y + Abs(x))"], ATTRACTS, [("0 1", "0 -3"), ("0 -1", "0 1")]
     ),
+    "slides away slowly": claim(["-sign(x) + y", "y - x + sign(x)*y**2"], UNSTABLE, [("0 1", "0 0")]),
+    "slides away slowly where it repels": claim(["3*sign(x)", "sign(x) + y**3 - x"], UNSTABLE, [("0 1", "0 0")]),
     "one outward velocity is enough": claim(["sign(x) + 1", "y"], UNSTABLE, [("1 0", "2 0")]),
 }  # fmt: skip
 
@@ -146,6 +148,14 @@ FALSE = {
     "an outward motion": (
         claim(["-sign(x)*(1 - 2*sign(y))", "-1 - sign(y)*3"], ATTRACTS, [("0 1", "0 -4"), ("0 -1", "0 2")]), "radial"
     ),
+    "equilibria, unstable": ({**TRUE["equilibria on a line"], "verdict": UNSTABLE,
+                              "motions": [{"ray": ["1", "0"], "velocity": ["0", "0"]}]}, "leads outward"),
+    "slides home slowly": (claim(["-sign(x)", "-y**3"], UNSTABLE, [("0 1", "0 0")]), "leads outward"),
+    "slides home slowly where it repels": (claim(["sign(x)", "-y"], UNSTABLE, [("0 1", "0 0")]), "leads outward"),
+    "slides away slowly on one ray": (claim(["-sign(x)", "y**2"], UNSTABLE, [("0 -1", "0 0")]), "leads outward"),
+    "slides on a curve": (claim(["-sign(x - y**2)", "y"], UNSTABLE, [("0 1", "0 0")]), "leads outward"),
+    "a slow slide that attracts": (claim(["-sign(x)", "-y"], ATTRACTS, [("0 1", "0 0"), ("0 -1", "0 0"), *HOME[:2]]),
+                                   "lead inward"),
     "inward, unstable": (claim(["-sign(x)", "-sign(y)"], UNSTABLE, [("1 0", "-1 0")]), "leads outward"),
     "another velocity": (claim(["sign(x)", "-3*sign(y)"], UNSTABLE, [("1 0", "3 0")]), "leads outward"),
     "another ray": (claim(["sign(x)", "-3*sign(y)"], UNSTABLE, [("0 1", "1 0")]), "leads outward"),
@@ -347,6 +357,14 @@ def assert_held(field: Velocity, ray: tuple[float, float], velocity: tuple[float
     assert abs(ray[0] * velocity[1] - ray[1] * velocity[0]) < 1e-9
 
 
+def slide_nearby(field: Velocity, ray: tuple[float, float]) -> float:
+    """The radial part of the mixture of the literal fields on both sides of a ray, a little way from the point."""
+    x, y = (1e-4 * part / math.hypot(*ray) for part in ray)
+    f, g = (field(x - side * 1e-7 * y, y + side * 1e-7 * x) for side in (-1, 1))
+    n, m = (x * own[1] - y * own[0] for own in (f, g))
+    return (m * (x * f[0] + y * f[1]) - n * (x * g[0] + y * g[1])) / (m - n)
+
+
 def assert_true(record: Record, source: random.Random) -> None:
     """The motions by the literal fields beside their rays, gains and arrival along polygons."""
     field, angle = velocity_of(record), source.uniform(0, 6.28)
@@ -360,7 +378,7 @@ def assert_true(record: Record, source: random.Random) -> None:
         assert_gain(field, gain, angle)
         assert {ATTRACTS: gain < 1, STABLE: gain <= 1, UNSTABLE: gain > 1}[record["verdict"]], record
     elif record["verdict"] == UNSTABLE:
-        assert max(speeds) > 0, record
+        assert max(speeds) > 0 or slide_nearby(field, ray) > 0, record  # type: ignore[arg-type]
     else:
         distances = [1.0, *(distance for _, distance in polygon(field, angle))]
         assert min(distances) < 0.1 or (record["verdict"] == STABLE and distances[-1] < 30), record
@@ -369,6 +387,7 @@ def assert_true(record: Record, source: random.Random) -> None:
 def attack(count: int, seed: int) -> int:
     """How many of many mutants are accepted; each is put to the test."""
     names = ["turns outward", "turns inward, higher terms", "turns inward, elsewhere", "closed orbits", "slides home"]
+    names += ["slides away slowly"]
     names += ["slides home beside kinks", "slides away", "runs away between curves", "slides home where it repels"]
     return mutants.attack([TRUE[name] for name in names], mutated, check_certificate, assert_true, count, seed)
 
