@@ -7,10 +7,11 @@ from typing import Any, TypeAlias
 from nonsmooth.proofs.many_states.audit import ManyStateAudit, audit_many
 from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many
 from nonsmooth.proofs.many_states.many_certificate import build_many_certificate
+from nonsmooth.proofs.systems.fan_certificate import build_fan_certificate
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, audit
 from nonsmooth.proofs.systems.scalar_certificate import build_scalar_certificate
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scalar
-from nonsmooth.proofs.systems.system_certificate import build_system_certificate
+from nonsmooth.proofs.systems.system_certificate import BY_FUNCTION, build_system_certificate
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
@@ -52,4 +53,6 @@ def certificate_of(result: DecidedSystem) -> dict[str, Any]:
         return build_many_certificate(result)
     if isinstance(result, ScalarResult):
         return build_scalar_certificate(result)
-    return build_system_certificate(result)
+    if result.method in BY_FUNCTION:
+        return build_system_certificate(result)
+    return build_fan_certificate(result)

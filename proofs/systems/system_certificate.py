@@ -2,7 +2,8 @@
 
 The checker (:mod:`nonsmooth.proofs.system_checker`) reads the formulas itself and proves everything anew, so a
 certificate holds no more than the system, V, its domain and what is claimed, and of LaSalle's principle the curves on
-which V' may vanish.  It takes rational numbers and switching lines; fans and leading terms have no certificate yet.
+which V' may vanish.  It takes rational numbers and switching lines.  Verdicts without V, by the velocities at the
+equilibrium: :mod:`nonsmooth.proofs.systems.fan_certificate`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.surfaces import factorize
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+BY_FUNCTION = (Method.LYAPUNOV, Method.INVARIANCE, Method.GROWTH)  # what a V decides
+
 
 class NoCertificateError(ValueError):
     """A verdict that has no certificate, in one line."""
@@ -38,8 +41,7 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
         NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
             does not show all of it within its limits.
     """
-    shown = (Method.LYAPUNOV, Method.INVARIANCE, Method.GROWTH)
-    if result.proving is None or result.domain is None or result.method not in shown:
+    if result.proving is None or result.domain is None or result.method not in BY_FUNCTION:
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
         )

@@ -80,6 +80,7 @@ def _checker_of_system(file: str) -> Checker | None:
     checkers: dict[str, Checker] = {
         system_checker.SCALAR_SCHEMA: system_checker.check_file,
         system_checker.SCHEMA: system_checker.check_file,
+        system_checker.FAN_SCHEMA: system_checker.check_file,
         many_state_checker.SCHEMA: many_state_checker.check_file,
     }
     try:

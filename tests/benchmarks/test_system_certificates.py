@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.proofs import (
+    test_fan_certificate,
     test_invariance_certificate,
     test_root_certificate,
     test_scalar_certificate,
@@ -17,6 +18,7 @@ from tests.proofs.many_states import test_many_certificate
 ATTACKS: dict[str, Callable[[int, int], int]] = {
     "one state": test_scalar_certificate.attack,
     "two states": test_system_checker.attack,
+    "velocities at the point": test_fan_certificate.attack,
     "invariance principle": test_invariance_certificate.attack,
     "signed roots": test_root_certificate.attack,
     "three states": test_many_certificate.attack,

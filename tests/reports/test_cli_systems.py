@@ -172,7 +172,7 @@ BAD = {
     ),
     "a certificate of a system": (
         ["check", "eq-3", "--certificate", "eq-3.json"],
-        "eq-3: a certificate needs a verdict by a Lyapunov function, received one by fan of cones",
+        "eq-3: a certificate of a plain system needs rational numbers, received -sqrt(2)/2",
     ),
     "a certificate of all rules": (
         ["check", "four-wheel", "--rule", "all", "--certificate", "all.json"],
@@ -397,3 +397,12 @@ def test_a_point_that_no_certificate_names_is_one_line(invoke: Invoke, tmp_path:
     refused = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
     assert refused.status == BAD_INPUT
     assert "needs rational numbers" in refused.err
+
+
+def test_a_fan_is_certified_and_verified(tmp_path: Path, invoke: Invoke) -> None:
+    file = tmp_path / "fan.json"
+    assert invoke("check", "relay-oscillator", "--certificate", str(file)).status == 0
+    accepted = invoke("verify", str(file), "relay-oscillator")
+    assert accepted.status == 0
+    assert "a full turn multiplies the distance by 1" in accepted.out
+    assert invoke("verify", str(file), "escaping-slide").status == 1
