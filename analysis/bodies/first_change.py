@@ -36,25 +36,33 @@ def first_change(signals: Signals, part: Part, *, first: bool) -> tuple[float, i
     return None
 
 
-def _root(signals: Signals, state: Any, low: float, high: float, signal: int) -> float:
-    """When a signal changes its sign, down to rounding: the later side, where it has changed.
+def sign_change(value: Callable[[float], float], low: float, high: float) -> float:
+    """When a function that is positive at first changes its sign between two times, down to rounding.
 
-    Many states at once and one alone may be rounded differently, so that a change that was seen may be none here: then
-    it is the end of the interval.
+    Many states at once and one alone may be rounded differently, so that a change that was seen among many may be none
+    here: then it is the later time.  Where the function is not positive to begin with, it is the earlier one.
+
+    Args:
+        value: the function.
+        low: the earlier time.
+        high: the later time.
     """
     from scipy.optimize import brentq
+
+    if value(low) <= 0:
+        return low
+    if value(high) >= 0:
+        return high
+    return float(brentq(value, low, high, xtol=float(np.spacing(high)), rtol=RELATIVE_ULPS))
+
+
+def _root(signals: Signals, state: Any, low: float, high: float, signal: int) -> float:
+    """When a signal changes its sign, down to rounding: the later side, where it has changed."""
 
     def value(time: float) -> float:
         return float(signals(state(time)[None])[0, signal])
 
-    ulp = float(np.spacing(high))
-    if value(low) <= 0:
-        near = low
-    elif value(high) >= 0:
-        near = high
-    else:
-        near = float(brentq(value, low, high, xtol=ulp, rtol=RELATIVE_ULPS))
-    step = ulp
+    near, step = sign_change(value, low, high), float(np.spacing(high))
     while near < high and value(near) >= 0:
         near, step = min(near + step, high), 2 * step
     return near

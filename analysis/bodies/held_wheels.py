@@ -13,6 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.first_change import sign_change
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Piece, Trajectory, samples
@@ -75,20 +76,12 @@ class HeldWheels:
         return None
 
     def _root(self, piece: Piece, wheel: int, low: float, high: float) -> float:
-        """When a wheel comes to the edge: the earlier time where it lies there already.
-
-        The later time, where a wheel that was beyond it among many states is not when looked at alone, by rounding.
-        """
-        from scipy.optimize import brentq
+        """When a wheel comes to the edge; the earlier time where it lies there already."""
 
         def depth(time: float) -> float:
             return float(self._signs[wheel] * self._outline.depths(self._poses(piece, np.array([time])))[0, wheel])
 
-        if depth(low) <= 0:
-            return low
-        if depth(high) >= 0:
-            return high
-        return float(brentq(depth, low, high, xtol=float(np.spacing(high))))
+        return sign_change(depth, low, high)
 
     @staticmethod
     def _poses(piece: Piece, times: Floats) -> Floats:
