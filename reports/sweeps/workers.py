@@ -170,7 +170,8 @@ class Pool:
     def _start(self, task: Task) -> None:
         try:
             self._running[self._executor.submit(_check, task.entries)] = task
-        except BrokenProcessPool:  # it broke since we last looked: the task has done nothing yet
+        except (BrokenProcessPool, EOFError, ConnectionError):
+            # It broke since we last looked, or what starts workers was killed: the task has done nothing that counts.
             self._again.append(task)
 
     def _start_waiting(self) -> None:

@@ -9,13 +9,14 @@ import sqlite3
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from functools import cache
 from multiprocessing import active_children, get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -121,6 +122,21 @@ def test_killed_workers_cost_time_only(tmp_path: Path) -> None:
     found = result(Means(workers=2), kill)
     assert len(killed) == 3
     assert found.to_csv(tmp_path / "r.csv").read_bytes() == table()
+
+
+def test_workers_that_cannot_be_started_are_started_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The process that forks workers may be killed while it starts one; it is there again when asked once more."""
+    start, refused = ProcessPoolExecutor.submit, iter((EOFError, ConnectionResetError))
+
+    def submit(pool: ProcessPoolExecutor, *given: Any) -> Any:
+        error = next(refused, None)
+        if error is not None:
+            raise error
+        return start(pool, *given)
+
+    monkeypatch.setattr(ProcessPoolExecutor, "submit", submit)
+    assert result(Means(workers=2)).to_csv(tmp_path / "r.csv").read_bytes() == table()
+    assert next(refused, None) is None
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="processes are listed in /proc")
