@@ -37,10 +37,12 @@ def running_imports(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.Import | ast.ImportFrom):
             yield child
-        elif isinstance(child, ast.If) and ast.unparse(child.test).endswith("TYPE_CHECKING"):
-            continue
-        else:
+        elif not (isinstance(child, ast.expr) or is_type_checking_block(child)):  # expressions hold no statements
             yield from running_imports(child)
+
+
+def is_type_checking_block(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
 
 
 def imported_names(node: ast.Import | ast.ImportFrom) -> list[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.sources import PACKAGES, ROOT, nodes, parse, sources, tokens
+from tests.sources import PACKAGES, ROOT, parse, sources, statements, tokens
 
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
@@ -41,7 +41,7 @@ def imports(package: str) -> list[tuple[str, Import]]:
     return [
         (place(path, node.lineno), node)
         for path in sources(package)
-        for node in nodes(path)
+        for node in statements(parse(path))
         if isinstance(node, Import)
     ]
 
@@ -55,7 +55,7 @@ def imports_at_load(node: ast.AST) -> Iterator[Import]:
     for child in ast.iter_child_nodes(node):
         if isinstance(child, Import):
             yield child
-        elif not isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+        elif not isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.expr):
             if is_type_checking_block(child):
                 continue
             yield from imports_at_load(child)
@@ -129,7 +129,7 @@ def test_heavy_libraries_are_imported_by_the_call_that_needs_them(package: str) 
 def test_text_is_never_evaluated(package: str) -> None:
     found = []
     for path in sources(package):
-        for node in nodes(path):
+        for node in ast.walk(parse(path)):
             if isinstance(node, ast.Call):
                 name = ast.unparse(node.func).rsplit(".", maxsplit=1)[-1]
             elif isinstance(node, ast.alias):

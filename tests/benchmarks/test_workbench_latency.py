@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM, Opened, chromium, running, settled
+from tests.browser import chromium, needs_chromium
+from tests.reports.workbench.workbench_page import Opened, running, settled
 from tests.workbench_server import Workbench
 
-pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)]
+pytestmark = [pytest.mark.benchmark, needs_chromium]
 
 MOVES = 200
 SCENES = {"four-wheel": (60, 120), "grid-4x4": (250, 250)}  # milliseconds: median, 95 %

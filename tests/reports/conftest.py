@@ -1,16 +1,18 @@
-"""The command line as a fixture: ``invoke`` runs it in this process, in an empty folder."""
+"""The command line as a fixture, ``invoke``, which runs it in this process in an empty folder; and one browser."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import pytest
+from playwright.sync_api import Browser
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from tests.browser import chromium
 
 Record: TypeAlias = dict[str, Any]
 
@@ -43,3 +45,10 @@ def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyte
         return Outcome(status, *capsys.readouterr())
 
     return call
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Browser]:
+    """For all tests of pages, those of the workbench too."""
+    with chromium() as running:
+        yield running

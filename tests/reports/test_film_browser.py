@@ -2,36 +2,23 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 
 import nonsmooth as ns
-from tests.reports.test_html_browser import CHROMIUM, CONTRAST, NARROW, OPTIONS, READABLE, STICKING_OUT, WIDE, opened
+from tests.browser import CONTRAST, NARROW, READABLE, STICKING_OUT, WIDE, needs_chromium, opened
 
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None,
-    reason="no Chromium: chromium or google-chrome is not on the path (`make tools` tries)",
-)
+pytestmark = needs_chromium
 PATHS: dict[str, Any] = {
     "open": ("four-wheel", (0.2, 0.4, 0.1), {}),
     "closed": ("four-wheel", (0.2, 0.1, 0.3), {"feedback": True}),
     "ellipse": ("ring-6", (0.1, 0.2, 0.0), {"rule": "ellipse"}),
 }
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    options = [*OPTIONS, *(["--no-sandbox"] if os.geteuid() == 0 else [])]
-    with sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
-        yield running
-        running.close()
 
 
 class Pages(dict[str, Path]):

@@ -1,4 +1,4 @@
-"""One workbench and one browser for all tests of this folder."""
+"""One workbench and one page of it for all tests of this folder."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.reports.workbench.workbench_page import Opened, chromium, settled
+from tests.reports.workbench.workbench_page import Opened, settled
 from tests.workbench_server import Json, SlowBody, Workbench
 
 
@@ -27,12 +27,6 @@ def slow_body(server: Workbench) -> Iterator[SlowBody]:
     request = SlowBody(server)
     yield request
     request.close()
-
-
-@pytest.fixture(scope="package")
-def browser() -> Iterator[Browser]:
-    with chromium() as browser:
-        yield browser
 
 
 @pytest.fixture(scope="package")

@@ -16,7 +16,8 @@ from typing import TypeAlias
 from PIL import Image
 from playwright.sync_api import Page
 
-from tests.reports.workbench.workbench_page import Opened, chromium, place, running, settled
+from tests.browser import chromium
+from tests.reports.workbench.workbench_page import Opened, place, running, settled
 
 Place: TypeAlias = tuple[float, float]
 Shot: TypeAlias = Callable[[], Image.Image]

@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
+from tests.browser import needs_chromium
 from tests.reports.conftest import Invoke
 from tests.reports.workbench.workbench_page import (
-    CHROMIUM,
-    NO_CHROMIUM,
     Opened,
     document,
     drag,
@@ -21,7 +20,7 @@ from tests.reports.workbench.workbench_page import (
 )
 from tests.workbench_server import Workbench
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
+pytestmark = needs_chromium
 
 FIRST_WHEEL = "drawing.view.at(drawing.wheels()[0].x, drawing.wheels()[0].y)"
 FIRST_RIM = """(() => { const knob = drawing.element.querySelector('[data-rim="0"]');

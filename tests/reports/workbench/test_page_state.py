@@ -9,11 +9,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.reports.test_html_browser import CONTRAST, READABLE, STICKING_OUT
+from tests.browser import CONTRAST, READABLE, STICKING_OUT, needs_chromium
 from tests.reports.workbench.workbench_page import (
-    CHROMIUM,
     DESK,
-    NO_CHROMIUM,
     Opened,
     document,
     edited,
@@ -23,7 +21,7 @@ from tests.reports.workbench.workbench_page import (
 from tests.thorough import keep
 from tests.workbench_server import Workbench
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
+pytestmark = needs_chromium
 
 SMALL = {"width": 500, "height": 400}  # pixels of a page that nobody looks at
 KEYS = ("ArrowLeft", "ArrowUp", "Shift+ArrowRight", "Alt+ArrowDown", "[", "]", "{", "c", "a", "r", "M", "Delete", "o")

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM, Opened, document, edited, settled
+from tests.browser import needs_chromium
+from tests.reports.workbench.workbench_page import Opened, document, edited, settled
 from tests.workbench_server import Workbench
 
 
@@ -23,7 +24,7 @@ def test_a_page_outlives_the_server(server: Workbench) -> None:
     assert not any(map(_lives, pids))
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
+@needs_chromium
 def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: Workbench) -> None:
     opened = Opened(browser, server.address)
     page = opened.page

@@ -17,7 +17,7 @@ import nonsmooth as ns
 from nonsmooth.reports.workbench import bundle
 from nonsmooth.reports.workbench import notebook as notebook_module
 from nonsmooth.reports.workbench.notebook import NotebookView
-from tests.reports.workbench.workbench_page import CHROMIUM, NO_CHROMIUM
+from tests.browser import needs_chromium
 
 Json = dict[str, Any]
 
@@ -169,7 +169,7 @@ def _file(files: dict[str, tuple[str, str]], address: str) -> dict[str, Any]:
     return {"content_type": kind, "body": body}
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason=NO_CHROMIUM)
+@needs_chromium
 def test_a_wheel_is_dragged_in_a_notebook(cell: tuple[Page, Kernel, list[str]]) -> None:
     page, kernel, said = cell
     words = [word.inner_text() for word in page.locator(".answer-word").all()]

@@ -1,24 +1,16 @@
-"""A running workbench and Chromium, for the tests of the page: one server and one browser for each module."""
+"""A running workbench and its page in Chromium, for the tests of the page."""
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize
 
 from tests.workbench_server import Json, Workbench
 
-CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
-NO_CHROMIUM = "no Chromium: chromium or google-chrome is not on the path (`make tools` tries)"
-OPTIONS = [
-    "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync",
-]  # fmt: skip
 PATIENCE = 30_000  # milliseconds for an element to appear: other work may run beside the tests
 DESK: ViewportSize = {"width": 1400, "height": 900}
 
@@ -31,18 +23,6 @@ def running(folder: Path) -> Iterator[Workbench]:
         yield server
     finally:
         server.stop()
-
-
-@contextmanager
-def chromium() -> Iterator[Browser]:
-    """Headless Chromium."""
-    options = [*OPTIONS, *(["--no-sandbox"] if os.geteuid() == 0 else [])]
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
-        try:
-            yield browser
-        finally:
-            browser.close()
 
 
 class Opened:
