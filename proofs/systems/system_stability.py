@@ -333,10 +333,10 @@ def _examined(
 def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
     """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other.
 
-    Right-hand sides that only enclose the field show none: what one of them allows, the field need not.
+    Of right-hand sides that only enclose the field all must rest: what one of them allows, the field need not.
     """
     if scene.waves:
-        return ()
+        return tuple(resting_edges(cells, enclosing=True)) if scene.has_one_field else ()
     near = conic_germ(cells)
     return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(cells))
 
