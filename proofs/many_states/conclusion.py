@@ -6,11 +6,20 @@ from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 
+from nonsmooth.proofs.many_states.conditions import Questions
 from nonsmooth.proofs.many_states.escape import Velocity
-from nonsmooth.proofs.many_states.examination import Examination, find_failure, questions_on
+from nonsmooth.proofs.many_states.examination import (
+    SLIDES_UP,
+    Examination,
+    by_face,
+    find_failure,
+    find_slide,
+    questions_on,
+)
 from nonsmooth.proofs.many_states.instability import Growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree
+from nonsmooth.proofs.many_states.sign_cells import SignCells
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.stability_result import UNDECIDED_BY
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -51,14 +60,21 @@ class ProvedLyapunov:
             return True
         cells, questions = questions_on(system, parse_piecewise(self.formula.text, system.states), self.radius)
         if self.examination.verdict is Decrease.REFUTED:
-            failure = self.examination.failure
-            return failure is not None and find_failure(cells, questions) == failure
+            return self._is_refuted(system, cells, questions)
         found = self.examination.inequalities
         if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
             return False
         strict = all(i.proved is not None and i.proved.claim.strict for i in found)
         proved = all(i.proved is not None and i.check() for i in found)
         return proved and (strict or self.examination.verdict is Decrease.WEAK)
+
+    def _is_refuted(self, system: SwitchedSystem, cells: SignCells, questions: Questions) -> bool:
+        """Whether the point that refutes V is found again, in a cell or on some face."""
+        failure = self.examination.failure
+        if failure is None or failure.meaning != SLIDES_UP:
+            return failure is not None and find_failure(cells, questions) == failure
+        faces = by_face(questions.listed)
+        return any(find_slide(system, self.formula, cells, asked) == failure for asked in faces)
 
 
 @dataclass(frozen=True)
