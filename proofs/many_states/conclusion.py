@@ -21,6 +21,7 @@ from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree
 from nonsmooth.proofs.many_states.sign_cells import SignCells
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.stability_result import UNDECIDED_BY
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
@@ -33,6 +34,7 @@ class Method(StrEnum):
 
     EQUILIBRIUM = "no equilibrium"
     LYAPUNOV = "Lyapunov function"
+    INVARIANCE = "invariance principle"
     LINEARIZATION = "linearization"
     ESCAPE = "solution that leaves"
     RELAY = "relative degree of a relay"
@@ -90,6 +92,7 @@ class Evidence:
         named: the V of the scene (without one the sum of squares of the states).
         searched: a V that was searched and falls; None where none was needed or found.
         growth: a V that shows instability; None where none was needed or found.
+        left: whether nothing but the point stays where the V that shows stability does not fall.
         beyond: why the system is not looked at; empty where it is.
     """
 
@@ -102,6 +105,7 @@ class Evidence:
     searched: ProvedLyapunov | None = None
     growth: Growth | None = None
     beyond: str = ""
+    left: bool = False
 
     @property
     def proving(self) -> ProvedLyapunov | None:
@@ -141,6 +145,8 @@ def _by_functions(evidence: Evidence) -> tuple[Translation, str, Method]:
     proving = evidence.proving
     if proving is not None and proving.examination.verdict is Decrease.STRICT:
         return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, Method.LYAPUNOV
+    if proving is not None and proving.examination.verdict is Decrease.WEAK and evidence.left:
+        return Translation.ASYMPTOTICALLY_STABLE, f"{proving.examination.reason}, and {Staying.NONE}", Method.INVARIANCE
     if spectrum is Spectrum.HURWITZ:
         return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), Method.LINEARIZATION
     if evidence.growth is not None:
