@@ -30,7 +30,7 @@ BORDERS = {
     "repelling": "escaping",
     "crossing": "crossing",
     "touched": "touched",
-    "undecided": "touched",
+    "undecided": "undecided",
 }
 TONES = {"asymptotically stable": "good", "stable": "fair", "unstable": "bad"}
 
