@@ -11,14 +11,16 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.stated_field import StatedField, stated_fields
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.proofs.systems.border_motion import BorderPart, border_parts
+from nonsmooth.proofs.systems.border_signs import wave_border_parts
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_one_field, require_plane
 
 SCHEMA = "nonsmooth-phase-portrait/1"
 
@@ -38,7 +40,7 @@ class PhasePortrait:
 
     def __post_init__(self) -> None:
         require_plane(self.system)
-        require_single(self.system)
+        require_one_field(self.system)
 
     @cached_property
     def cells(self) -> tuple[FieldCell, ...]:
@@ -46,8 +48,15 @@ class PhasePortrait:
         return system_cells(self.system, square_regions(self.system.check.radius))
 
     @cached_property
+    def fields(self) -> tuple[StatedField, ...]:
+        """The field of each cell."""
+        return stated_fields(self.system, self.cells)
+
+    @cached_property
     def borders(self) -> tuple[BorderPart, ...]:
         """Parts of the straight borders across which the field changes."""
+        if self.system.names:
+            return tuple(wave_border_parts(self.cells, self.fields))
         return tuple(border_parts(self.cells))
 
     @cached_property
@@ -59,15 +68,13 @@ class PhasePortrait:
         """The JSON record."""
         head = {"schema": SCHEMA, "scene": self.system.name, "states": list(self.system.states)}
         at = with_exact({"at": self.system.check.equilibrium, "radius": self.system.check.radius})
-        cells = [self._cell_record(cell) for cell in self.cells]
+        cells = [self._cell_record(*pair) for pair in zip(self.cells, self.fields, strict=True)]
         return {**head, **at, "cells": cells, "borders": [_border_record(part) for part in self.borders]}
 
-    def _cell_record(self, cell: FieldCell) -> dict[str, Any]:
+    def _cell_record(self, cell: FieldCell, field: StatedField) -> dict[str, Any]:
         named = with_exact({"polygon": _corners(cell)})
-        return {**named, "guards": [self._text(g) for g in cell.region.guards], "field": self._field_texts(cell)}
-
-    def _field_texts(self, cell: FieldCell) -> list[str]:
-        return [self._text(part) for part in cell.velocities[0]]
+        guards = [self._text(guard) for guard in cell.region.guards]
+        return {**named, "guards": guards, "field": field.texts(self.system.states)}
 
     def _text(self, polynomial: Any) -> str:
         return str(replace(polynomial, variables=self.system.states))
@@ -76,10 +83,10 @@ class PhasePortrait:
         """Two tables: cells with their fields, and borders with what solutions do there."""
         states = self.system.states
         cells, borders = Table("corners", *(f"{name}'" for name in states)), Table("from", "to", "solutions")
-        for cell in self.cells:
+        for cell, field in zip(self.cells, self.fields, strict=True):
             where = ", ".join(place_text(corner, 4) for corner in _corners(cell))
             guards = "".join(f"; {self._text(g)} > 0" for g in cell.region.guards)
-            cells.add_row(where + guards, *self._field_texts(cell))
+            cells.add_row(where + guards, *field.texts(states))
         for part in self.borders:
             borders.add_row(place_text(part.start, 4), place_text(part.end, 4), str(part.kind))
         head = f"{one_line(self.system.name)}: plain switched system in {', '.join(states)}, measured from the point"

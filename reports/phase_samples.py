@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.cell_values import inside, polynomial_values
+from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rate_values
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.stated_field import StatedField
     from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
 
 Floats: TypeAlias = NDArray[np.float64]
 
 
-def sampled_rates(cells: Iterable[FieldCell], xs: Floats, ys: Floats) -> tuple[Floats, Floats]:
+def sampled_rates(
+    cells: Sequence[FieldCell], fields: Sequence[StatedField], xs: Floats, ys: Floats
+) -> tuple[Floats, Floats]:
     """The field at many points, that of one cell where several meet."""
     first, second = np.zeros_like(xs), np.zeros_like(xs)
-    for cell in cells:
+    for cell, field in zip(cells, fields, strict=True):
         here = inside(cell, xs, ys)
-        f, g = cell.velocities[0]
-        first[here], second[here] = polynomial_values(f, xs, ys)[here], polynomial_values(g, xs, ys)[here]
+        f, g = rate_values(field, xs, ys)
+        first[here], second[here] = f[here], g[here]
     return first, second
 
 

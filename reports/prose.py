@@ -156,7 +156,7 @@ def _in_sentences() -> re.Pattern[str]:
     """The notation but for single letters and words, longest first, then exact numbers with roots, then fractions."""
     names = [name for name in _NOTATION if not name.isalpha() or name in _GREEK]
     notation = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
-    return re.compile(rf"(?<![\w.|^~])(?:({notation})|{_ROOT}|{_FRACTION})(?![\w*'|^(/]|[.]\d)")
+    return re.compile(rf"(?<![\w.|^~])(?<!\*\*)(?:({notation})|{_ROOT}|{_FRACTION})(?![\w*'|^(/]|[.]\d)")
 
 
 def _number_or_formula(match: re.Match[str]) -> Math:

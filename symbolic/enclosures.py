@@ -35,10 +35,12 @@ class Wave:
     Attributes:
         kind: which of the two.
         argument: v, which must vanish at the checked point.
+        name: what stands for it in a formula; empty where a polynomial does.
     """
 
     kind: str
     argument: str
+    name: str = ""
 
 
 @dataclass
@@ -62,6 +64,50 @@ class Template:
     def _place(self, kind: str, v: str) -> str:
         self.waves.append(Wave(kind, v))
         return f"<{len(self.waves) - 1}>"
+
+
+@dataclass
+class NamedTemplate(Template):
+    """Formulas in which sines and cosines of states are names, equal ones with one name.
+
+    Attributes:
+        taken: names that mean something else.
+    """
+
+    taken: frozenset[str] = frozenset()
+
+    def sine(self, v: str) -> str:
+        """The name of ``sin v``."""
+        return self._named("sin", v)
+
+    def cosine(self, v: str) -> str:
+        """The name of ``cos v``."""
+        return self._named("cos", v)
+
+    def _named(self, kind: str, v: str) -> str:
+        for wave in self.waves:
+            if (wave.kind, wave.argument) == (kind, v):
+                return wave.name
+        name = f"{kind}_{len(self.waves) + 1}"
+        while name in self.taken:
+            name += "_"
+        self.waves.append(Wave(kind, v, name))
+        return name
+
+
+def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[tuple[object, ...], tuple[Wave, ...]]:
+    """Formulas with a name in place of each sine and cosine of states, and what these names mean.
+
+    Args:
+        formulas: with a sine or cosine of states in some of them.
+        taken: names that mean something else.
+
+    Raises:
+        ExpressionError: as for :func:`enclosing_formulas`.
+    """
+    template = NamedTemplate(taken=taken)
+    written = tuple(_template(formula, template) if has_waves(formula) else formula for formula in formulas)
+    return written, tuple(template.waves)
 
 
 def has_waves(formula: object) -> bool:

@@ -24,6 +24,7 @@ from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.surfaces import switching_factors
 
 PLANE = ("x", "y")  # the displacement of two states
+ONE_SIDE = "one right-hand side (under arbitrary switching only stability is decided)"
 MAX_PATTERNS = 4_096  # sign patterns of one switching part of a right-hand side: twelve surfaces that cross
 
 
@@ -86,6 +87,8 @@ class SwitchedSystem(ShortRepr):
         waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
         denominators: formulas that must be positive on the checked square.
         scale: the positive factor by which the stated fields were multiplied; None without fractions.
+        named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
+        names: what these names mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
     """
 
@@ -101,11 +104,20 @@ class SwitchedSystem(ShortRepr):
     denominators: tuple[PiecewiseExpression, ...] = ()
     scale: PiecewiseExpression | None = None
     by_roots: SeenByRoots | None = None
+    named_rhs: tuple[PiecewiseExpression, ...] = ()
+    names: tuple[Wave, ...] = ()
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
         """One system for each right-hand side."""
-        return tuple(replace(self, rhs=rhs, others=(), waves=()) for rhs in (self.rhs, *self.others))
+        return tuple(
+            replace(self, rhs=rhs, others=(), waves=(), named_rhs=(), names=()) for rhs in (self.rhs, *self.others)
+        )
+
+    @property
+    def has_one_field(self) -> bool:
+        """Whether the system as it was stated has one right-hand side: several may enclose it."""
+        return not self.others or (bool(self.waves) and len(self.written) == 1)
 
     @property
     def stated_states(self) -> tuple[str, ...]:
@@ -221,17 +233,28 @@ def require_stated(system: SwitchedSystem) -> None:
         raise SceneError(system.origin, "system.rhs", expected, system.written[0][0])
 
 
+def require_one_field(system: SwitchedSystem) -> None:
+    """Refuse arbitrary switching, and square roots of states; sines and cosines of states are enclosed, one field.
+
+    Raises:
+        SceneError: for a system that was stated with several right-hand sides, or with such roots.
+    """
+    require_stated(system)
+    if not system.has_one_field:
+        raise SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{1 + len(system.others)}"))
+
+
 def require_single(system: SwitchedSystem) -> None:
-    """Refuse arbitrary switching, and square roots of states.
+    """Refuse arbitrary switching, sines and cosines of states, which are enclosed, and square roots of states.
 
     Raises:
         SceneError: for a system with several right-hand sides, or with such roots.
     """
     require_stated(system)
     if system.others:
-        expected = "one right-hand side (under arbitrary switching only stability is decided)"
+        expected = ONE_SIDE
         if system.waves:
-            expected = "formulas without sin and cos of states (with them stability is decided and solutions followed)"
+            expected = "formulas without sin and cos of states"
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
 
 

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.stated_field import StatedField
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
@@ -19,6 +20,27 @@ def polynomial_values(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
     total = np.zeros_like(xs)
     for (a, b), c in polynomial.terms.items():
         total += float(c) * xs**a * ys**b
+    return total
+
+
+def rate_values(field: StatedField, xs: Floats, ys: Floats) -> tuple[Floats, Floats]:
+    """The rates of both states at many places, of any shape."""
+    values = [xs, ys]
+    for wave in field.waves:
+        argument = polynomial_values(wave.argument, xs, ys)
+        values.append(np.sin(argument) if wave.kind == "sin" else np.cos(argument))
+    first, second = (_values(rate, values) for rate in field.rates)
+    return first, second
+
+
+def _values(polynomial: Polynomial, variables: list[Floats]) -> Floats:
+    """A polynomial in any number of variables at many places."""
+    total = np.zeros_like(variables[0])
+    for exponents, c in polynomial.terms.items():
+        term = np.full_like(variables[0], float(c))
+        for variable, exponent in zip(variables, exponents, strict=True):
+            term = term * variable**exponent if exponent else term
+        total += term
     return total
 
 

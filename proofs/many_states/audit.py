@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import NotZeroError, examine
+from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.lyapunov_audit import KEY, AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.expression import ExpressionError
@@ -80,6 +82,10 @@ def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
 
 def _result(scene: SwitchedSystem, lyapunov: str, found: ProvedLyapunov) -> ManyStateAudit:
     """The verdict that follows from the conditions."""
+    examination = found.examination
+    if examination.verdict is Decrease.WEAK and nothing_stays(examination):
+        reason = f"{examination.reason}, and {Staying.NONE}"
+        return ManyStateAudit(scene, lyapunov, AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE, reason, found)
     verdict, proves = {
         Decrease.STRICT: (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
         Decrease.WEAK: (AuditVerdict.VALID, Translation.STABLE),

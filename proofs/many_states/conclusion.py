@@ -6,12 +6,22 @@ from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 
+from nonsmooth.proofs.many_states.conditions import Questions
 from nonsmooth.proofs.many_states.escape import Velocity
-from nonsmooth.proofs.many_states.examination import Examination, find_failure, questions_on
+from nonsmooth.proofs.many_states.examination import (
+    SLIDES_UP,
+    Examination,
+    by_face,
+    find_failure,
+    find_slide,
+    questions_on,
+)
 from nonsmooth.proofs.many_states.instability import Growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree
+from nonsmooth.proofs.many_states.sign_cells import SignCells
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.stability_result import UNDECIDED_BY
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
@@ -24,6 +34,7 @@ class Method(StrEnum):
 
     EQUILIBRIUM = "no equilibrium"
     LYAPUNOV = "Lyapunov function"
+    INVARIANCE = "invariance principle"
     LINEARIZATION = "linearization"
     ESCAPE = "solution that leaves"
     RELAY = "relative degree of a relay"
@@ -51,14 +62,21 @@ class ProvedLyapunov:
             return True
         cells, questions = questions_on(system, parse_piecewise(self.formula.text, system.states), self.radius)
         if self.examination.verdict is Decrease.REFUTED:
-            failure = self.examination.failure
-            return failure is not None and find_failure(cells, questions) == failure
+            return self._is_refuted(system, cells, questions)
         found = self.examination.inequalities
         if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
             return False
         strict = all(i.proved is not None and i.proved.claim.strict for i in found)
         proved = all(i.proved is not None and i.check() for i in found)
         return proved and (strict or self.examination.verdict is Decrease.WEAK)
+
+    def _is_refuted(self, system: SwitchedSystem, cells: SignCells, questions: Questions) -> bool:
+        """Whether the point that refutes V is found again, in a cell or on some face."""
+        failure = self.examination.failure
+        if failure is None or failure.meaning != SLIDES_UP:
+            return failure is not None and find_failure(cells, questions) == failure
+        faces = by_face(questions.listed)
+        return any(find_slide(system, self.formula, cells, asked) == failure for asked in faces)
 
 
 @dataclass(frozen=True)
@@ -74,6 +92,7 @@ class Evidence:
         named: the V of the scene (without one the sum of squares of the states).
         searched: a V that was searched and falls; None where none was needed or found.
         growth: a V that shows instability; None where none was needed or found.
+        left: whether nothing but the point stays where the V that shows stability does not fall.
         beyond: why the system is not looked at; empty where it is.
     """
 
@@ -86,6 +105,7 @@ class Evidence:
     searched: ProvedLyapunov | None = None
     growth: Growth | None = None
     beyond: str = ""
+    left: bool = False
 
     @property
     def proving(self) -> ProvedLyapunov | None:
@@ -125,6 +145,8 @@ def _by_functions(evidence: Evidence) -> tuple[Translation, str, Method]:
     proving = evidence.proving
     if proving is not None and proving.examination.verdict is Decrease.STRICT:
         return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, Method.LYAPUNOV
+    if proving is not None and proving.examination.verdict is Decrease.WEAK and evidence.left:
+        return Translation.ASYMPTOTICALLY_STABLE, f"{proving.examination.reason}, and {Staying.NONE}", Method.INVARIANCE
     if spectrum is Spectrum.HURWITZ:
         return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), Method.LINEARIZATION
     if evidence.growth is not None:

@@ -8,9 +8,10 @@
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
 5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.instability`).
-6. A V that does not increase: ``stable``, and whether the point attracts is left open.
+6. A V that does not increase: the point attracts where nothing else stays where V does not fall
+   (:mod:`nonsmooth.proofs.many_states.invariance`); otherwise ``stable``, and whether it attracts is left open.
 
-Rays, fans, leading terms and LaSalle's principle are used for two states only.
+Rays, fans and leading terms are used for two states only.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
 from nonsmooth.proofs.many_states.instability import find_growth
+from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree, high_degree_relay
@@ -86,6 +88,7 @@ class ManyStateResult(StabilityResult):
         own = all(v is None or v.check(self.scene) for v in (evidence.named, evidence.searched))
         own = own and (evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text)
         own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
+        own = own and (not evidence.left or _with_invariance(evidence).left)
         own = own and (evidence.growth is None or evidence.growth.check(self.scene))
         own = own and conclude(evidence) == (self.verdict, self.reason, self.method)
         return own and (self._reach_is_genuine() if self.region is not None or self.rate is not None else True)
@@ -133,7 +136,13 @@ def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
         return evidence
     if default:
         evidence = _with_named(scene, evidence, hasty=False)
-    return _with_growth(scene, evidence)
+    return _with_invariance(_with_growth(scene, evidence))
+
+
+def _with_invariance(evidence: Evidence) -> Evidence:
+    """Whether solutions leave where the V that shows stability does not fall."""
+    proving = evidence.proving
+    return replace(evidence, left=proving is not None and nothing_stays(proving.examination))
 
 
 def _begin(scene: SwitchedSystem) -> Evidence:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from flint import fmpq
 
 from nonsmooth.proofs.many_states.conditions import Question, Questions, Sense, build_questions
+from nonsmooth.proofs.many_states.face_witness import as_fractions, rising_slide
 from nonsmooth.proofs.many_states.samples import Point, exact_value, refuting_point
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
@@ -30,6 +31,7 @@ from nonsmooth.symbolic.numbers.polynomial import add_terms
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+SLIDES_UP = "V increases along a solution that slides on a face"
 MU_DENOMINATORS = (1 << 6, 1 << 16)  # of the functions mu on faces, tried in turn
 
 
@@ -132,6 +134,9 @@ def examine(
         answered = answers(asked, effort)
         inequalities += answered
         if any(i.proved is None for i in answered):
+            failure = find_slide(system, formula, cells, asked) if effort is Effort.FULL else None
+            if failure is not None:
+                return Examination(cells, (), Decrease.REFUTED, failure, failure.meaning)
             break
     verdict, reason = _conclude(inequalities)
     return Examination(cells, tuple(inequalities), verdict, None, reason)
@@ -177,6 +182,23 @@ def find_failure(cells: SignCells, questions: Questions) -> Failure | None:
             value = exact_value(question.condition.constant, point)
             return _failure(cells, point, value, positive=positive)
     return None
+
+
+def find_slide(
+    system: SwitchedSystem, formula: PiecewiseExpression, cells: SignCells, asked: Sequence[Question]
+) -> Failure | None:
+    """A point of a face at which V increases along a solution that slides; None where none is found.
+
+    Args:
+        system: in any number of states; where its right-hand sides only enclose the field, nothing is found.
+        formula: V.
+        cells: of the cube.
+        asked: the questions of one face, or of one cell.
+    """
+    if asked[0].group < 0 or system.waves:
+        return None
+    found = rising_slide(cells, potential_pieces(system, cells, formula), asked[0].zero)
+    return None if found is None else Failure(as_fractions(found[0]), _fraction(found[1]), SLIDES_UP)
 
 
 def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> Failure:

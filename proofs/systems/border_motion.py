@@ -14,7 +14,8 @@ from itertools import combinations, pairwise
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, common_edges
-from nonsmooth.analysis.cells.switched_cells import FieldCell, PlaneField
+from nonsmooth.analysis.cells.stated_field import StatedField
+from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
 from nonsmooth.symbolic.constraints import outer
@@ -29,6 +30,7 @@ class BorderKind(StrEnum):
     SLIDING = "sliding"  # both fields push onto it
     REPELLING = "repelling"  # both fields push away; solutions may stay on it, and leave at any time
     TOUCHED = "touched"  # a field runs along it
+    UNDECIDED = "undecided"  # the sign of a normal part of sines and cosines was not found
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class BorderPart:
         kind: what solutions do between.
         is_exact: whether the ends are exact; otherwise they are close to a root that has no name in the field.
         normal: into the cell of the first field.
-        fields: the first field of the cell on each side.
+        fields: the field on each side, the first one where several act.
     """
 
     start: Point
@@ -49,7 +51,7 @@ class BorderPart:
     kind: BorderKind
     is_exact: bool
     normal: Point
-    fields: tuple[PlaneField, PlaneField]
+    fields: tuple[StatedField, StatedField]
 
 
 def border_parts(cells: Sequence[FieldCell]) -> Iterator[BorderPart]:
@@ -77,8 +79,8 @@ def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[Borde
     samples = [roots[0].low, *inner, roots[-1].high] if roots else [Fraction(1)]
     for t, ((start, known), (end, named)) in zip(samples, pairwise(ends), strict=True):
         signs = [{value(curve, t).sign() if curve else 0 for curve in side} for side in normal]
-        fields = first.velocities[0], second.velocities[0]
-        yield BorderPart(start, end, _kind(*signs), known and named, (a, b), fields)
+        fields = StatedField(first.velocities[0]), StatedField(second.velocities[0])
+        yield BorderPart(start, end, border_kind(*signs), known and named, (a, b), fields)
 
 
 def sliding_velocity(part: BorderPart, place: Point) -> Point:
@@ -91,13 +93,15 @@ def sliding_velocity(part: BorderPart, place: Point) -> Point:
     Raises:
         ZeroDivisionError: where both fields have the same normal part.
     """
-    f, g = (tuple(component(place) for component in field) for field in part.fields)
-    across_f, across_g = (dot(part.normal, velocity) for velocity in (f, g))
+    f, g = (field.at(place) for field in part.fields)
+    a, b = part.normal
+    normal = (float(a), float(b)) if any(field.waves for field in part.fields) else part.normal
+    across_f, across_g = (dot(normal, velocity) for velocity in (f, g))
     first, second = ((across_g * a - across_f * b) / (across_g - across_f) for a, b in zip(f, g, strict=True))
     return (first, second)
 
 
-def _kind(first: set[int], second: set[int]) -> BorderKind:
+def border_kind(first: set[int], second: set[int]) -> BorderKind:
     """From the signs of the normal parts; positive points into the first cell."""
     if 0 in first | second:
         return BorderKind.TOUCHED

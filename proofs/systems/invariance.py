@@ -10,7 +10,11 @@ in the zero sets of ``grad V . f`` on closed cells and in the edges on which V b
 2. in these cells all fields turn in one sense, and the cells leave a direction free: then none stays in them;
 3. no other point rests (:mod:`nonsmooth.proofs.systems.rest_points`): then none does not move.
 
-Then every solution from a sublevel set of V inside the domain tends to the origin.  Condition 1 is exact over Q: an
+Then every solution from a sublevel set of V inside the domain tends to the origin.  Where several fields act in a cell
+(arbitrary switching), F is their hull.  None of them lets V rise, so a mixture keeps V only if all fields that it mixes
+do: 1 and 2 are asked of each field in each cell, 3 of all mixtures, for two fields that each move may rest together.
+Fields are not asked one after the other: one may keep V where another does not, and a signal may always take the first.
+  Condition 1 is exact over Q: an
 irreducible factor q of the rate whose zero set holds an arc of a level divides the Jacobian of V and q.
 """
 
@@ -22,7 +26,7 @@ from itertools import combinations
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, common_edges
-from nonsmooth.analysis.cells.switched_cells import LyapunovCell
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, PlaneField
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.systems.border_motion import along_edge
@@ -51,12 +55,10 @@ def decide_staying(cells: Sequence[LyapunovCell]) -> Staying:
     Args:
         cells: cover the domain; V is positive and does not increase on them.
     """
-    if any(len(cell.velocities) > 1 for cell in cells):
-        return Staying.UNDECIDED
-    still = [cell for cell in cells if not cell.rates[0]]
+    still = [cell for cell in cells if not all(cell.rates)]
     if still and not _all_leave(cells, still):
         return Staying.CELLS
-    if any(_holds_level_arc(cell) for cell in cells if cell.rates[0]):
+    if any(_holds_level_arc(cell, rate) for cell in cells for rate in cell.rates if rate):
         return Staying.ARC
     if not all(_changes_along_edges(first, second) for first, second in combinations(cells, 2)):
         return Staying.ARC
@@ -67,10 +69,10 @@ def decide_staying(cells: Sequence[LyapunovCell]) -> Staying:
 # ---- zero sets of the rate -----------------------------------------------------------------------
 
 
-def _holds_level_arc(cell: LyapunovCell) -> bool:
-    """Whether a curve on which the rate vanishes may run along a level of V."""
-    leading = cell.rates[0].terms[max(cell.rates[0].terms)]
-    factored = factorize(cell.rates[0] * leading.inverse())
+def _holds_level_arc(cell: LyapunovCell, rate: Polynomial) -> bool:
+    """Whether a curve on which a rate vanishes may run along a level of V."""
+    leading = rate.terms[max(rate.terms)]
+    factored = factorize(rate * leading.inverse())
     if factored is None:
         return True
     return any(_runs_along_level(q, cell) and not _is_definite(q, cell.region) for q, _ in factored[1])
@@ -94,7 +96,7 @@ def _is_definite(curve: Polynomial, region: Region) -> bool:
 def _changes_along_edges(first: LyapunovCell, second: LyapunovCell) -> bool:
     """Whether V is constant on no part of the edges between two cells on which V bends, or beside a still cell."""
     bends = bool(first.potential - second.potential)
-    if not (bends or not first.rates[0] or not second.rates[0]):
+    if not bends and all(first.rates) and all(second.rates):
         return True
     a, b = first.gradient
     for start, end in common_edges(first.region, second.region):
@@ -111,14 +113,19 @@ def _all_leave(cells: Sequence[LyapunovCell], still: Sequence[LyapunovCell]) -> 
     """Whether no solution stays in the closed cells where V does not change: all turn, and not all the way round."""
     if any(cell.region.guards for cell in cells):
         return False
-    turns = {_sense_of_turning(cell) for cell in still}
+    turns = {
+        _sense_of_turning(cell, field)
+        for cell in still
+        for field, rate in zip(cell.velocities, cell.rates, strict=True)
+        if not rate
+    }
     free = any(not any(_in_cone(ray, a, b) for a, b in _cones(still)) for ray in _middles(cells))
     return free and len(turns) == 1 and 0 not in turns
 
 
-def _sense_of_turning(cell: LyapunovCell) -> int:
+def _sense_of_turning(cell: LyapunovCell, field: PlaneField) -> int:
     """The strict sign of ``c x f`` on a closed cell but the origin; 0 where none is proved."""
-    (f, g) = cell.velocities[0]
+    f, g = field
     x, y = (Polynomial.variable(f.field, f.variables, name) for name in f.variables)
     across = x * g - y * f
     for sense, turn in ((Sense.POSITIVE, 1), (Sense.NEGATIVE, -1)):

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from itertools import combinations
 from typing import Any
 
 from nonsmooth.analysis.cells.fan import Cone, by_angle
@@ -94,11 +95,17 @@ def ray_moves(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
                 yield from _inner_moves((first[0], first[1]), (second[0], second[1]), velocity)
 
 
-def resting_edges(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
+def resting_edges(cells: Sequence[FieldCell], *, enclosing: bool = False) -> Iterator[RayMove]:
     """Sides that end at the origin and consist of equilibria near it, whatever the cells are.
 
     There the fields beside the side are opposed (or one of them is zero) all along: two polynomials in one variable.
     Beside it are the cells whose open parts have points near every point of the side near the origin.
+
+    Args:
+        cells: with the fields that act in each.
+        enclosing: whether the fields of a cell only enclose the one that acts there.  Then every field of one cell
+            must be opposed to every field of another: ``a x b`` and ``a . b`` are linear in either, so that all
+            mixtures of the ones are opposed to all mixtures of the others.
     """
     for cell in cells:
         for g, h in cell.region.edges:
@@ -107,9 +114,22 @@ def resting_edges(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
                 continue
             ray = (other[0], other[1])
             beside = [c for c in cells if ray_adherence(c.region, ray) is Adherence.YES]
-            fields = [v for c in beside for v in c.velocities]
-            if any(_rests_along(f, k, ray) for f in fields for k in fields):
+            if _all_oppose(beside, ray) if enclosing else _some_oppose(beside, ray):
                 yield RayMove(RayKind.REST, ray, ray[0] - ray[0])
+
+
+def _some_oppose(beside: Sequence[FieldCell], ray: Point) -> bool:
+    """Whether some fields of some cells hold zero between them along a ray."""
+    fields = [v for cell in beside for v in cell.velocities]
+    return any(_rests_along(f, k, ray) for f in fields for k in fields)
+
+
+def _all_oppose(beside: Sequence[FieldCell], ray: Point) -> bool:
+    """Whether all fields of one cell hold zero between them and all fields of another along a ray."""
+    return any(
+        all(_rests_along(f, k, ray) for f in first.velocities for k in second.velocities)
+        for first, second in combinations(beside, 2)
+    )
 
 
 def _rests_along(first: PlaneField, second: PlaneField, ray: Point) -> bool:

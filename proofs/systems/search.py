@@ -90,9 +90,14 @@ def search_lyapunov(
     return None
 
 
-def search_weak_lyapunov(system: SwitchedSystem) -> SearchedLyapunov | None:
-    """A V that does not increase, if possible one that shows asymptotic stability; None where none is found."""
-    found = find_weak_lyapunov(system)
+def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> SearchedLyapunov | None:
+    """A V that does not increase, if possible one that shows asymptotic stability; None where none is found.
+
+    Args:
+        system: in two states.
+        may_attract: whether the equilibrium may attract; otherwise the first V serves.
+    """
+    found = find_weak_lyapunov(system, may_attract=may_attract)
     return None if found is None else SearchedLyapunov(found.result, Domain(found.radius), found.formula, False)
 
 

@@ -291,7 +291,7 @@ def _by_invariance(
     """
     verdict, _, method = concluded
     weak = method is Method.LYAPUNOV and verdict is Translation.STABLE
-    if not (weak or method is Method.NONE) or (weak and rays) or scene.others:
+    if not (weak or method is Method.NONE) or (weak and rays):
         return *known, None
     staying = staying_of(known[0])
     if staying is Staying.NONE:
@@ -301,7 +301,7 @@ def _by_invariance(
         result = examine(scene_cells(scene, square_regions(smaller.radius or scene.check.radius)))
         if result.verdict is Decrease.WEAK and staying_of(result) is Staying.NONE:
             return result, smaller, None, Staying.NONE
-    found = search_weak_lyapunov(scene)
+    found = search_weak_lyapunov(scene, may_attract=not rays)
     if found is None:
         return *known, staying
     own = None if rays else staying_of(found.result)
@@ -333,10 +333,10 @@ def _examined(
 def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
     """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other.
 
-    Right-hand sides that only enclose the field show none: what one of them allows, the field need not.
+    Of right-hand sides that only enclose the field all must rest: what one of them allows, the field need not.
     """
     if scene.waves:
-        return ()
+        return tuple(resting_edges(cells, enclosing=True)) if scene.has_one_field else ()
     near = conic_germ(cells)
     return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(cells))
 

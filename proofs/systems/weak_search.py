@@ -46,11 +46,12 @@ SLACK = 2.0**-30  # by which floats may miss an equality
 NEGLIGIBLE = 2.0**-10  # of the largest coefficient: left out
 
 
-def find_weak_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
+def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> FoundLyapunov | None:
     """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
 
     Args:
-        system: in two states, with one right-hand side.
+        system: in two states.
+        may_attract: whether the equilibrium may attract; otherwise the first V serves.
     """
     left, first = MOST_AUDITS, None
     for scale in SCALES:
@@ -64,7 +65,7 @@ def find_weak_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
                 result = _audited(system, cells, formula) if left >= 0 else None
                 if result is None:
                     continue
-                if decide_staying(result.cells) is Staying.NONE:
+                if not may_attract or decide_staying(result.cells) is Staying.NONE:
                     return FoundLyapunov(formula, radius, result)
                 first = first or FoundLyapunov(formula, radius, result)
         if first is not None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.cell_values import inside, polynomial_values
+from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rate_values
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
@@ -32,6 +32,7 @@ BORDERS: dict[BorderKind, dict[str, Any]] = {
     BorderKind.REPELLING: {"color": INK, "linewidth": 1.4, "linestyle": (0, (5, 3))},
     BorderKind.CROSSING: {"color": CURVE, "linewidth": 1.0},
     BorderKind.TOUCHED: {"color": CURVE, "linewidth": 1.0, "linestyle": (0, (1, 1))},
+    BorderKind.UNDECIDED: {"color": FIELD, "linewidth": 1.4, "linestyle": (0, (1, 3))},
 }
 
 
@@ -57,7 +58,7 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     half = float(portrait.system.check.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    rates = sampled_rates(portrait.cells, xs, ys)
+    rates = sampled_rates(portrait.cells, portrait.fields, xs, ys)
     axes.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
     _draw_nullclines(axes, portrait, xs, ys)
     _draw_curves(axes, portrait, xs, ys)
@@ -72,8 +73,8 @@ def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats
     """Where one rate vanishes inside a cell."""
     for k, (name, color) in enumerate(zip(portrait.system.states, NULLCLINES, strict=True)):
         drawn = False
-        for cell in portrait.cells:
-            values = np.where(inside(cell, xs, ys), polynomial_values(cell.velocities[0][k], xs, ys), np.nan)
+        for cell, field in zip(portrait.cells, portrait.fields, strict=True):
+            values = np.where(inside(cell, xs, ys), rate_values(field, xs, ys)[k], np.nan)
             known = values[~np.isnan(values)]
             if known.size and known.min() < 0 < known.max():
                 axes.contour(xs, ys, values, levels=[0.0], colors=color, linewidths=1.4, zorder=2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from nonsmooth.analysis.cells.switched_cells import PlaneField
+from nonsmooth.analysis.cells.stated_field import StatedField
 from nonsmooth.reports.document import Math
 from nonsmooth.symbolic.formulas import symbol_latex
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -35,17 +35,26 @@ def polynomial_math(polynomial: Polynomial, states: Sequence[str]) -> Math:
         polynomial: in as many variables as there are states.
         states: their names.
     """
-    named = replace(polynomial, variables=tuple(states))
+    return _polynomial_math(polynomial, states, list(map(state_latex, states)))
+
+
+def _polynomial_math(polynomial: Polynomial, names: Sequence[str], symbols: Sequence[str]) -> Math:
+    """A polynomial by the plain names of its variables and by their symbols in LaTeX."""
+    named = replace(polynomial, variables=tuple(names))
     summands: list[Summand] = []
     for exponents, coefficient in sorted(polynomial.terms.items(), key=lambda term: (-sum(term[0]), term[0][::-1])):
-        powers = [_power(name, k) for name, k in zip(states, exponents, strict=True) if k]
+        powers = [_power(symbol, k) for symbol, k in zip(symbols, exponents, strict=True) if k]
         summands.append(_term(number_summands(coefficient), powers))
     return Math(latex_sum(summands) if summands else "0", str(named))
 
 
-def field_math(field: PlaneField, states: Sequence[str]) -> tuple[Math, ...]:
-    """The rate of each state."""
-    return tuple(polynomial_math(part, states) for part in field)
+def stated_math(field: StatedField, states: Sequence[str]) -> tuple[Math, ...]:
+    """The rate of each state, with its sines and cosines."""
+    waves = [polynomial_math(wave.argument, states) for wave in field.waves]
+    latex = [rf"\{wave.kind}\left({math.latex}\right)" for wave, math in zip(field.waves, waves, strict=True)]
+    return tuple(
+        _polynomial_math(rate, field.names(states), [*map(state_latex, states), *latex]) for rate in field.rates
+    )
 
 
 def rate_name(state: str) -> Math:
@@ -53,8 +62,8 @@ def rate_name(state: str) -> Math:
     return Math(rf"\dot{{{state_latex(state)}}}", f"{state}'")
 
 
-def _power(name: str, exponent: int) -> str:
-    return state_latex(name) if exponent == 1 else rf"{state_latex(name)}^{{{exponent}}}"
+def _power(symbol: str, exponent: int) -> str:
+    return symbol if exponent == 1 else rf"{symbol}^{{{exponent}}}"
 
 
 def _term(coefficients: list[Summand], powers: list[str]) -> Summand:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.stated_field import StatedField
 from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.local_cells import values_at_origin
 from nonsmooth.reports.document import Block, Entry, Math, Section, Text, display, point, table
-from nonsmooth.reports.plain_systems.formulas import field_math, polynomial_math, rate_name
+from nonsmooth.reports.plain_systems.formulas import polynomial_math, rate_name, stated_math
 from nonsmooth.reports.plain_systems.subject import SystemSubject
 from nonsmooth.reports.prose import listed, paragraph
+from nonsmooth.symbolic.number_text import place_text
 
 SHOWN_BORDERS = 60  # rows; a picture shows the others
 
@@ -21,23 +23,26 @@ def cells_section(subject: SystemSubject) -> Section:
     states = subject.system.states
     words = paragraph(
         "The switching surfaces and the axes through the checked point cut the square into {} cells. On each the field "
-        "is a polynomial. Corners and rates are written in the displacement from the point, whose entries are called "
+        "is {}. Corners and rates are written in the displacement from the point, whose entries are called "
         "like the states.",
         str(len(subject.cells)),
+        "a polynomial in the states and in sines and cosines of them" if subject.system.names else "a polynomial",
     )
-    rows = [row for k, cell in enumerate(subject.cells, 1) for row in _cell_rows(k, cell, states)]
+    rows = [row for k, cell in enumerate(subject.cells) for row in _cell_rows(k, cell, subject)]
     header: list[Entry] = ["cell", "corners", *(rate_name(name) for name in states)]
     return Section("Cells", (words, table(header, rows, (0.07, 0.41, 0.26, 0.26))))
 
 
-def _cell_rows(index: int, cell: FieldCell, states: Sequence[str]) -> Iterable[list[Entry]]:
-    """A row for each field that acts in a cell."""
+def _cell_rows(index: int, cell: FieldCell, subject: SystemSubject) -> Iterable[list[Entry]]:
+    """A row for the field of a cell, or for each that may act there."""
+    states = subject.system.states
     where: Text = listed([point((x / w, y / w)) for x, y, w in cell.region.generators])
     for guard in cell.region.guards:
         bound = polynomial_math(guard, states)
         where = (*where, "; ", Math(f"{bound.latex} > 0", f"{bound.plain} > 0"))
-    for k, field in enumerate(cell.velocities):
-        yield [str(index) if not k else "", where if not k else "", *field_math(field, states)]
+    known = [subject.portrait.fields[index]] if subject.system.names else map(StatedField, cell.velocities)
+    for k, field in enumerate(known):
+        yield [str(index + 1) if not k else "", where if not k else "", *stated_math(field, states)]
 
 
 def borders_section(subject: SystemSubject) -> Section:
@@ -56,17 +61,24 @@ def borders_section(subject: SystemSubject) -> Section:
     ]
     if not borders:
         return Section("Filippov's inclusion on borders", (paragraph("No straight border lies between two fields."),))
-    rows = [[point(part.start), point(part.end), str(part.kind), _velocity(part)] for part in borders[:SHOWN_BORDERS]]
+    rows = [[*_ends(part), str(part.kind), _velocity(part)] for part in borders[:SHOWN_BORDERS]]
     blocks.append(table(("from", "to", "solutions", "f_s midway"), rows, (0.25, 0.25, 0.2, 0.3)))
     if len(borders) > SHOWN_BORDERS:
         blocks.append(paragraph("{} more are drawn in the phase portrait.", str(len(borders) - SHOWN_BORDERS)))
     return Section("Filippov's inclusion on borders", tuple(blocks))
 
 
+def _ends(part: BorderPart) -> Iterable[Entry]:
+    """Exact ends; those at zeros of sines are rounded."""
+    rounded = part.fields[0].waves and not part.is_exact
+    return (place_text(end, 4) if rounded else point(end) for end in (part.start, part.end))
+
+
 def _velocity(part: BorderPart) -> Entry:
     if part.kind not in {BorderKind.SLIDING, BorderKind.REPELLING}:
         return ""
-    return point(sliding_velocity(part, _middle(part)))
+    velocity = sliding_velocity(part, _middle(part))
+    return place_text(velocity, 4) if any(field.waves for field in part.fields) else point(velocity)
 
 
 def _middle(part: BorderPart) -> Point:

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 def _several_fields(subject: SystemSubject) -> str:
     switches = "the field may switch at any time, and this is about one field in each cell"
-    return switches if subject.system.others else ""
+    return "" if subject.system.has_one_field else switches
 
 
 def _no_leading(subject: SystemSubject) -> str:

@@ -73,7 +73,9 @@ def system_section(subject: SystemSubject) -> Section:
     if system.written:
         blocks += [_formulas(system.states, formulas) for formulas in system.written]
         blocks.append(paragraph("{} What is proved of the following is proved of that.", rewriting_words(system)))
-    if system.others:
+    if system.others and system.has_one_field:
+        blocks.append(paragraph("At every point the field is a mixture of these {}:", str(len(members))))
+    elif system.others:
         blocks.append(paragraph("The field is any of these {}, or a mixture, at any time:", str(len(members))))
     blocks += [_formulas(system.states, [rhs.text for rhs in member.rhs]) for member in members]
     return Section("The system", (*blocks, where))

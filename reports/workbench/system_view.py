@@ -25,7 +25,13 @@ Stage: TypeAlias = dict[str, Any]
 FIELD = 21  # arrows in a row
 MESH = 121  # points in a row at which V is evaluated for its level sets
 LEVELS = 6  # of V
-BORDERS = {"sliding": "sliding", "repelling": "escaping", "crossing": "crossing", "touched": "touched"}
+BORDERS = {
+    "sliding": "sliding",
+    "repelling": "escaping",
+    "crossing": "crossing",
+    "touched": "touched",
+    "undecided": "undecided",
+}
 TONES = {"asymptotically stable": "good", "stable": "fair", "unstable": "bad"}
 
 
@@ -42,7 +48,7 @@ def system_stages(system: System, request: dict[str, Any], announce: Callable[[s
 
 def is_planar(system: SwitchedSystem) -> bool:
     """Whether it has a phase portrait: two states, one field."""
-    return len(system.states) == 2 and not system.others
+    return len(system.states) == 2 and system.has_one_field
 
 
 def _portrait(system: SwitchedSystem) -> dict[str, Any]:
@@ -60,7 +66,7 @@ def _portrait(system: SwitchedSystem) -> dict[str, Any]:
 def _arrows(portrait: PhasePortrait, centre: list[float], radius: float) -> list[list[float]]:
     line = np.linspace(-radius, radius, FIELD)
     xs, ys = np.meshgrid(line, line)
-    first, second = sampled_rates(portrait.cells, xs, ys)
+    first, second = sampled_rates(portrait.cells, portrait.fields, xs, ys)
     columns = (xs + centre[0], ys + centre[1], first, second)
     rows: list[list[float]] = np.column_stack([column.ravel() for column in columns]).tolist()
     return rows

@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.enclosures import Wave, enclosing_formulas, has_waves
+from nonsmooth.symbolic.enclosures import Wave, enclosing_formulas, has_waves, named_formulas
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import corners, require_affine
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
@@ -34,6 +34,8 @@ class RightHandSides:
         waves: what is enclosed.
         denominators: must be positive on the checked square.
         scale: the positive factor of all fields; empty without fractions.
+        named: one list with names in place of sines and cosines; empty without these, and where several are stated.
+        names: what these names mean.
     """
 
     sides: tuple[tuple[str, tuple[object, ...]], ...]
@@ -41,6 +43,8 @@ class RightHandSides:
     waves: tuple[Wave, ...] = ()
     denominators: tuple[str, ...] = ()
     scale: str = ""
+    named: tuple[object, ...] = ()
+    names: tuple[Wave, ...] = ()
 
 
 def read_right_hand_sides(
@@ -75,7 +79,8 @@ def read_right_hand_sides(
         expected = f"at most {MAX_MEMBERS} right-hand sides, with intervals at their ends and sines enclosed"
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
     written = tuple(tuple(map(str, formulas)) for _, formulas in lists) if waves or scale else ()
-    return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale)
+    named = named_formulas(cleared[0][1], clearing.states) if waves and len(cleared) == 1 else ((), ())
+    return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, *named)
 
 
 def _cleared(

@@ -144,6 +144,8 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
     system = SwitchedSystem(name, numbers.field, states, rhs, checked, file, tuple(others), sides.written, sides.waves)
     scale = _parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None
     system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
+    by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
+    system = replace(system, named_rhs=by_names, names=sides.names)
     _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):

@@ -78,10 +78,15 @@ def test_a_weak_spiral_of_a_fraction_agrees_with_its_polygon() -> None:
     assert max(sizes[-3:]) > max(sizes[:3])
 
 
-def test_what_only_encloses_claims_no_rays() -> None:
-    result = system_check(built(["y", "-sin(x) - sgn(y)"]))  # a segment of rest, which the enclosure shows too
-    assert result.rays == ()
-    assert result.verdict in (Translation.STABLE, Translation.UNDECIDED)
+def test_what_only_encloses_claims_rays_of_all_of_it_alone() -> None:
+    result = system_check(built(["y", "-sin(x) - sgn(y)"]))  # rests where abs(sin(x)) <= 1, and so do its enclosures
+    assert {str(ray) for ray in result.rays} == {
+        f"every point of the ray through ({side}, 0) near the equilibrium is an equilibrium" for side in (1, -1)
+    }
+    assert result.verdict is Translation.STABLE
+    assert result.check()
+    moves = system_check(built(["y", "sin(x) - x + x**3/6 - x**5/240 - y"]))  # x**5/240 + ..., and +-x**5/240 encloses
+    assert moves.rays == ()
 
 
 def test_interval_parameters_hold_for_all_values() -> None:

@@ -23,6 +23,7 @@ def plain(text: str) -> str:
         ("by at most -3/8 |c_0|", [r"-\tfrac{3}{8}", r"\lvert c_0 \rvert"]),
         ("theta is stable", [r"\theta"]),
         ("a cell on the paper's page 3 of 12", []),
+        ("V = 25*x**2/38 + y**2/2 and 2/3", [r"\tfrac{2}{3}"]),  # a square over 38, not a power of 2/38
         ("the file a/b and a date 2001/1988x", []),
     ],
 )

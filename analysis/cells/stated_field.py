@@ -1,0 +1,115 @@
+"""The field of a cell of a planar system as it was stated: a polynomial in the states and in sines and cosines of them.
+
+Cells of a system with sines hold the polynomials that enclose its field; pictures, borders and tables show the field
+itself.  Without sines it is the one polynomial field of the cell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region
+from nonsmooth.analysis.cells.switched_cells import FieldCell, PlaneField, sign_on
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+
+
+@dataclass(frozen=True)
+class PlaneWave:
+    """A sine or cosine.
+
+    Attributes:
+        kind: ``"sin"`` or ``"cos"``.
+        argument: a polynomial in the displacement from the checked point.
+    """
+
+    kind: str
+    argument: Polynomial
+
+    def text(self, states: Sequence[str]) -> str:
+        """As a formula, with the names of the states."""
+        return f"{self.kind}({replace(self.argument, variables=tuple(states))})"
+
+
+@dataclass(frozen=True)
+class StatedField:
+    """The rates of both states inside a cell.
+
+    Attributes:
+        rates: polynomials in the displacement from the checked point and in one variable for each of the waves.
+        waves: what these variables are.
+    """
+
+    rates: PlaneField
+    waves: tuple[PlaneWave, ...] = ()
+
+    def names(self, states: Sequence[str]) -> tuple[str, ...]:
+        """The variables of the rates as formulas."""
+        return (*states, *(wave.text(states) for wave in self.waves))
+
+    def texts(self, states: Sequence[str]) -> list[str]:
+        """The rates as formulas."""
+        names = self.names(states)
+        return [str(replace(rate, variables=names)) for rate in self.rates]
+
+    def at(self, place: Point) -> tuple[Any, Any]:
+        """The rates at a place: exact numbers, or floats where there are sines and cosines."""
+        first, second = self.rates
+        if not self.waves:
+            return first(place), second(place)
+        values = [float(c) for c in place]
+        values += [getattr(math, wave.kind)(float(wave.argument(place))) for wave in self.waves]
+        return _float_value(first, values), _float_value(second, values)
+
+
+def _float_value(polynomial: Polynomial, values: Sequence[float]) -> float:
+    terms = polynomial.terms.items()
+    return math.fsum(
+        float(c) * math.prod(v**e for v, e in zip(values, exponents, strict=True)) for exponents, c in terms
+    )
+
+
+def stated_fields(system: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[StatedField, ...]:
+    """The field of each cell.
+
+    Args:
+        system: in two states, with one stated field.
+        cells: its cells.
+    """
+    if not system.names:
+        return tuple(StatedField(cell.velocities[0]) for cell in cells)
+    variables = (*PLANE, *(wave.name for wave in system.names))
+    field, centre = system.field, system.check.equilibrium
+    states = [Polynomial.variable(field, variables, name) + c for name, c in zip(PLANE, centre, strict=True)]
+    named = dict(zip(system.states, states, strict=True))
+    named |= {wave.name: Polynomial.variable(field, variables, wave.name) for wave in system.names}
+    waves = _waves(system)
+    return tuple(StatedField(_rates(system, cell.region, named), waves) for cell in cells)
+
+
+def _rates(system: SwitchedSystem, region: Region, named: dict[str, Polynomial]) -> PlaneField:
+    """The rates on a region on which nothing switches; inside switching parts there are no sines."""
+
+    def sign_of(expression: Polynomial) -> int:
+        terms = {exponents[: len(PLANE)]: c for exponents, c in expression.terms.items()}
+        return sign_on(region, Polynomial(expression.field, PLANE, terms))
+
+    first, second = (part.polynomial(named, sign_of) for part in system.named_rhs)
+    return first, second
+
+
+def _waves(system: SwitchedSystem) -> tuple[PlaneWave, ...]:
+    named = dict(zip(system.states, system.displaced(PLANE), strict=True))
+    arguments = (parse_piecewise(wave.argument, system.states) for wave in system.names)
+    found = [argument.polynomial(named, _no_sign) for argument in arguments]
+    return tuple(PlaneWave(wave.kind, argument) for wave, argument in zip(system.names, found, strict=True))
+
+
+def _no_sign(expression: Polynomial) -> int:
+    raise ExpressionError(f"required no switching, received {expression}")

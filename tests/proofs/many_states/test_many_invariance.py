@@ -1,0 +1,115 @@
+"""LaSalle's principle in many states, beside observability of what slides, and paths."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.many_states.audit import audit_many
+from nonsmooth.proofs.many_states.conclusion import Method
+from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.many_states.many_certificate import build_many_certificate
+from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
+from nonsmooth.proofs.systems.system_certificate import NoCertificateError
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
+SQUARES = "x**2 + y**2 + z**2"
+
+
+def built(rhs: Any, states: str = "x y z") -> SwitchedSystem:
+    data = {"system": {"states": states.split(), "rhs": list(rhs)}, "check": {"radius": "1/2"}}
+    return build_system(data, "t", Path("t.toml"))
+
+
+@pytest.mark.parametrize(
+    ("rhs", "lyapunov", "proves"),
+    [
+        (["y", "-x - y**3 - z", "y - z"], SQUARES, ATTRACTS),
+        (["y", "-x - z", "y - z**3"], SQUARES, ATTRACTS),  # seen after two derivatives
+        (["y", "-x**3 - y", "-z"], "x**4/2 + y**2 + z**2", ATTRACTS),
+        (["y", "-x - sgn(y + z)", "-z - sgn(y + z)"], SQUARES, ATTRACTS),  # y - z does not jump
+        (["y", "-x - sgn(y + z)", "-sgn(y + z)"], SQUARES, STAYS),  # slides and oscillates on y + z = 0
+        (["y", "-x - sgn(y)", "-z"], SQUARES, STAYS),  # dry friction: a segment of rest
+        (["y", "-x + z", "-y - sgn(z)"], SQUARES, STAYS),  # the relay holds z, and x and y oscillate
+        (["y", "-x - y**3", "0"], SQUARES, STAYS),
+        # on x = 0 one field may be taken alone, so that y or z stays; both together damp both
+        (["-x", "-y*(1 + sgn(x))/2", "-z*(1 - sgn(x))/2"], SQUARES, STAYS),
+        (["y", "-x", "-z"], SQUARES, STAYS),
+        (["y", "-x - relu(y)", "-z"], SQUARES, STAYS),  # true is more: V is kept in half the space, which is crossed
+        # true is more: the pieces of V differ, though its gradient does not jump
+        (["y", "-x - relu(x) - y**3", "-z"], "x**2 + relu(x)**2 + y**2 + z**2", STAYS),
+    ],
+)
+def test_what_a_function_proves(rhs: list[str], lyapunov: str, proves: Translation) -> None:
+    audited = audit_many(built(rhs), lyapunov)
+    assert (audited.verdict, audited.proves) == (AuditVerdict.VALID, proves)
+    assert audited.check()
+
+
+def test_a_held_relay_keeps_its_oscillation() -> None:
+    """The path that the principle must not overlook, and one that it decides."""
+    kept = built(["y", "-x + z", "-y - sgn(z)"])
+    end = simulate(system_field(kept, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    assert np.hypot(end[0], end[1]) == pytest.approx(0.3, abs=1e-6)
+    left = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
+    end = simulate(system_field(left, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    assert np.linalg.norm(end) < 1e-3
+
+
+def test_the_check_decides_by_the_principle() -> None:
+    result = decide_many(built(["y", "-x - z", "y - z**5"]))
+    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert result.check()
+    assert not replace(result, evidence=replace(result.evidence, left=False)).check()
+    stays = decide_many(built(["y", "-x + z", "-y - sgn(z)"]))
+    assert stays.verdict is STAYS
+    claimed = replace(stays, evidence=replace(stays.evidence, left=True))
+    assert not replace(claimed, verdict=ATTRACTS, reason=result.reason, method=Method.INVARIANCE).check()
+    with pytest.raises(NoCertificateError, match="invariance principle"):
+        build_many_certificate(result)
+
+
+DAMPING = {"none": "", "linear": " - {0}", "cubic": " - {0}**3", "relay": " - sgn({0})"}
+
+
+def attracts(skew: np.ndarray, damped: list[str]) -> bool:
+    """Near the point relays hold their states at zero; what is left must be seen by the other dampers."""
+    free = [k for k, kind in enumerate(damped) if kind != "relay"]
+    own = skew[np.ix_(free, free)]
+    if not free:
+        return True
+    seen = np.array([np.eye(len(free))[i] for i, k in enumerate(free) if damped[k] != "none"]).reshape(-1, len(free))
+    blocks = [seen @ np.linalg.matrix_power(own, power) for power in range(len(free))]
+    return int(np.linalg.matrix_rank(np.vstack(blocks))) == len(free)
+
+
+def test_random_dissipative_systems_against_observability() -> None:
+    rng = np.random.default_rng(1)
+    known: Counter[tuple[bool, bool]] = Counter()
+    for _ in range(30):
+        states = ["x", "y", "z", "w"][: rng.integers(3, 5)]
+        upper = np.triu(rng.integers(-2, 3, (len(states),) * 2) * rng.integers(0, 2, (len(states),) * 2), 1)
+        skew = upper - upper.T
+        damped = [str(kind) for kind in rng.choice(["none", "none", "linear", "cubic", "relay"], len(states))]
+        rhs = []
+        for row, name, kind in zip(skew.tolist(), states, damped, strict=True):
+            terms = " + ".join(f"{c}*{other}" for c, other in zip(row, states, strict=True))
+            rhs.append(terms + DAMPING[kind].format(name))
+        audited = audit_many(built(rhs, " ".join(states)), " + ".join(f"{name}**2" for name in states))
+        if audited.proves is None:
+            continue
+        known[audited.proves is ATTRACTS, attracts(skew, damped)] += 1
+        assert audited.proves is not ATTRACTS or attracts(skew, damped), rhs
+    assert known[True, True] >= 4
+    assert known[False, False] >= 4
+    assert not known[False, True]  # complete on these
