@@ -27,6 +27,7 @@ from nonsmooth.proofs.systems.lyapunov_basis import (
     BasisFunction,
     bent_functions,
     build_formula,
+    curves_through,
     lines_through,
     smooth_functions,
 )
@@ -93,13 +94,16 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
 
 def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     """Bases from simple to rich; the simple ones alone where curves cut the plane."""
-    field, lines = system.field, lines_through(system)
+    field, curves = system.field, curves_through(system)
+    lines = (*lines_through(system), *curves)
     linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
     first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
+    if curves:  # relays on them need what bends; alone it is zero there
+        yield (*first, *quadratic)
     yield quadratic
     if system.others and not system.waves:  # what encloses one field needs no more than that
         yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
-    if lines:
+    if lines and not curves:
         yield first
         yield (*first, *quadratic)
     if has_curves(system):
