@@ -44,6 +44,8 @@ ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at
 UNDECIDED_COST = 60  # of an inequality whose sign is not found, in inequalities that are decided
 SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked square
+BISECTIONS = 6  # of the square on which a V is proved, where that is not the checked one
+ENLARGING_WORK = 180  # inequalities that these may look at
 MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 
 Turn = Callable[[Sequence[FieldCell]], tuple[FieldCell, ...]]
@@ -88,8 +90,26 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         for basis in families(system):
             found = _found(system, cells, basis, budget)
             if found is not None:
-                return FoundLyapunov(found[0], radius, found[1])
+                return enlarged(system, FoundLyapunov(found[0], radius, found[1]), turn)
     return None
+
+
+def enlarged(system: SwitchedSystem, found: FoundLyapunov, turn: Turn = tuple) -> FoundLyapunov:
+    """The same V on the largest square within the checked one on which bisection proves it."""
+    largest = system.check.radius
+    low, high, best = found.radius, largest, found
+    budget = Budget(ENLARGING_WORK)
+    for _ in range(BISECTIONS if low < largest else 0):
+        radius = (low + high) / 2
+        cells = searched_cells(system, found.formula, radius, turn)
+        result = examine(cells) if len(cells) <= MAX_CELLS and not first_failure(cells, budget) else None
+        if result is not None and result.verdict is Decrease.STRICT:
+            low, best = radius, FoundLyapunov(found.formula, radius, result)
+        else:
+            high = radius
+        if budget.left <= 0:
+            break
+    return best
 
 
 def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:

@@ -58,6 +58,8 @@ class SublevelRegion:
 
     def check(self, cells: Sequence[LyapunovCell]) -> bool:
         """Verify the level again on cells of the square, and the point by evaluation."""
+        if not self.falls and _bends(cells):
+            return False
         return self._is_refuted(cells) and _violation(cells, self.radius, self.level, falls=self.falls) is None
 
     def _is_refuted(self, cells: Sequence[LyapunovCell]) -> bool:
@@ -85,7 +87,7 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
         radius: half its side.
         falls: whether V is proved to fall on all of the square; otherwise it must have no bends.
     """
-    if not falls and any(cell.potential - cells[0].potential for cell in cells):
+    if not falls and _bends(cells):
         return None
     bounds = _bounds(cells, radius)
     if bounds is None:
@@ -96,6 +98,11 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
     if rise is None or rise[0] >= bounds[1]:
         return _between(cells, radius, Fraction(0), bounds[1], falls=False)
     return _below_a_rise(cells, radius, *rise)
+
+
+def _bends(cells: Sequence[LyapunovCell]) -> bool:
+    """Whether V is not one polynomial."""
+    return any(cell.potential - cells[0].potential for cell in cells)
 
 
 def _below_a_rise(cells: Sequence[LyapunovCell], radius: Number, high: Fraction, point: Point) -> SublevelRegion | None:
