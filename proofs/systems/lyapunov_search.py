@@ -1,8 +1,9 @@
 """A search for V: a linear program proposes, the exact audit decides, and what refutes a proposal becomes a new row.
 
 Families of functions are tried from simple to rich (:mod:`nonsmooth.proofs.systems.lyapunov_basis`), each on the
-checked square and on smaller ones.  A point at which the audit refutes a rounded V is added to the rows, and the
-program is solved again.  In reversed time the same search finds a function that grows along every solution.
+checked square and on smaller ones; a V of a smaller one is then proved on the largest square that bisection finds.
+A point at which the audit refutes a rounded V is added to the rows, and the program is solved again.  In reversed time
+the same search finds a function that grows along every solution.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at
+FIRST_SHARE, LATER_SHARE = Fraction(2, 3), Fraction(1, 8)  # of them for the checked square, and for each smaller one
 UNDECIDED_COST = 60  # of an inequality whose sign is not found, in inequalities that are decided
 SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked square
 BISECTIONS = 6  # of the square on which a V is proved, where that is not the checked one
@@ -81,8 +83,9 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         turn: what is done to the cells first: nothing, or time reversed.
     """
     curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
-    budget = Budget(WORK // 2 if curved else WORK)
+    work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
+        budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = turn(system_cells(system, square_regions(radius)))
         if len(cells) > MAX_CELLS:
@@ -163,7 +166,9 @@ def _found(
         return None
     sides = build_sides(pieces, basis)
     rows = build_rows(sides)
-    for _ in range(ROUNDS if budget.left > 0 else 0):
+    for _ in range(ROUNDS):
+        if budget.left <= 0:
+            return None
         points: list[Point] = []
         for coefficients in propose(rows):
             try:

@@ -80,6 +80,14 @@ def test_nothing_is_found_where_there_is_nothing(load: Load) -> None:
         assert find_lyapunov(load(first, second)) is None
 
 
+def test_rich_families_leave_work_for_smaller_squares(load: Load) -> None:
+    """On the checked square two relays refute sum after sum; a quadratic form serves on a quarter of it."""
+    first = "-sign(y) - sign(y - 2*x) - y/2 - x**2/2 - x/2"
+    found = find_lyapunov(load(first, "-2*sign(y) - 2*sign(y - 2*x) - 3*x/4 - x*y/4"))
+    assert found is not None
+    assert found.formula.text == "x**2 - x*y + y**2"
+
+
 def test_in_reversed_time_it_grows(load: Load) -> None:
     result = system_check(load("y + x**3", "-x + y**3"))
     assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.GROWTH)
