@@ -11,7 +11,11 @@ from nonsmooth.proofs.systems.fan_certificate import build_fan_certificate
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, audit
 from nonsmooth.proofs.systems.scalar_certificate import build_scalar_certificate
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scalar
-from nonsmooth.proofs.systems.system_certificate import BY_FUNCTION, build_system_certificate
+from nonsmooth.proofs.systems.system_certificate import (
+    BY_FUNCTION,
+    NoCertificateError,
+    build_system_certificate,
+)
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
@@ -53,6 +57,21 @@ def certificate_of(result: DecidedSystem) -> dict[str, Any]:
         return build_many_certificate(result)
     if isinstance(result, ScalarResult):
         return build_scalar_certificate(result)
-    if result.method in BY_FUNCTION:
+    if result.method not in BY_FUNCTION:
+        return build_fan_certificate(result)
+    try:
         return build_system_certificate(result)
-    return build_fan_certificate(result)
+    except NoCertificateError as by_function:
+        return _by_velocities(result, by_function)
+
+
+def _by_velocities(result: SystemResult, by_function: NoCertificateError) -> dict[str, Any]:
+    """The certificate by velocities at the equilibrium of a verdict whose V has none.
+
+    Raises:
+        NoCertificateError: where these do not show it either: what V lacks.
+    """
+    try:
+        return build_fan_certificate(result)
+    except NoCertificateError:
+        raise by_function from None

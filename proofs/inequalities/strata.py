@@ -3,13 +3,13 @@
 On a closed cell V and the fields are polynomials, and the sign of ``grad V . f`` is an inequality.  V bends where two
 pieces meet with different gradients: there the sets of :mod:`nonsmooth.proofs.inequalities.ladder` are decided along
 the whole edge (:mod:`nonsmooth.proofs.inequalities.kinks`) and at its ends.  A V that jumps across an edge is refuted;
-one that bends along a curve is left undecided.
+one that bends along a curve is proved to fall there (:mod:`nonsmooth.proofs.inequalities.curved_kinks`) or undecided.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import combinations
 from typing import Any
@@ -17,6 +17,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
+from nonsmooth.proofs.inequalities.curved_kinks import CurvedKink
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends, worst
 from nonsmooth.proofs.inequalities.ladder import Interval, Ladder, ladder_at
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, prove
@@ -124,13 +125,16 @@ def bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
     for first, second in combinations(cells, 2):
         if not first.potential - second.potential:
             continue
-        parting = [g for g in first.region.guards for h in second.region.guards if not g + h]
-        if parting and _overlap(first, second):
-            yield _open_stratum(cells, first.region.inner_point)
+        parting = _parting(first, second)
+        common = _overlap(first, second) if parting else None
+        if common is not None:
+            yield _curved_stratum(cells, CurvedKink(first, second, parting[0], common))
         for edge in common_edges(first.region, second.region):
             kink = Kink(first, second, edge)
             if parting and all(any(kink.along(guard)) for guard in parting):
                 continue  # on two sides of a curve that only crosses the edge: no point of it borders both
+            if _is_left_by_a_guard(kink):
+                continue
             if not kink.is_continuous:
                 yield _jump_stratum(cells, kink)
             elif kink.bends:
@@ -138,6 +142,18 @@ def bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
                 corners += [(x / w, y / w) for x, y, w in edge if w and (x or y)]
     for corner in distinct(corners):
         yield _corner_stratum(cells, corner)
+
+
+def bends_along_a_curve(cells: Sequence[LyapunovCell]) -> bool:
+    """Whether two cells on the two sides of a curve have different pieces of V."""
+    return any(
+        first.potential - second.potential and _parting(first, second) for first, second in combinations(cells, 2)
+    )
+
+
+def _parting(first: LyapunovCell, second: LyapunovCell) -> list[Polynomial]:
+    """The guards of one cell whose opposites are guards of another: curves between them."""
+    return [g for g in first.region.guards for h in second.region.guards if not g + h]
 
 
 def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
@@ -189,12 +205,32 @@ def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
     return Stratum(Part.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
 
 
-def _overlap(first: LyapunovCell, second: LyapunovCell) -> bool:
-    """Whether the convex regions of two cells have common area."""
+def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
+    """Two pieces of V beside a curve; what is proved is about the last derivative alone."""
+    found = _open_stratum(cells, kink.around.inner_point)
+    if not kink.falls(cells):
+        return found
+    return replace(found, trends=replace(found.trends, bacciotti_ceragioli=Trend.NEGATIVE))
+
+
+def _overlap(first: LyapunovCell, second: LyapunovCell) -> Region | None:
+    """The common part of the convex regions of two cells, with the guards of both; None where it has no area."""
     overlap: Region | None = first.region
     for side in second.region.sides:
         overlap = overlap.clipped(side) if overlap is not None else None
-    return overlap is not None
+    more = tuple(guard for guard in second.region.guards if guard not in first.region.guards)
+    return None if overlap is None else replace(overlap, guards=(*first.region.guards, *more))
+
+
+def _is_left_by_a_guard(kink: Kink) -> bool:
+    """Whether a guard of either cell is negative on the whole edge, but perhaps at the origin."""
+    (x, y, _), (s, t, u) = kink.edge
+    for guard in (*kink.first.region.guards, *kink.second.region.guards):
+        along = kink.along(guard)
+        inside = any(along) and all(sign(c) <= 0 for c in along)
+        if inside and (along[0] or not (x or y)) and (along[-1] or not u or not (s or t)):
+            return True
+    return False
 
 
 def derivatives_at(cells: Sequence[LyapunovCell], point: Point) -> Ladder:

@@ -150,6 +150,9 @@ def _edge_to_halve(part: Part) -> tuple[int, int]:
     """
     corners = range(len(part.generators))
     others = [k for k in corners if face_sign(part.pieces, part.generators, 1 << k)] if part.depth % 2 else []
+    if part.depth % 2 and len(others) < 2 and any(part.pieces.guards):
+        # beside a curve that ends at the origin, and zero at another corner too: halving at the origin leads nowhere
+        others = [k for k in corners if any(part.generators[k][:-1])]
     return max(
         combinations(others if len(others) > 1 else corners, 2),
         key=lambda edge: sum((a - b) ** 2 for a, b in zip(part.places[edge[0]], part.places[edge[1]], strict=True)),

@@ -16,12 +16,15 @@ from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
 from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed_within
 from nonsmooth.proofs.systems.search import SearchedLyapunov
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+MOST_DEGREE = 6  # of V' whose sign is asked for on sublevel sets of a searched V: beyond that it takes too long
 
 
 def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
@@ -49,11 +52,38 @@ def certified_reach(
     if searched is None and domain.radius != scene.check.radius:
         region = largest_sublevel(inhabited(cells_of_square(scene)), scene.check.radius, falls=False)
     region = region or largest_sublevel(certificate.cells, domain.radius)
+    region = _higher(region, _beyond(scene, domain, searched))
     scaled = scene.scale is not None or scene.by_roots is not None  # a scaled field has another rate
     rate = None if scaled else decay_rate(certificate.cells)
     if rate is None:
         return region, None, None
     return region, rate, disturbance_gain(certificate.cells, domain.radius, rate, region)
+
+
+def cells_of_checked_square(scene: SwitchedSystem, searched: SearchedLyapunov | None) -> tuple[LyapunovCell, ...]:
+    """The cells of the checked square with the V that was searched, or with the scene's; none for one of pieces."""
+    if searched is None:
+        return inhabited(cells_of_square(scene))
+    return () if searched.formula is None else searched_cells(scene, searched.formula, scene.check.radius)
+
+
+def _beyond(scene: SwitchedSystem, domain: Domain, searched: SearchedLyapunov | None) -> SublevelRegion | None:
+    """The largest level in the checked square of a searched V that falls on a smaller one.
+
+    None where V bends, and where its derivative has a high degree, as that of enclosed sines.
+    """
+    if searched is None or domain.radius == scene.check.radius or scene.waves:
+        return None
+    cells = cells_of_checked_square(scene, searched)
+    short = all(rate.degree <= MOST_DEGREE for cell in cells for rate in cell.rates)
+    return largest_sublevel(cells, scene.check.radius, falls=False) if cells and short else None
+
+
+def _higher(first: SublevelRegion | None, second: SublevelRegion | None) -> SublevelRegion | None:
+    """The larger of two regions of one V."""
+    if first is None or second is None:
+        return first or second
+    return second if second.level > first.level else first
 
 
 def arrives_in_finite_time(

@@ -19,6 +19,7 @@ from nonsmooth.analysis.cells.region import common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.inequalities.strata import bends_along_a_curve
 from nonsmooth.proofs.systems.lyapunov_rows import sample_points, values_at
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
@@ -80,6 +81,8 @@ def _sampled(cells: Sequence[LyapunovCell], decay: Decay) -> Fraction:
 
 def _holds(cells: Sequence[LyapunovCell], decay: Decay, kappa: Fraction) -> bool:
     """Whether the rate is proved on all closed cells and edges."""
+    if bends_along_a_curve(cells):
+        return False
     shifts = [_shift(cell, decay, kappa) for cell in cells]
     for cell, shift in zip(cells, shifts, strict=True):
         for rate in cell.rates:

@@ -29,6 +29,7 @@ from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, PlaneField
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.inequalities.strata import bends_along_a_curve
 from nonsmooth.proofs.systems.border_motion import along_edge
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
 from nonsmooth.proofs.systems.rest_points import Rests, find_rests
@@ -55,6 +56,8 @@ def decide_staying(cells: Sequence[LyapunovCell]) -> Staying:
     Args:
         cells: cover the domain; V is positive and does not increase on them.
     """
+    if bends_along_a_curve(cells):
+        return Staying.UNDECIDED
     still = [cell for cell in cells if not all(cell.rates)]
     if still and not _all_leave(cells, still):
         return Staying.CELLS

@@ -1,6 +1,7 @@
-"""Functions whose sums are proposed as V: monomials, and monomials times ``|l|`` of lines l through the equilibrium.
+"""Functions whose sums are proposed as V: monomials, and monomials times ``|l|`` of lines and ``|q|`` of curves.
 
-Each is continuous and bends at most along its line, so a sum is continuous however its coefficients are rounded.
+The lines and curves are switching surfaces through the equilibrium.  Each function is continuous and bends at most
+along its surface, so a sum is continuous however its coefficients are rounded.
 """
 
 from __future__ import annotations
@@ -17,15 +18,20 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 @dataclass(frozen=True)
 class BasisFunction:
-    """A monomial in the displacement, times the absolute value of a line or alone.
+    """A monomial in the displacement, times the absolute value of a surface or alone.
 
     Attributes:
         monomial: with coefficient 1.
-        line: a linear form; None for the monomial alone.
+        line: a linear form, or the polynomial of a curve; None for the monomial alone.
     """
 
     monomial: Polynomial
     line: Polynomial | None
+
+    @property
+    def degree(self) -> int:
+        """The total degree."""
+        return self.monomial.degree + (0 if self.line is None else self.line.degree)
 
     def piece(self, sign_of: SignOf) -> Polynomial:
         """The polynomial that it is where the line has the given sign."""
@@ -43,7 +49,7 @@ class BasisFunction:
 
 
 def bent_functions(field: NumberField, lines: Iterable[Polynomial], degree: int) -> tuple[BasisFunction, ...]:
-    """Monomials times ``|l|`` for each line, of a total degree."""
+    """Monomials times ``|l|`` for each line or curve, of a total degree if l is a line."""
     return tuple(BasisFunction(m, line) for line in lines for m in _monomials(field, degree - 1))
 
 
@@ -62,6 +68,12 @@ def lines_through(system: SwitchedSystem) -> tuple[Polynomial, ...]:
     return tuple(s for s in system.surfaces(system.displaced(PLANE)) if s.degree == 1 and s.is_homogeneous)
 
 
+def curves_through(system: SwitchedSystem) -> tuple[Polynomial, ...]:
+    """The switching surfaces of a planar system that are curves through the checked point with a tangent there."""
+    curves = (s for s in system.surfaces(system.displaced(PLANE)) if s.degree > 1)
+    return tuple(s for s in curves if (0, 0) not in s.terms and ((1, 0) in s.terms or (0, 1) in s.terms))
+
+
 def build_formula(
     basis: Sequence[BasisFunction], coefficients: Sequence[Fraction], states: tuple[str, ...]
 ) -> PiecewiseExpression:
@@ -71,7 +83,7 @@ def build_formula(
         ExpressionError: for a sum that is too long.
     """
     used = [(c, function) for c, function in zip(coefficients, basis, strict=True) if c]
-    used.sort(key=lambda term: term[1].monomial.degree + (term[1].line is not None))
+    used.sort(key=lambda term: term[1].degree)
     text = " + ".join(_term(c, function.text(states)) for c, function in used) or "0"
     return parse_piecewise(text.replace("+ -", "- "), states)
 

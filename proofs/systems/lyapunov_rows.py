@@ -28,6 +28,7 @@ Floats: TypeAlias = NDArray[np.float64]
 DIVISIONS = 6  # of every side of a cell
 SHRINKING = 0.5  # from one distance to the next
 DISTANCES = 8
+RIM, HALVINGS = 24, 30  # parts of each side of an outline on which curves are looked for, and how often they are halved
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ def build_rows(sides: Sequence[Sides]) -> Floats:
     """Rows r with the condition ``r . c > 0``, for points all over the cells."""
     blocks = [rows for side in sides for rows in _cell_rows(side, sample_points(side.cell.region))]
     for first, second in combinations(sides, 2):
-        for edge in common_edges(first.cell.region, second.cell.region):
-            blocks += _slide_rows(first, second, edge)
+        for points, normals in _shared_points(first, second):
+            blocks += _slide_rows(first, second, points, normals)
     return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
 
 
@@ -72,8 +73,8 @@ def build_weak_rows(sides: Sequence[Sides]) -> tuple[Floats, Floats]:
     blocks = [rows for side in sides for rows in _cell_rows(side, sample_points(side.cell.region))]
     positive, falling = blocks[::2], blocks[1::2]
     for first, second in combinations(sides, 2):
-        for edge in common_edges(first.cell.region, second.cell.region):
-            falling += _slide_rows(first, second, edge)
+        for points, normals in _shared_points(first, second):
+            falling += _slide_rows(first, second, points, normals)
     return normalized(np.vstack(positive)), normalized(np.vstack(falling))
 
 
@@ -110,14 +111,26 @@ def _cell_rows(side: Sides, points: Floats) -> Iterator[Floats]:
         yield -np.column_stack([values_at(p, points) for p in side.rates])
 
 
-def _slide_rows(first: Sides, second: Sides, edge: Segment) -> list[Floats]:
-    """Along the part of an edge that both fields oppose, with the sliding field."""
-    points = _edge_points(edge)
-    (ax, ay, aw), (bx, by, bw) = ([float(v) for v in end] for end in edge)
-    along = np.array([bx / bw - ax / aw, by / bw - ay / aw]) if aw and bw else np.array([bx, by])
-    normal = np.array([-along[1], along[0]])
+def _shared_points(first: Sides, second: Sides) -> Iterator[tuple[Floats, Floats]]:
+    """Points of edges and of curves between two cells, with normals there."""
+    for edge in common_edges(first.cell.region, second.cell.region):
+        points = _edge_points(edge)
+        points = points[_inside(first.cell.region, points) & _inside(second.cell.region, points)]
+        (ax, ay, aw), (bx, by, bw) = ([float(v) for v in end] for end in edge)
+        along = np.array([bx / bw - ax / aw, by / bw - ay / aw]) if aw and bw else np.array([bx, by])
+        yield points, np.broadcast_to([-along[1], along[0]], points.shape)
+    for curve in first.cell.region.guards:
+        if any(not curve + guard for guard in second.cell.region.guards):
+            points = _curve_points(curve, first.cell.region)
+            held = _inside(second.cell.region, points, curve)
+            slopes = (curve.derivative(name) for name in curve.variables)
+            yield points[held], np.column_stack([values_at(p, points[held]) for p in slopes])
+
+
+def _slide_rows(first: Sides, second: Sides, points: Floats, normals: Floats) -> list[Floats]:
+    """At those points between two cells that both fields oppose, with the sliding field."""
     (f, g) = (np.column_stack([values_at(p, points) for p in s.cell.velocities[0]]) for s in (first, second))
-    a, b = f @ normal, g @ normal
+    a, b = (f * normals).sum(axis=1), (g * normals).sum(axis=1)
     opposed = a * b < 0
     if not opposed.any():
         return []
@@ -142,7 +155,8 @@ def sample_points(region: Region) -> Floats:
         points = np.vstack([_triangle(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)])
     points = np.unique(points, axis=0)
     points = points[np.any(points != 0, axis=1)]
-    return np.asarray(points[_inside(region, points)])
+    on_curves = [_curve_points(guard, region) for guard in region.guards]
+    return np.vstack([points[_inside(region, points)], *on_curves])
 
 
 def _edge_points(edge: Segment) -> Floats:
@@ -156,8 +170,27 @@ def _edge_points(edge: Segment) -> Floats:
     return np.asarray(points[np.any(points != 0, axis=1)])
 
 
-def _between(start: Floats, end: Floats) -> Floats:
-    shares = np.linspace(0.0, 1.0, DIVISIONS + 1)[:, None]
+def _curve_points(curve: Polynomial, region: Region) -> Floats:
+    """Points of a curve in a region that has the equilibrium as a corner, at distances that fall by a constant factor.
+
+    Where the curve changes its sign between neighbours on a scaled outline, halving finds it.
+    """
+    corners = np.array([[float(x) / float(w), float(y) / float(w)] for x, y, w in region.generators])
+    outline = np.vstack([_between(a, b, RIM) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
+    rims = [outline * SHRINKING ** (k / 2) for k in range(2 * DISTANCES)]
+    start, end = np.vstack([rim[:-1] for rim in rims]), np.vstack([rim[1:] for rim in rims])
+    crossed = values_at(curve, start) * values_at(curve, end) < 0
+    start, end = start[crossed], end[crossed]
+    side = values_at(curve, start)
+    for _ in range(HALVINGS):
+        middle = (start + end) / 2
+        before = (values_at(curve, middle) * side > 0)[:, None]
+        start, end = np.where(before, middle, start), np.where(before, end, middle)
+    return np.asarray(start[_inside(region, start, curve)])
+
+
+def _between(start: Floats, end: Floats, divisions: int = DIVISIONS) -> Floats:
+    shares = np.linspace(0.0, 1.0, divisions + 1)[:, None]
     return np.asarray(start + shares * (end - start))
 
 
@@ -166,9 +199,10 @@ def _triangle(first: Floats, second: Floats, third: Floats) -> Floats:
     return np.array([first + a * (second - first) + b * (third - first) for a, b in weights])
 
 
-def _inside(region: Region, points: Floats) -> NDArray[np.bool_]:
-    """Where no guard is negative."""
+def _inside(region: Region, points: Floats, curve: Polynomial | None = None) -> NDArray[np.bool_]:
+    """Where no guard is negative, but that of a curve on which the points lie."""
     kept = np.ones(len(points), dtype=bool)
     for guard in region.guards:
-        kept &= values_at(guard, points) >= 0
+        if curve is None or (guard - curve and guard + curve):
+            kept &= values_at(guard, points) >= 0
     return kept

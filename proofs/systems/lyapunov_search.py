@@ -1,8 +1,9 @@
 """A search for V: a linear program proposes, the exact audit decides, and what refutes a proposal becomes a new row.
 
 Families of functions are tried from simple to rich (:mod:`nonsmooth.proofs.systems.lyapunov_basis`), each on the
-checked square and on smaller ones.  A point at which the audit refutes a rounded V is added to the rows, and the
-program is solved again.  In reversed time the same search finds a function that grows along every solution.
+checked square and on smaller ones; a V of a smaller one is then proved on the largest square that bisection finds.
+A point at which the audit refutes a rounded V is added to the rows, and the program is solved again.  In reversed time
+the same search finds a function that grows along every solution.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from nonsmooth.proofs.systems.lyapunov_basis import (
     BasisFunction,
     bent_functions,
     build_formula,
+    curves_through,
     lines_through,
     smooth_functions,
 )
@@ -41,8 +43,11 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at
+FIRST_SHARE, LATER_SHARE = Fraction(2, 3), Fraction(1, 8)  # of them for the checked square, and for each smaller one
 UNDECIDED_COST = 60  # of an inequality whose sign is not found, in inequalities that are decided
 SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked square
+BISECTIONS = 6  # of the square on which a V is proved, where that is not the checked one
+ENLARGING_WORK = 180  # inequalities that these may look at
 MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 
 Turn = Callable[[Sequence[FieldCell]], tuple[FieldCell, ...]]
@@ -78,8 +83,9 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         turn: what is done to the cells first: nothing, or time reversed.
     """
     curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
-    budget = Budget(WORK // 2 if curved else WORK)
+    work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
+        budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = turn(system_cells(system, square_regions(radius)))
         if len(cells) > MAX_CELLS:
@@ -87,19 +93,40 @@ def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov |
         for basis in families(system):
             found = _found(system, cells, basis, budget)
             if found is not None:
-                return FoundLyapunov(found[0], radius, found[1])
+                return enlarged(system, FoundLyapunov(found[0], radius, found[1]), turn)
     return None
+
+
+def enlarged(system: SwitchedSystem, found: FoundLyapunov, turn: Turn = tuple) -> FoundLyapunov:
+    """The same V on the largest square within the checked one on which bisection proves it."""
+    largest = system.check.radius
+    low, high, best = found.radius, largest, found
+    budget = Budget(ENLARGING_WORK)
+    for _ in range(BISECTIONS if low < largest else 0):
+        radius = (low + high) / 2
+        cells = searched_cells(system, found.formula, radius, turn)
+        result = examine(cells) if len(cells) <= MAX_CELLS and not first_failure(cells, budget) else None
+        if result is not None and result.verdict is Decrease.STRICT:
+            low, best = radius, FoundLyapunov(found.formula, radius, result)
+        else:
+            high = radius
+        if budget.left <= 0:
+            break
+    return best
 
 
 def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
     """Bases from simple to rich; the simple ones alone where curves cut the plane."""
-    field, lines = system.field, lines_through(system)
+    field, curves = system.field, curves_through(system)
+    lines = (*lines_through(system), *curves)
     linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
     first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
+    if curves:  # relays on them need what bends; alone it is zero there
+        yield (*first, *quadratic)
     yield quadratic
     if system.others and not system.waves:  # what encloses one field needs no more than that
         yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
-    if lines:
+    if lines and not curves:
         yield first
         yield (*first, *quadratic)
     if has_curves(system):
@@ -139,7 +166,9 @@ def _found(
         return None
     sides = build_sides(pieces, basis)
     rows = build_rows(sides)
-    for _ in range(ROUNDS if budget.left > 0 else 0):
+    for _ in range(ROUNDS):
+        if budget.left <= 0:
+            return None
         points: list[Point] = []
         for coefficients in propose(rows):
             try:

@@ -46,8 +46,10 @@ def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | Non
     return next((result for _, result in _proved_on_cones(cells)), None)
 
 
-def find_near(near: Sequence[FieldCell], domain: Sequence[FieldCell]) -> LyapunovResult | None:
-    """A V found for the linear parts of the cones at the origin and proved for the true fields of a domain.
+def find_near(
+    near: Sequence[FieldCell], domain: Sequence[FieldCell]
+) -> tuple[tuple[LyapunovCell, ...], LyapunovResult] | None:
+    """A V found for the linear parts of the cones at the origin, and its proof for the true fields of a domain.
 
     Args:
         near: the cells at the origin, cones (:func:`nonsmooth.proofs.systems.local_cells.conic_germ`).
@@ -57,7 +59,7 @@ def find_near(near: Sequence[FieldCell], domain: Sequence[FieldCell]) -> Lyapuno
     for pieces, _ in _proved_on_cones(linear) if linear is not None else ():
         result = examine(restricted(pieces, domain))
         if result.verdict is Decrease.STRICT:
-            return result
+            return pieces, result
     return None
 
 

@@ -13,10 +13,16 @@ from fractions import Fraction
 
 from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions, system_cells
-from nonsmooth.proofs.systems.derivatives import LyapunovResult, inhabited
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, plane_cells
 from nonsmooth.proofs.systems.local_cells import conic_germ
-from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, searched_cells
+from nonsmooth.proofs.systems.lyapunov_search import (
+    ENLARGING_WORK,
+    Budget,
+    find_lyapunov,
+    first_failure,
+    searched_cells,
+)
 from nonsmooth.proofs.systems.piecewise_quadratic import (
     HALVINGS,
     find_near,
@@ -27,10 +33,12 @@ from nonsmooth.proofs.systems.piecewise_quadratic import (
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
+BISECTIONS = 4  # of the square of a V for the linear parts of cones, where that is not the checked one
 SEARCH_SCALES = (Fraction(1), SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square
 
 
@@ -82,12 +90,34 @@ def search_lyapunov(
     if proposed is not None:
         return SearchedLyapunov(proposed.result, Domain(proposed.radius), proposed.formula, grows)
     near = None if are_cones(cells) or system.others else conic_germ(cells)
+    refused = None
     for scale in SEARCH_SCALES if near is not None else ():
         radius = system.check.radius * scale
-        found = find_near(turn(near or ()), turn(system_cells(system, square_regions(radius))))
-        if found is not None:
-            return SearchedLyapunov(found, Domain(radius), None, grows)
+        by_pieces = find_near(turn(near or ()), turn(system_cells(system, square_regions(radius))))
+        if by_pieces is not None:
+            pieces, result = by_pieces
+            return enlarged_pieces(system, pieces, SearchedLyapunov(result, Domain(radius), None, grows), refused)
+        refused = radius
     return None
+
+
+def enlarged_pieces(
+    system: SwitchedSystem, pieces: Sequence[LyapunovCell], found: SearchedLyapunov, refused: Number | None
+) -> SearchedLyapunov:
+    """The same V, of pieces on cones, on a larger square below one on which there is none, by bisection."""
+    turn = reversed_cells if found.grows else tuple
+    low, high, best = found.domain.radius, refused, found
+    for _ in range(BISECTIONS):
+        if low is None or high is None:
+            break
+        radius = (low + high) / 2
+        cells = restricted(pieces, turn(system_cells(system, square_regions(radius))))
+        result = examine(cells) if not first_failure(inhabited(cells), Budget(ENLARGING_WORK)) else None
+        if result is not None and result.verdict is Decrease.STRICT:
+            low, best = radius, replace(found, result=result, domain=Domain(radius))
+        else:
+            high = radius
+    return best
 
 
 def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> SearchedLyapunov | None:

@@ -19,9 +19,9 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.binary_forms import Line
-from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
+from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, Witness, prove
-from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.proofs.inequalities.real_roots import positive_roots, separated
 from nonsmooth.proofs.systems.rising_points import first_rise, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -58,6 +58,8 @@ class SublevelRegion:
 
     def check(self, cells: Sequence[LyapunovCell]) -> bool:
         """Verify the level again on cells of the square, and the point by evaluation."""
+        if not self.falls and _bends(cells):
+            return False
         return self._is_refuted(cells) and _violation(cells, self.radius, self.level, falls=self.falls) is None
 
     def _is_refuted(self, cells: Sequence[LyapunovCell]) -> bool:
@@ -85,7 +87,7 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
         radius: half its side.
         falls: whether V is proved to fall on all of the square; otherwise it must have no bends.
     """
-    if not falls and any(cell.potential - cells[0].potential for cell in cells):
+    if not falls and _bends(cells):
         return None
     bounds = _bounds(cells, radius)
     if bounds is None:
@@ -96,6 +98,11 @@ def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bo
     if rise is None or rise[0] >= bounds[1]:
         return _between(cells, radius, Fraction(0), bounds[1], falls=False)
     return _below_a_rise(cells, radius, *rise)
+
+
+def _bends(cells: Sequence[LyapunovCell]) -> bool:
+    """Whether V is not one polynomial."""
+    return any(cell.potential - cells[0].potential for cell in cells)
 
 
 def _below_a_rise(cells: Sequence[LyapunovCell], radius: Number, high: Fraction, point: Point) -> SublevelRegion | None:
@@ -159,7 +166,7 @@ def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *
     """Why a level is not certified; None where it is."""
     for cell in cells:
         for edge in border_edges(cell, radius):
-            found = _point_below(cell.potential - level, edge)
+            found = _point_below(cell.potential - level, edge, cell.region.guards)
             if found is not None:
                 return Violation(found)
     for cell in () if falls else cells:
@@ -227,16 +234,22 @@ def border_edges(cell: LyapunovCell, radius: Number) -> Iterator[Segment]:
                 yield g, h
 
 
-def _point_below(polynomial: Polynomial, edge: Segment) -> Point | None:
-    """A point of an edge at which a polynomial is negative; None where it is negative nowhere."""
-    terms = in_generators(polynomial.homogenized().terms, list(edge))
-    top = polynomial.degree
-    along = trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)])
-    for end in ((x / w, y / w) for x, y, w in edge):
-        if sign(polynomial(end)) < 0:
-            return end
-    for t in Line.samples(positive_roots(along)) if along else []:
-        if value(along, t).sign() < 0:
-            x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
-            return x / w, y / w
+def _point_below(polynomial: Polynomial, edge: Segment, guards: Sequence[Polynomial] = ()) -> Point | None:
+    """A point of an edge at which a polynomial is negative and no guard is; None where there is none."""
+    curves = [along for along in (_along(p, edge) for p in (polynomial, *guards)) if along]
+    roots = separated(root for along in curves for root in positive_roots(along))
+    places = [(x / w, y / w) for x, y, w in edge]
+    for t in Line.samples(roots):
+        x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
+        places.append((x / w, y / w))
+    for place in places:
+        if sign(polynomial(place)) < 0 and all(sign(guard(place)) >= 0 for guard in guards):
+            return place
     return None
+
+
+def _along(polynomial: Polynomial, edge: Segment) -> Coefficients:
+    """A polynomial at the points ``g + t h`` of an edge, times a power of w; nothing for zero."""
+    top = polynomial.degree
+    terms = in_generators(polynomial.homogenized().terms, list(edge))
+    return tuple(trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)]))

@@ -31,7 +31,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.certified_reach import (
     arrives_in_finite_time,
-    cells_of_square,
+    cells_of_checked_square,
     certified_reach,
     holds_everywhere,
     scene_cells,
@@ -162,8 +162,9 @@ class SystemResult(StabilityResult):
             return rate and (
                 self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
             )
-        own = self.searched is None and self.region.radius == self.scene.check.radius
-        return rate and own and self.region.check(inhabited(cells_of_square(self.scene)))
+        cells = cells_of_checked_square(self.scene, self.searched)
+        own = bool(cells) and self.region.radius == self.scene.check.radius
+        return rate and own and self.region.check(cells)
 
     def _gain_is_genuine(self, gain: DisturbanceGain, cells: Sequence[LyapunovCell], domain: Domain) -> bool:
         """Whether the gain is one of the V, its rate and its region."""

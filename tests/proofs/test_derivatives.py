@@ -266,8 +266,9 @@ def test_v_that_is_no_candidate(load: Load, lyapunov: str, words: str) -> None:
     assert words in result.witness.meaning
 
 
-def test_v_that_bends_along_a_curve_is_undecided(load: Load) -> None:
-    result = examined(load("-x", "-y"), "x**2 + y**2 + Abs(x**2 + y**2 - 1)*(x**2 + y**2)/100")
+def test_v_that_bends_along_a_curve_and_a_line_is_undecided_where_they_meet(load: Load) -> None:
+    bent = "Abs(x**2 + y**2 - 1)*(x**2 + y**2)/100 + Abs(y)/10"
+    result = examined(load("-x", "-y"), f"x**2 + y**2 + {bent}")
     assert result.verdict is Decrease.UNDECIDED
     assert "bends" in result.reason
 

@@ -20,7 +20,7 @@ from nonsmooth.proofs import system_checker
 from nonsmooth.proofs.system_checker import FAN_SCHEMA, FanCertificate, RejectedError, check_certificate
 from nonsmooth.proofs.system_decision import certificate_of
 from nonsmooth.proofs.systems.fan_certificate import fan_statement
-from nonsmooth.proofs.systems.system_certificate import NoCertificateError
+from nonsmooth.proofs.systems.system_certificate import NoCertificateError, build_system_certificate
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import load_system
@@ -40,6 +40,22 @@ def claim(rhs: list[str], verdict: str, motions: list[tuple[str, str]] | None = 
     listed = [{"ray": ray.split(), "velocity": velocity.split()} for ray, velocity in motions or []]
     own = {"schema": FAN_SCHEMA, "states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"], "verdict": verdict}
     return {**own, "motions": listed, "gain": None, "notes": {}, **more}
+
+
+def test_where_no_v_is_certified_velocities_are(tmp_path: Path) -> None:
+    """A curve cuts the cells of V, which the checker does not take; the velocities show the verdict too."""
+    scene = '[system]\nstates = ["x", "y"]\nrhs = ["-sign(x + y**2)", "-sign(y) + x"]\n'
+    (tmp_path / "my.toml").write_text(scene, encoding="utf-8")
+    result = system_check(load_system(tmp_path / "my.toml"))
+    with pytest.raises(NoCertificateError, match="products of lines"):
+        build_system_certificate(result)
+    record = certificate_of(result)
+    assert (record["schema"], record["verdict"]) == (FAN_SCHEMA, str(result.verdict))
+    (tmp_path / "my.toml").write_text(
+        scene.replace("-sign(x + y**2)", "y").replace("-sign(y) + x", "-2*sign(x + y - x**2)")
+    )
+    with pytest.raises(NoCertificateError, match="products of lines"):
+        certificate_of(system_check(load_system(tmp_path / "my.toml")))
 
 
 # ---- what is true --------------------------------------------------------------------------------

@@ -14,10 +14,13 @@ from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.systems.lyapunov_basis import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_program import propose
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
-from nonsmooth.proofs.systems.search import reversed_cells
+from nonsmooth.proofs.systems.piecewise_quadratic import find_near
+from nonsmooth.proofs.systems.search import SearchedLyapunov, enlarged_pieces, reversed_cells
 from nonsmooth.proofs.systems.sublevel_region import largest_sublevel
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
@@ -75,6 +78,14 @@ def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> 
 def test_nothing_is_found_where_there_is_nothing(load: Load) -> None:
     for first, second in (("y", "-x"), ("x", "-y"), ("y", "-sign(x)"), ("-sign(x) + y", "y")):
         assert find_lyapunov(load(first, second)) is None
+
+
+def test_rich_families_leave_work_for_smaller_squares(load: Load) -> None:
+    """On the checked square two relays refute sum after sum; a quadratic form serves on a quarter of it."""
+    first = "-sign(y) - sign(y - 2*x) - y/2 - x**2/2 - x/2"
+    found = find_lyapunov(load(first, "-2*sign(y) - 2*sign(y - 2*x) - 3*x/4 - x*y/4"))
+    assert found is not None
+    assert found.formula.text == "x**2 - x*y + y**2"
 
 
 def test_in_reversed_time_it_grows(load: Load) -> None:
@@ -178,6 +189,53 @@ def test_rates_are_below_the_exact_ones(
     assert bound / 2 <= rate.kappa <= bound
     assert rate.check(cells)
     assert not DecayRate(decay, bound * Fraction(9, 8)).check(cells)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "radius", "least"),
+    [
+        ("-y", "x - y + x**2*y", "3", 4.5),  # van der Pol in reversed time; 1.7 on the square of the search
+        ("y", "-sign(x) - y/4", "1/2", 0.004),  # 0.0026 on that square
+    ],
+)
+def test_a_searched_v_is_proved_as_far_as_it_falls(
+    load: Load, first: str, second: str, radius: str, least: float
+) -> None:
+    result = system_check(load(first, second, radius=f'"{radius}"'))
+    assert result.searched is not None
+    assert result.region is not None
+    size = float(result.region.radius)
+    x, y = np.meshgrid(*2 * [np.linspace(-size, size, 201)])
+    values = eval(result.searched.formula.text, {"x": x, "y": y, "Abs": np.abs})  # type: ignore[union-attr] # noqa: S307
+    assert (values < float(result.region.level)).mean() * 4 * size**2 > least
+    assert result.check()
+    level = result.region.level
+    assert not replace(result, region=replace(result.region, level=level * 5 / 4, refuted=level * 3)).check()
+
+
+def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
+    """What the linear parts of cones propose fails on the checked square and holds on more than a sixteenth."""
+    first = "-x/10 + 3*y - 2*y*sign(x**2 - y**2) + 3*x*y/16"
+    system = load(first, "-y/10 - 3*x - 2*x*sign(x**2 - y**2)", radius='"1"')
+    small, whole = system.check.radius / 16, system.check.radius
+    near = conic_germ(system_cells(system, square_regions(whole)))
+    by_pieces = find_near(near or (), system_cells(system, square_regions(small)))
+    assert by_pieces is not None
+    pieces, result = by_pieces
+    found = enlarged_pieces(system, pieces, SearchedLyapunov(result, Domain(small), None, grows=False), whole)
+    assert found.domain.radius is not None
+    assert small < found.domain.radius < whole
+    assert found.result.verdict is Decrease.STRICT
+    assert found.result.check()
+    assert found.speaks_of(system)
+
+
+def test_regions_of_v_that_bends_need_a_v_that_falls(load: Load) -> None:
+    """The level of a V that falls near the point only is claimed of one polynomial."""
+    result = system_check(load("-sign(x)", "-2*sign(y) + x", lyapunov='"Abs(x) + Abs(y)"'))
+    assert result.region is not None
+    assert result.certificate is not None
+    assert not replace(result.region, falls=False, level=Fraction(1, 4)).check(result.certificate.cells)
 
 
 def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:

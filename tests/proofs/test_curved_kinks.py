@@ -1,0 +1,148 @@
+"""V that bends along curves: against the definition at sampled points, paths, and a corner at which solutions rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.cells.region import Region
+from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
+from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
+from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from tests.proofs.conftest import Load
+
+NAMES = {"sign": np.sign, "Abs": np.abs}
+STEP, STEPS = 1e-3, 4000
+
+
+def follow(system: SwitchedSystem, points: np.ndarray) -> np.ndarray:
+    """Where Euler polygons end."""
+    rhs = [compile(side.text, "rhs", "eval") for side in system.rhs]
+    for _ in range(STEPS):
+        values = {"x": points[0], "y": points[1], **NAMES}
+        rates = [eval(side, values) for side in rhs]  # noqa: S307 - texts of this test
+        points = points + STEP * np.array(np.broadcast_arrays(*rates))
+    return points
+
+
+@pytest.mark.parametrize(
+    "relay",
+    [
+        "-3*sign(y + 2*x + x*y/4) - 3*x/4 - y/4",
+        "-sign(x + y - 3*x**2/4)",
+        "-2*sign(x + y*Abs(y)/4) + x/2 - y/4",
+    ],
+)
+def test_relays_on_curves_are_decided_by_v_that_bends_there(load: Load, relay: str) -> None:
+    system = load("y", relay)
+    result = system_check(system)
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.searched is not None
+    assert "Abs(" in result.searched.formula.text  # type: ignore[union-attr]
+    assert result.check()
+    assert result.region is not None
+    angles = np.linspace(0, 2 * np.pi, 9)
+    ends = follow(system, 0.1 * np.array([np.cos(angles), np.sin(angles)]))
+    assert np.abs(ends).max() < 0.1
+
+
+@pytest.mark.parametrize("relay", ["-2*sign(y - x - x**2/4)", "-sign(x + y**2) + y/2", "2*sign(x + y + x**2)"])
+def test_relays_on_curves_that_repel_have_no_such_v(load: Load, relay: str) -> None:
+    system = load("y", relay)
+    assert find_lyapunov(system) is None
+    assert system_check(system).verdict is not Translation.ASYMPTOTICALLY_STABLE
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "lyapunov", "verdict"),
+    [
+        ("-x", "-y - sign(y + x**2)", "Abs(y + x**2) + x**2", AuditVerdict.VALID),
+        ("-x", "-y", "x**2 + y**2 + Abs(x**2 + y**2 - 1/8)*(x**2 + y**2)/100", AuditVerdict.VALID),
+        ("x/4", "-4*sign(y + x**2)", "4*Abs(y + x**2) + x**2", AuditVerdict.UNDECIDED),  # V grows while it slides
+        ("y", "sign(x + y - 3*x**2/4)", "4*Abs(x + y - 3*x**2/4) + x**2", AuditVerdict.INVALID),
+        ("-x", "-y", "x**2 + y**2 + (x**2 + y**2)*sign(y + x**2)/4", AuditVerdict.UNDECIDED),  # V jumps
+    ],
+)
+def test_audits_of_v_that_bends_along_a_curve(
+    load: Load, first: str, second: str, lyapunov: str, verdict: AuditVerdict
+) -> None:
+    result = audit(load(first, second), lyapunov)
+    assert result.verdict is verdict
+    assert verdict is not AuditVerdict.VALID or result.check()
+
+
+def test_where_a_further_cell_meets_the_curve_solutions_may_rest(load: Load) -> None:
+    """V falls in all cells and along the curve, but at (1/4, -1/16) four fields hold 0 in their hull."""
+    system = load("4*x*(-1 + 4*sign(y + x**2)*sign(x - 1/4))", "-12*sign(y + x**2)")
+    lyapunov = "4*Abs(y + x**2) + x**2 + y**2"
+    assert audit(system, lyapunov).verdict is AuditVerdict.UNDECIDED
+    near = load("4*x*(-1 + 4*sign(y + x**2)*sign(x - 1/4))", "-12*sign(y + x**2)", radius='"1/8"')
+    assert audit(near, lyapunov).verdict is AuditVerdict.VALID
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_proved_v_falls_along_random_curves(load: Load, seed: int) -> None:
+    """The sliding value at points of the curve, from the definition in floats."""
+    rng = np.random.default_rng(seed)
+    a, b, c, d, k, m = (int(v) for v in rng.integers(1, 5, size=6))
+    s, t = (int(v) for v in rng.integers(-4, 5, size=2))
+    curve = f"(x + {a}*y/2 + {s}*x**2/4 + {t}*x*y/4)"
+    system = load(f"{rng.choice(['y', 'y - x/2', '-x + y/2'])}", f"-{b}*sign{curve} + ({s}*x - {d}*y)/4")
+    result = audit(system, f"{k}*Abs{curve} + {c}*x**2/2 + y**2/{m}")
+    if result.verdict is not AuditVerdict.VALID:
+        return
+    assert result.check()
+    x = np.linspace(-0.4, 0.4, 41)
+    y = -(x + s * x**2 / 4) / (a / 2 + t * x / 4)
+    x, y = x[np.abs(y) < 0.5], y[np.abs(y) < 0.5]
+    normal = np.array([1 + s * x / 2 + t * y / 4, a / 2 + t * x / 4])
+    fields = []
+    for side in (1, -1):
+        values = {"x": x, "y": y, "Abs": np.abs, "sign": lambda _, side=side: side}
+        fields.append(np.array(np.broadcast_arrays(*[eval(f.text, values) for f in system.rhs])))  # noqa: S307
+    p, q = ((normal * field).sum(axis=0) for field in fields)
+    sliding = (q * fields[0] - p * fields[1]) / (q - p)
+    falls = (np.array([c * x, 2 * y / m]) * sliding).sum(axis=0)
+    opposed = (p * q < 0) & (np.abs(x) > 1e-9)
+    assert np.all(falls[opposed] < 0)
+
+
+def test_shares_of_guards_are_checked_again(load: Load) -> None:
+    """``q + 2 x^2 > 0`` where ``q = 2 y + x^2 >= 0``: along the curve it vanishes to second order."""
+    field = load("-x", "-y").field
+    x, y = (Polynomial.variable(field, ("x", "y"), name) for name in ("x", "y"))
+    one, zero = field.one, field.zero
+    square = Region(((zero, zero, one), (zero, -one, one), (one, -one, one), (one, one, one), (zero, one, one)))
+    beside = replace(square, guards=(y * 2 + x * x,))
+    proof = prove(Sense.POSITIVE, y * 2 + x * x * 3, beside, except_origin=True)
+    assert isinstance(proof, Proof)
+    assert proof.share == (1, 0)
+    assert proof.check()
+    assert not replace(proof, share=(field(-1), 0)).check()
+    assert not replace(proof, share=(field(2), 0)).check()
+    assert not replace(proof, share=None).check()
+    assert not replace(proof, share=(field(1), 1)).check()
+    assert not isinstance(prove(Sense.POSITIVE, y * 2 + x * x, beside, except_origin=True), Proof)
+    assert isinstance(prove(Sense.NONNEGATIVE, y * 2 + x * x, beside), Proof)
+
+
+def test_no_rate_and_no_invariance_where_v_bends_along_a_curve(load: Load) -> None:
+    """Neither looks along curves, so neither says anything."""
+    result = audit(load("-x", "-y - sign(y + x**2)"), "Abs(y + x**2) + x**2 + y**2").result
+    assert result is not None
+    assert result.verdict is Decrease.STRICT
+    assert decide_staying(result.cells) is Staying.UNDECIDED
+    assert not DecayRate(Decay.EXPONENTIAL, Fraction(1, 64)).check(result.cells)
