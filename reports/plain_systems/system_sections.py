@@ -24,6 +24,7 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.facts import fact_rows
+from nonsmooth.reports.plain_systems.rewritten_text import tidied
 from nonsmooth.reports.plain_systems.subject import SystemSubject
 from nonsmooth.reports.prose import paragraph, with_formulas
 from nonsmooth.reports.references import BACCIOTTI_CERAGIOLI, FILIPPOV, HOMOGENEITY, SHEVITZ_PADEN, how_to_cite
@@ -77,7 +78,8 @@ def system_section(subject: SystemSubject) -> Section:
         blocks.append(paragraph("At every point the field is a mixture of these {}:", str(len(members))))
     elif system.others:
         blocks.append(paragraph("The field is any of these {}, or a mixture, at any time:", str(len(members))))
-    blocks += [_formulas(system.states, [rhs.text for rhs in member.rhs]) for member in members]
+    shown = tidied if system.written else str  # formulas of the user stay as they are
+    blocks += [_formulas(system.states, [shown(rhs.text) for rhs in member.rhs]) for member in members]
     return Section("The system", (*blocks, where))
 
 
