@@ -11,8 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.stated_field import StatedField, stated_fields
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
+from nonsmooth.analysis.fields.stated_field import StatedField, stated_fields
 from nonsmooth.proofs.systems.border_motion import BorderPart, border_parts
 from nonsmooth.proofs.systems.border_signs import wave_border_parts
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rate_values
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.cells.stated_field import StatedField
     from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
+    from nonsmooth.analysis.fields.stated_field import StatedField
 
 Floats: TypeAlias = NDArray[np.float64]
 

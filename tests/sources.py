@@ -32,6 +32,11 @@ def statements(node: ast.AST) -> Iterator[ast.AST]:
             yield from statements(child)
 
 
+def is_type_checking_block(node: ast.AST) -> bool:
+    """Whether what is below a node is read by the type checker only."""
+    return isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
+
+
 @cache
 def tokens(path: Path) -> tuple[tokenize.TokenInfo, ...]:
     """The names and numbers of a file."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.sources import PACKAGES, ROOT, parse, sources
+from tests.sources import PACKAGES, ROOT, is_type_checking_block, parse, sources
 
 # Circles that are known; the list may only become shorter. Each with the reason why it still stands.
 KNOWN_RINGS: dict[frozenset[str], str] = {}
@@ -39,10 +39,6 @@ def running_imports(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
             yield child
         elif not (isinstance(child, ast.expr) or is_type_checking_block(child)):  # expressions hold no statements
             yield from running_imports(child)
-
-
-def is_type_checking_block(node: ast.AST) -> bool:
-    return isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
 
 
 def imported_names(node: ast.Import | ast.ImportFrom) -> list[str]:

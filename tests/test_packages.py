@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.sources import PACKAGES, ROOT, parse, sources, statements, tokens
+from tests.sources import PACKAGES, ROOT, is_type_checking_block, parse, sources, statements, tokens
 
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
@@ -44,10 +44,6 @@ def imports(package: str) -> list[tuple[str, Import]]:
         for node in statements(parse(path))
         if isinstance(node, Import)
     ]
-
-
-def is_type_checking_block(node: ast.AST) -> bool:
-    return isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
 
 
 def imports_at_load(node: ast.AST) -> Iterator[Import]:

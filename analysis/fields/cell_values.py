@@ -8,8 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.stated_field import StatedField
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
+from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -17,10 +17,7 @@ Floats: TypeAlias = NDArray[np.float64]
 
 def polynomial_values(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
     """A polynomial in two variables at many places, of any shape."""
-    total = np.zeros_like(xs)
-    for (a, b), c in polynomial.terms.items():
-        total += float(c) * xs**a * ys**b
-    return total
+    return _values(polynomial, [xs, ys])
 
 
 def rate_values(field: StatedField, xs: Floats, ys: Floats) -> tuple[Floats, Floats]:

@@ -14,8 +14,8 @@ from itertools import combinations, pairwise
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, common_edges
-from nonsmooth.analysis.cells.stated_field import StatedField
 from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
 from nonsmooth.symbolic.constraints import outer

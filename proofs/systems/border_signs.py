@@ -18,8 +18,8 @@ from flint import arb, arb_series, ctx, fmpq
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, common_edges
-from nonsmooth.analysis.cells.stated_field import PlaneWave, StatedField
 from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.analysis.fields.stated_field import PlaneWave, StatedField
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, are_parted, border_kind
 from nonsmooth.symbolic.constraints import outer
 from nonsmooth.symbolic.numbers.lazy import evaluated

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from nonsmooth.analysis.cells.stated_field import StatedField
+from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.reports.document import Math
 from nonsmooth.symbolic.formulas import symbol_latex
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

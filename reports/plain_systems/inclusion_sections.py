@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.stated_field import StatedField
 from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.local_cells import values_at_origin
 from nonsmooth.reports.document import Block, Entry, Math, Section, Text, display, point, table
