@@ -12,10 +12,12 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-CHROMIUM = next((p for p in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if p), None)
+# The one without windows first: it draws the same pages in half the processor time.
+BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next((path for path in map(shutil.which, BROWSERS) if path), None)
 needs_chromium = pytest.mark.skipif(
     CHROMIUM is None,
-    reason="no Chromium: chromium or google-chrome is not on the path (`make tools` tries)",
+    reason="no Chromium: none of " + ", ".join(BROWSERS) + " is on the path (`make tools` tries)",
 )
 OPTIONS = [
     "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
