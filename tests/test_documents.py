@@ -33,8 +33,7 @@ LONGEST = ("choose.md", "stress.md", "theory.md")  # their commands run in `make
 LONG_COMMANDS = re.compile(
     r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--grid|sweep .*\.svg|sweep \S+\.toml .*--borders)\b"
 )  # and these, of which tests/reports has smaller ones
-MANY_FIGURES = "tutorial.md"  # and its figures; those of README.md and start.md are drawn
-FIGURE = re.compile(r"nonsmooth (derive|partition|simulate) .*-o \S+\.(svg|tex)\b")
+MANY_COMMANDS = "tutorial.md"  # of which those run whose output is shown; those of the others run whatever they show
 WRITTEN = re.compile(r" -o (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
@@ -187,8 +186,8 @@ def shorter(path: Path, found: list[Command]) -> list[Command]:
     """The commands of a document that are run by ``make test``, without those that need what others write."""
     kept, absent = [], set[str]()
     for command in found:
-        is_long = LONG_COMMANDS.match(command.text) or (path.name == MANY_FIGURES and FIGURE.match(command.text))
-        if is_long:
+        shows_nothing = command.shown is None and command.text.startswith("nonsmooth ") and ">" not in command.text
+        if LONG_COMMANDS.match(command.text) or (path.name == MANY_COMMANDS and shows_nothing):
             absent.update(WRITTEN.findall(command.text))
         elif not absent.intersection(command.text.split()):
             kept.append(command)

@@ -31,7 +31,7 @@ from tests.thorough import examples, keep, thorough
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-SCENES = ("four-wheel", "off-center", "ring-5", "four-wheel-side", "conveyor-3", "saddle")
+SCENES = ("four-wheel", "four-wheel-side", "off-center", "ring-5", "conveyor-3", "saddle")
 COMMAND = Invocation("test")
 HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
 RANDOM = examples(80)
@@ -128,23 +128,20 @@ def test_the_command_that_reproduces_the_report_is_named(four_wheel: Report) -> 
 
 
 def test_coordinates_are_stated_away_from_the_origin() -> None:
-    report = derive_report(load_scene("off-center", at="1/2,1/4"), COMMAND, ("conventions",))
+    report = derive_report(load_scene("off-center", at="1/2,1/4"), COMMAND, ("conventions", "sgn-form"))
+    assert [part.title for part in report.document.sections] == ["Conventions"]  # it has no sgn form
     (conventions,) = section(report.document, "Conventions").blocks
     assert isinstance(conventions, Bullets)
     assert "measured from the checked point" in plain(conventions.items[-1])
 
 
-@pytest.fixture(scope="module")
-def twice() -> tuple[Report, Report]:
-    """A report derived two times."""
-    return derived("four-wheel"), derived_afresh("four-wheel")
-
-
-@pytest.mark.parametrize("suffix", REPORT_FORMATS)
-def test_equal_input_gives_equal_reports(twice: tuple[Report, Report], suffix: str) -> None:
-    first = page("four-wheel") if suffix == ".html" else render_report(twice[0], suffix)
-    assert first == render_report(twice[1], suffix)
-    assert first.endswith("\n")
+@pytest.mark.parametrize("name", keep(1, ["four-wheel-side", "four-wheel"]))  # the first has short paths to follow
+def test_equal_input_gives_equal_reports(name: str) -> None:
+    again = derived_afresh(name)
+    for suffix in REPORT_FORMATS:
+        first = page(name) if suffix == ".html" else render_report(derived(name), suffix)
+        assert first == render_report(again, suffix), suffix
+        assert first.endswith("\n")
 
 
 def test_unverified_evidence_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:

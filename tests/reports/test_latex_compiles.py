@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.reports.derivation import derive_report, render_report, write_report
+from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.reports.derived import derived
@@ -55,15 +56,20 @@ def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
     assert max(overfull(compiled(tmp_path, render_report(derived("four-wheel", rule), ".tex"))), default=0.0) <= WIDEST
 
 
-def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path) -> None:
-    write_report(derived("four-wheel"), tmp_path / "report.tex")
+@pytest.mark.parametrize("extent", keep(1, ["short", "all"]))
+def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path, extent: str) -> None:
+    parts = ("array", "cells") if extent == "short" else PART_NAMES
+    report = derive_report(load_scene("four-wheel"), parts=parts)
+    write_report(report, tmp_path / "report.tex")
     files = {file.name for file in (tmp_path / "report-figures").iterdir()}
-    assert files == {f"{figure.key}.pdf" for figure in derived("four-wheel").document.figures}
+    assert files == {f"{figure.key}.pdf" for figure in report.document.figures}
+    assert len(files) >= 2
     said = compiled(tmp_path, (tmp_path / "report.tex").read_text(encoding="utf-8"))
     unbroken = said.replace("\n", "")  # pdflatex breaks its lines at 79 characters
     assert all(f"report-figures/{name}" in unbroken for name in files)
 
 
-def test_hostile_names_compile(tmp_path: Path) -> None:
-    scene = replace(load_scene("ring-3"), name=HOSTILE)
+@pytest.mark.parametrize("name", keep(1, ["four-wheel-side", "ring-3"]))  # the first has short paths to follow
+def test_hostile_names_compile(tmp_path: Path, name: str) -> None:
+    scene = replace(load_scene(name), name=HOSTILE)
     compiled(tmp_path, render_report(derive_report(scene, Invocation(HOSTILE)), ".tex"))
