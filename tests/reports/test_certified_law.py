@@ -151,13 +151,14 @@ def small_starts(region: float) -> list[Floats]:
 # ---- the certified law brings the body home, by an integrator of its own -------------------------
 
 
+@pytest.mark.parametrize("number", keep(1, [1, 2]))
 @pytest.mark.parametrize("name", keep(2, [*GRADIENT, *SLOW]))
-def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: str) -> None:
+def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: str, number: int) -> None:
     """The clause's law by its text and the literal rule; the product's default path tells the same."""
     record = invoke("check", name, "--rule", "nearest", "--json").record["feedback"]
     rate, until = certified_rate(name, record)
     place, heading = SLOW.get(name, (0.4 * record["region"]["level"] ** 0.5,) * 2)
-    for side in small_starts(1.0)[:2]:
+    for side in small_starts(1.0)[:number]:
         start = side * (place, place, heading)
         path = followed(rate, start, until, until / 4000)
         sizes = np.linalg.norm(path, axis=1)

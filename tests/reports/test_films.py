@@ -116,10 +116,11 @@ def test_python_refuses_other_files_and_systems(tmp_path: Path) -> None:
         system.animate(tmp_path / "path.html")
 
 
-def test_a_page_holds_what_the_frames_hold(tmp_path: Path) -> None:
+@pytest.mark.parametrize("until", keep(1, [1.0, 4.0]))
+def test_a_page_holds_what_the_frames_hold(tmp_path: Path, until: float) -> None:
     array = ns.load("ring-6").with_(rule="ellipse")
     assert isinstance(array, ns.Array)
-    path = array.simulate((0.1, 0.2, 0.0), until=4.0)
+    path = array.simulate((0.1, 0.2, 0.0), until=until)
     page = path.animate(tmp_path / "path.html").read_text(encoding="utf-8")
     data = data_of(page)
     film = build_film(array.scene, path.trajectory)

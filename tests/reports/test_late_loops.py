@@ -18,7 +18,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -49,8 +49,8 @@ def pose_answer(invoke: Invoke, file: str, *options: str) -> Any:
     return invoke("check", file, "--json", *options).record["answers"]["pose"]
 
 
-@pytest.mark.parametrize("radius", ["1", "3"])
-def test_paths_end_within_the_bound(radius: str, invoke: Invoke, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("radius", "until"), keep(1, [("1", "20"), ("1", "60"), ("3", "60")]))
+def test_paths_end_within_the_bound(radius: str, until: str, invoke: Invoke, tmp_path: Path) -> None:
     """In another unit of length too; the worst errors do keep it at half of the error of the place and farther."""
     file = write(tmp_path, "box", radius=radius)
     loop = pose_answer(invoke, file)["loop"]
@@ -58,7 +58,7 @@ def test_paths_end_within_the_bound(radius: str, invoke: Invoke, tmp_path: Path)
     start = 0.6 * loop["from_within"]
     length = float(load_scene(file).check.length)
     at = f"{start},{start / 2},{-start / 2 / length}"
-    path = invoke("simulate", file, "--feedback", "--json", "--from", at, "--until", "60").record
+    path = invoke("simulate", file, "--feedback", "--json", "--from", at, "--until", until).record
     assert path["method"] == "sampled"
     poses = np.array(path["state"]) * [1, 1, length]
     sizes = np.linalg.norm(poses, axis=1)

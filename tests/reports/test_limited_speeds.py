@@ -135,8 +135,11 @@ def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> Non
     assert ever or gain < 1
 
 
-@pytest.mark.parametrize("name", keep(2, ["shaped", "four wheels", "random 5"]))
-def test_orbits_are_those_without_limits(name: str) -> None:
+ORBITS = [("shaped", 1), ("four wheels", 1), ("shaped", 2), ("four wheels", 2), ("random 5", 2)]  # and how many starts
+
+
+@pytest.mark.parametrize(("name", "count"), keep(2, ORBITS))
+def test_orbits_are_those_without_limits(name: str, count: int) -> None:
     """V falls strictly along both, so the pose is a function of V: it must be the same one."""
     array = ARRAYS[name]
     feedback, limited = feedback_of(array)
@@ -145,7 +148,7 @@ def test_orbits_are_those_without_limits(name: str) -> None:
         wheels = [{k: v for k, v in wheel.items() if k != "speed_limit"} for wheel in array.document["wheel"]]
         free = ns.Array.of_document({**array.document, "wheel": wheels})
     assert not free.scene.speed_limits
-    for start in starts(array, limited, feedback.lyapunov, 2, seed=7):
+    for start in starts(array, limited, feedback.lyapunov, count, seed=7):
         slow, fast = (
             own.simulate(tuple(start), until=until, feedback=True, gain=3.0)
             for own, until in ((array, 5.0), (free, 5.0))
@@ -205,7 +208,7 @@ def test_paths_against_brute_force(name: str) -> None:
     path = array.simulate(tuple(start), until=until, feedback=True, gain=gain)
     size = math.sqrt(value(feedback.lyapunov, start))
     end = np.array(path.trajectory.end.state, float)
-    for steps in (4_000, 16_000):  # Euler's method passes switches late, so that errors fall but not evenly
+    for steps in (1_000, 4_000):  # Euler's method passes switches late, so that errors fall but not evenly
         gap = brute_force(array, start, gain, until, steps) - end
         assert math.sqrt(value(feedback.lyapunov, gap)) < 5 / steps * size
 

@@ -58,6 +58,7 @@ def looked_at(environment: dict[str, str]) -> str:
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
+@thorough  # the small one: test_what_cvxpy_requires_is_there..., which reads what they print too
 def test_the_packages_are_loud(loud: dict[str, str]) -> None:
     """The test itself: CVXPY, imported plainly, looks at them."""
     done = run(loud, "-c", "import cvxpy")
