@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from rich.console import Console
 
 import nonsmooth as ns
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.console import BAD_INPUT
+from nonsmooth.reports.system_views import system_record, system_view
+from nonsmooth.symbolic.files.system_file import load_system
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -255,13 +260,16 @@ def test_the_flower_shows_the_function_that_proves_it(invoke: Invoke) -> None:
         assert ahead < here
 
 
-def test_nothing_is_proved_by_nothing(invoke: Invoke, tmp_path: Path) -> None:
+def test_nothing_is_proved_by_nothing(tmp_path: Path) -> None:
     scene = tmp_path / "my.toml"
     scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y", "-x + x**2"]\n')
-    shown = invoke("check", str(scene)).out
+    result = decide_system(load_system(scene))
+    console = Console(width=100, record=True, file=StringIO())
+    console.print(system_view(result))
+    shown = console.export_text()
     assert "undecided" in shown
     assert "(nothing)" not in shown
-    record = invoke("check", str(scene), "--json").record
+    record = system_record(result)
     assert not record["lyapunov"]["proves"]
     assert record["lyapunov"]["domain"]["radius"] == 0.5
 
