@@ -74,7 +74,7 @@ def test_every_rule_has_its_row(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "my.toml"
-    wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 4\ncolumns = 4\n'
+    wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n'
     law = '[field]\nkind = "elliptic"\na = 2\nb = 1\nspeed = "magnitude"\n'
     file.write_text(f'{wheels}{law}[body]\nshape = "polygon"\nvertices = [[0, 0], [30, 0], [0, 10]]\n')
     _, record = printed(capsys, str(file), "--continuum")
