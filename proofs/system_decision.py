@@ -15,6 +15,7 @@ from nonsmooth.proofs.systems.system_certificate import (
     BY_FUNCTION,
     NoCertificateError,
     build_system_certificate,
+    with_stated_function,
 )
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.scene import Scene
@@ -62,16 +63,17 @@ def certificate_of(result: DecidedSystem) -> dict[str, Any]:
     try:
         return build_system_certificate(result)
     except NoCertificateError as by_function:
-        return _by_velocities(result, by_function)
+        return _by_other_evidence(result, by_function)
 
 
-def _by_velocities(result: SystemResult, by_function: NoCertificateError) -> dict[str, Any]:
-    """The certificate by velocities at the equilibrium of a verdict whose V has none.
+def _by_other_evidence(result: SystemResult, by_function: NoCertificateError) -> dict[str, Any]:
+    """The certificate of a verdict whose V has none: by the scene's own V, or by velocities at the equilibrium.
 
     Raises:
         NoCertificateError: where these do not show it either: what V lacks.
     """
+    by_principle = with_stated_function(result)
     try:
-        return build_fan_certificate(result)
+        return build_fan_certificate(result) if by_principle is None else build_system_certificate(by_principle)
     except NoCertificateError:
         raise by_function from None

@@ -17,8 +17,10 @@ from typing import Any
 from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
+from nonsmooth.proofs.systems.invariance import Staying, staying_of
 from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text, rewriting_words
 from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.surfaces import factorize
@@ -62,6 +64,19 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
     if result.method is Method.INVARIANCE:
         certificate["curves"] = _curves(result)
     return accepted(certificate, check_certificate)
+
+
+def with_stated_function(result: SystemResult) -> SystemResult | None:
+    """The same verdict by the scene's own V and LaSalle's principle; None where these do not show it.
+
+    For a searched V that falls strictly, of higher degree, which the checker does not show within its limits.
+    """
+    attracts = result.verdict is Translation.ASYMPTOTICALLY_STABLE and result.searched is not None
+    if not attracts or staying_of(result.lyapunov) is not Staying.NONE:
+        return None
+    alone = replace(result, searched=None, region=None, rate=None, gain=None)
+    own, where = result.lyapunov, result.reported_domain
+    return replace(alone, method=Method.INVARIANCE, certificate=own, domain=where, staying=Staying.NONE)
 
 
 def _curves(result: SystemResult) -> list[str]:

@@ -9,9 +9,10 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.system_checker import check_certificate
+from nonsmooth.proofs.system_decision import certificate_of
 from nonsmooth.proofs.systems.conclusion import Method
-from nonsmooth.proofs.systems.system_certificate import build_system_certificate
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.system_certificate import NoCertificateError, build_system_certificate
+from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from tests.proofs import mutants
 from tests.proofs.mutants import Record, is_one_line
 from tests.proofs.test_system_checker import claim, in_floats
@@ -52,6 +53,32 @@ def test_what_the_principle_decides_is_certified(friction: str) -> None:
     without = {key: value for key, value in record.items() if key != "curves"}
     assert check_certificate(without)
     assert check_certificate({**without, "verdict": "stable", "level": None, "rate": None}) == ""
+
+
+def test_where_a_searched_v_is_not_certified_the_stated_one_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The V that is searched for ``x + y**3`` falls strictly, of degree 4, and takes more than the checker's limits."""
+    result = system_check(ns.System(["x", "y"], ["y", "-x - y**3"]).system)
+    assert result.method is Method.LYAPUNOV
+
+    def limited(asked: SystemResult) -> Record:
+        if asked.searched is not None:
+            raise NoCertificateError("required a proof within the limits of this checker")
+        return build_system_certificate(asked)
+
+    monkeypatch.setattr("nonsmooth.proofs.system_decision.build_system_certificate", limited)
+    record = certificate_of(result)
+    assert (record["verdict"], record["lyapunov"]) == ("asymptotically stable", "x**2 + y**2")
+    assert (record["curves"], record["level"]) == (["y"], None)
+    with pytest.raises(NoCertificateError, match="limits"):  # the stated V of a relay rises: nothing stands beside
+        certificate_of(system_check(ns.System(["x", "y"], ["y", "-sgn(x) - y"]).system))
+
+
+@thorough  # the small one is above
+def test_a_searched_v_beyond_the_checker() -> None:
+    result = system_check(ns.System(["x", "y"], ["y", "-x - y**3"]).system)
+    with pytest.raises(NoCertificateError, match="limits"):
+        build_system_certificate(result)
+    assert certificate_of(result)["lyapunov"] == "x**2 + y**2"
 
 
 # ---- what is false -------------------------------------------------------------------------------
