@@ -16,6 +16,7 @@ def checked(name: str, rule: str) -> CellCheck:
     return check_cells(load_scene(name, rule=rule))
 
 
-def planar_systems() -> list[str]:
+@cache
+def planar_systems() -> tuple[str, ...]:
     """The names of the built-in systems in two states: what has cells, pictures and stress cases."""
-    return [name for name in builtin_systems() if len(load_system(name).states) == 2]
+    return tuple(name for name in builtin_systems() if len(load_system(name).states) == 2)
