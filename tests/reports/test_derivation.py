@@ -137,7 +137,7 @@ def test_coordinates_are_stated_away_from_the_origin() -> None:
 
 @pytest.mark.parametrize("name", keep(1, ["four-wheel-side", "four-wheel"]))  # the first has short paths to follow
 def test_equal_input_gives_equal_reports(name: str) -> None:
-    again = derived_afresh(name)
+    again = derived_afresh(name) if name == "four-wheel" else derive_report(load_scene(name), Invocation(name))
     for suffix in REPORT_FORMATS:
         first = page(name) if suffix == ".html" else render_report(derived(name), suffix)
         assert first == render_report(again, suffix), suffix
