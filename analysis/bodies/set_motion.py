@@ -12,14 +12,11 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.analysis.dynamics.drag import needs_drag
-from nonsmooth.analysis.dynamics.ellipse_path import path_minimizer
+from nonsmooth.analysis.dynamics.ellipse_path import path_minimizer, proved_twist
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.minimizers.regime import NOBODY
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
-from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.number_text import place_text
 
 
 class SetMotion:
@@ -55,23 +52,8 @@ class SetMotion:
         Raises:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
-        return with_kinematics(self._twist(self._loads.at(pose[:2])[0], pose), pose)
-
-    def _twist(self, loads: Floats, pose: Floats) -> Floats:
-        """The minimizer of D: by Newton steps from the last one, else by interior points."""
-        quick = self._quick
-        found = None if quick is None else quick.minimize(loads)
-        if found is not None:
-            return found
-        minima = self._minimize(loads)
-        if not (minima.check() & resists_every_motion(self.model, loads[None]))[0]:
-            place = place_text((float(pose[0]), float(pose[1])))
-            raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
-        (twist,) = minima.twists
-        if quick is not None:
-            quick.start_from(twist)
-            quick.minimize(loads)  # finds the regime, if it can
-        return np.asarray(twist)
+        loads = self._loads.at(pose[:2])[0]
+        return with_kinematics(proved_twist(self.model, self._quick, self._minimize, loads, pose), pose)
 
     @property
     def _newton(self) -> SmoothNewton:

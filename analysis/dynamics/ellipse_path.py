@@ -1,12 +1,13 @@
 """The quasi-static path of a rule without cells: at every instant the body moves with the minimizer of the dissipation.
 
-``c' = v + omega J c, theta' = omega`` with ``xi = (v, omega)`` from the interior point minimizer at the current loads.
+``c' = v + omega J c, theta' = omega`` with ``xi = (v, omega)`` the minimizer at the current loads.
 Under rule ``ellipse`` the field is continuous, smooth where no wheel sticks, and stiff where mu_S is much smaller than
 mu_R (near an equilibrium it decays like ``(mu_R/mu_S)^2``), so LSODA follows it, which turns implicit where that pays.
-A minimizer costs about a millisecond.  Where the minimizer is not unique the one that the interior point method
-returns is taken.  Where friction sets have corners (rule ``roller``) the twist may jump, and the path slide: there
-the field has a little drag (:mod:`nonsmooth.analysis.dynamics.drag`), and is so stiff that backward differentiation
-formulas follow it from the start.
+Newton steps from the last minimizer take a tenth of a millisecond.  Where they do not prove that theirs is the only
+minimizer, that of the interior point method is taken, which costs a millisecond or more.  Where friction sets have
+corners (rule ``roller``) the twist may jump, and the path slide: there the field has a little drag
+(:mod:`nonsmooth.analysis.dynamics.drag`), and is so stiff that backward differentiation formulas follow it from the
+start.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior, WarmInterior
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
+from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.symbolic.number_text import place_text
 
@@ -49,22 +51,45 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
         raise ValueError(f"required a finite start and a positive last time, received {state.tolist()} and {until}")
     loads, dragged = MovingLoads(model, state[:2]), needs_drag(model)
     minimize = path_minimizer(model) if dragged else partial(EllipseInterior().minimize, model)
+    quick = None if dragged else SmoothNewton(model)
 
     def rate(t: float, pose: Floats) -> Floats:
-        here = loads.at(pose[:2])[0]
-        minima = minimize(here)
-        if not (minima.check() & resists_every_motion(model, here[None]))[0]:
-            x, y = (float(value) for value in pose[:2])
-            raise TrajectoryError(
-                f"required a certified motion, received a minimum without proof at {place_text((x, y))}"
-            )
-        (twist,) = minima.twists
+        twist = proved_twist(model, quick, minimize, loads.at(pose[:2])[0], pose)
         return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
 
     looser = LOOSER if dragged else 1.0
     tolerances = {"rtol": looser * RELATIVE_TOLERANCE, "atol": looser * ABSOLUTE_TOLERANCE}
     solution = integrate(rate, loads, state, until, method="BDF" if dragged else "LSODA", **tolerances)
     return as_trajectory("minimizer", solution, loads)
+
+
+def proved_twist(
+    model: ContactModel, quick: SmoothNewton | None, minimize: Minimize, loads: Floats, pose: Floats
+) -> Floats:
+    """The minimizer of D: by Newton steps from the last one, else by interior points.
+
+    Args:
+        model: the contacts.
+        quick: Newton's method, which remembers the last minimizer; None where friction sets are cut.
+        minimize: what is asked where Newton's method does not prove its result.
+        loads: of the wheels, shape (n,).
+        pose: where the body is, for the message of an error.
+
+    Raises:
+        TrajectoryError: where the minimizer is not proved to be the motion.
+    """
+    found = None if quick is None else quick.minimize(loads)
+    if found is not None:
+        return found
+    minima = minimize(loads)
+    if not (minima.check() & resists_every_motion(model, loads[None]))[0]:
+        place = place_text((float(pose[0]), float(pose[1])))
+        raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
+    (twist,) = minima.twists
+    if quick is not None:
+        quick.start_from(twist)
+        quick.minimize(loads)  # finds the regime, if it can
+    return np.asarray(twist)
 
 
 def path_minimizer(model: ContactModel) -> Minimize:
