@@ -1,4 +1,4 @@
-"""The source files of the product and of the tests, parsed once in a process."""
+"""The source files of the product and of the tests, read once in a process; trees are not kept, they are large."""
 
 from __future__ import annotations
 
@@ -7,9 +7,28 @@ import tokenize
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")  # each may import the packages to its left
+
+
+class Import(NamedTuple):
+    """An import statement.
+
+    Attributes:
+        line: where it stands.
+        modules: what it names; `from a import b` counts as a.b, which may be a module.
+        is_relative: whether it is `from . import b`, or from a package further up.
+        in_function: whether it runs when a function is called, not when the module is loaded.
+        for_types: whether it stands under TYPE_CHECKING, read by the type checker only.
+    """
+
+    line: int
+    modules: tuple[str, ...]
+    is_relative: bool
+    in_function: bool
+    for_types: bool
 
 
 @cache
@@ -19,17 +38,29 @@ def sources(folder: str) -> list[Path]:
 
 
 @cache
-def parse(path: Path) -> ast.Module:
-    """The tree of a file."""
-    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+def text_of(path: Path) -> str:
+    """The text of a file."""
+    return path.read_text(encoding="utf-8")
 
 
-def statements(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes below one that are no expressions; expressions hold no statements."""
+@cache
+def imports_of_file(path: Path) -> tuple[Import, ...]:
+    """Every import of a file, also those inside functions."""
+    return tuple(imports_in(ast.parse(text_of(path), filename=str(path))))
+
+
+def imports_in(node: ast.AST, in_function: bool = False, for_types: bool = False) -> Iterator[Import]:
+    """Every import below a node."""
     for child in ast.iter_child_nodes(node):
-        if not isinstance(child, ast.expr):
-            yield child
-            yield from statements(child)
+        if isinstance(child, ast.Import):
+            modules = tuple(alias.name for alias in child.names)
+            yield Import(child.lineno, modules, False, in_function, for_types)
+        elif isinstance(child, ast.ImportFrom):
+            modules = tuple(f"{child.module}.{alias.name}" for alias in child.names)
+            yield Import(child.lineno, modules, child.level > 0, in_function, for_types)
+        elif not isinstance(child, ast.expr):  # expressions hold no statements
+            is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            yield from imports_in(child, in_function or is_function, for_types or is_type_checking_block(child))
 
 
 def is_type_checking_block(node: ast.AST) -> bool:

@@ -6,13 +6,13 @@ that lies beside sub-packages stands for itself.
 """
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.sources import PACKAGES, ROOT, is_type_checking_block, parse, sources
+from tests.sources import PACKAGES, ROOT, Import, imports_in, imports_of_file, sources
 
 # Circles that are known; the list may only become shorter. Each with the reason why it still stands.
 KNOWN_RINGS: dict[frozenset[str], str] = {}
@@ -32,26 +32,11 @@ def module_name(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def running_imports(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
-    """Imports that run at some time: all but those under TYPE_CHECKING."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.Import | ast.ImportFrom):
-            yield child
-        elif not (isinstance(child, ast.expr) or is_type_checking_block(child)):  # expressions hold no statements
-            yield from running_imports(child)
-
-
-def imported_names(node: ast.Import | ast.ImportFrom) -> list[str]:
-    if isinstance(node, ast.Import):
-        return [alias.name for alias in node.names]
-    return [f"{node.module}.{alias.name}" for alias in node.names]
-
-
-def imports_of(tree: ast.Module, modules: Mapping[str, object]) -> set[str]:
-    """The modules among the given ones that a source file imports."""
+def imported_files(imports: Iterable[Import], modules: Mapping[str, object]) -> set[str]:
+    """The modules among the given ones that some imports load at some time: all but those under TYPE_CHECKING."""
     found = set()
-    for node in running_imports(tree):
-        for name in imported_names(node):
+    for statement in imports:
+        for name in () if statement.for_types else statement.modules:
             inner = name.removeprefix("nonsmooth.")
             found.add(inner if inner in modules else inner.rpartition(".")[0])
     return found & set(modules)
@@ -60,7 +45,7 @@ def imports_of(tree: ast.Module, modules: Mapping[str, object]) -> set[str]:
 @cache
 def import_graph() -> Graph:
     files = source_files()
-    return {name: imports_of(parse(path), files) - {name} for name, path in files.items()}
+    return {name: imported_files(imports_of_file(path), files) - {name} for name, path in files.items()}
 
 
 def folder_of(path: Path) -> str:
@@ -137,4 +122,5 @@ def call():
     from nonsmooth import c
     import nonsmooth.d.e
 """
-    assert imports_of(ast.parse(text), dict.fromkeys(["a", "b", "c", "d.e"])) == {"a", "c", "d.e"}
+    imports = imports_in(ast.parse(text))
+    assert imported_files(imports, dict.fromkeys(["a", "b", "c", "d.e"])) == {"a", "c", "d.e"}
