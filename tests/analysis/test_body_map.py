@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.small_steps import Contacts
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 PLACE_ERROR, HEADING_ERROR = 0.01, 0.02  # of the spacing, and radians: Heun's steps of 0.04, chattering at edges
 RATE_ERROR = {"ellipse": 1e-4, "roller": 2e-2}  # of the fastest wheel: norms are smoothed
@@ -62,7 +62,7 @@ def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path
     assert agree >= (standing if rule == "ellipse" else standing - 1)
 
 
-@pytest.mark.parametrize(("rule", "count"), [("nearest", 60), ("box", 6)])
+@pytest.mark.parametrize(("rule", "count"), [("nearest", 15), ("box", 6), ("nearest", 60)])
 def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int, tmp_path: Path) -> None:
     scene = carton(tmp_path, rule, "1/2")
     cells = rule_of(scene)
@@ -119,9 +119,10 @@ def test_a_body_tips_over_the_line_with_the_widest_gap() -> None:
     assert np.isinf(widest_gaps(levers, np.zeros((2, 4), bool))[0]).all()
 
 
-def test_ends_agree_with_paths_by_events(tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", keep(1, [2, 4]))
+def test_ends_agree_with_paths_by_events(count: int, tmp_path: Path) -> None:
     scene = carton(tmp_path)
-    starts = np.column_stack([random_poses(4, 1.6)[:, :2], np.full(4, 0.3)])
+    starts = np.column_stack([random_poses(count, 1.6)[:, :2], np.full(count, 0.3)])
     found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts)
     path = BodyPath(scene, smooth_rule_of(scene))
     for k, start in enumerate(starts):
@@ -133,14 +134,15 @@ def test_ends_agree_with_paths_by_events(tmp_path: Path) -> None:
         assert away[2] <= HEADING_ERROR
 
 
-def test_destinations_share_all_starts(tmp_path: Path) -> None:
+@pytest.mark.parametrize("side", keep(1, [3, 5]))
+def test_destinations_share_all_starts(side: int, tmp_path: Path) -> None:
     scene = carton(tmp_path)
-    axis = np.linspace(-2, 2, 5)
+    axis = np.linspace(-2, 2, side)
     x, y = np.meshgrid(axis, axis)
     paths = ManyPaths(scene, smooth_rule_of(scene))
-    found = paths.follow(np.column_stack([x.ravel(), y.ravel(), np.full(25, 0.4)]))
+    found = paths.follow(np.column_stack([x.ravel(), y.ravel(), np.full(side**2, 0.4)]))
     places = destinations(found, 0.02 * paths.spacing)
-    assert sum(len(one.starts) for one in places) == 25
+    assert sum(len(one.starts) for one in places) == side**2
     assert sum(one.share for one in places) == pytest.approx(1)
     resting = [one for one in places if one.reason is BodyEnd.REST]
     assert all(one.headings is not None and one.headings[0] <= one.headings[1] for one in resting)

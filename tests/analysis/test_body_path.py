@@ -22,7 +22,7 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.stretch import Part
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
 TIME_ERROR = 1e-10  # the largest seen 4e-11
 POSE_ERROR = 1e-9
-LEAST_CHANGES = 10
 CHATTER = 2.0  # distance of a chattering path at the last time, in units of its step
 LIKE_NO_BODY = 1e-8  # lengths and radians: the path without a body is right to 1e-9 per step
 
@@ -53,12 +52,13 @@ def ellipse() -> SmoothRule:
 
 
 class Motion(NamedTuple):
-    """The motion on any wheels of an array, from the interior point minimizer."""
+    """The motion on any wheels of an array, from the interior point minimizer, kept for each set of wheels."""
 
     positions: Floats
     rims: Floats
     speeds: Floats
     friction: Floats
+    minimizers: dict[frozenset[int], WarmInterior]
 
     @classmethod
     def of(cls, scene: Scene) -> Motion:
@@ -66,7 +66,7 @@ class Motion(NamedTuple):
         rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in scene.wheels])
         speeds = np.array([float(wheel.speed) for wheel in scene.wheels])
         friction = [[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels]
-        return cls(positions, rims, speeds, np.array(friction))
+        return cls(positions, rims, speeds, np.array(friction), {})
 
     def loads(self, wheels: list[int], centre: Floats) -> Floats:
         """Springs of equal stiffness; those that pull are taken away one by one."""
@@ -84,10 +84,10 @@ class Motion(NamedTuple):
     def rate(self, carrying: frozenset[int], pose: Floats) -> Floats:
         """``(c', theta')``."""
         wheels = sorted(carrying)
-        model = ContactModel.build(
-            self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels]
-        )
-        twist = EllipseInterior().minimize(model, self.loads(wheels, pose[:2])[None]).twists[0]
+        if carrying not in self.minimizers:
+            contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
+            self.minimizers[carrying] = WarmInterior(ContactModel.build(*contacts))
+        twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2])).twists[0]
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
 
@@ -165,23 +165,24 @@ def polygon_case(scene: Scene) -> tuple[Scene, Depths]:
     return outlined, partial(polygon_depths, np.array(SHIELD, float))
 
 
-CASES = {"polygon": (polygon_case, 1.9), "disc": (disc_case, 1.3)}
+# what lies on the array, the last time, and how many changes come at least
+CASES = {"polygon": (polygon_case, 0.9, 5), "longer": (polygon_case, 1.9, 10), "disc": (disc_case, 1.3, 10)}
 
 
 def sets_of(path: Trajectory) -> list[frozenset[int]]:
     return [frozenset(int(name) - 1 for name in piece.cells) for piece in path.pieces]
 
 
-@pytest.mark.parametrize(("case", "until"), keep(1, CASES.values()), ids=list(CASES))
+@pytest.mark.parametrize(("case", "until", "changes"), keep(1, CASES.values()), ids=list(CASES))
 def test_changes_come_when_another_integrator_says(
-    case: Callable[[Scene], tuple[Scene, Depths]], until: float, arrays: Arrays
+    case: Callable[[Scene], tuple[Scene, Depths]], until: float, changes: int, arrays: Arrays
 ) -> None:
     scene, depths = case(conveyor(arrays))
     start = np.array([2.03, 1.52, 0.1])
     path = BodyPath(scene, ellipse()).follow(start.tolist(), until)
     expected = reference_path(Motion.of(scene), depths, start, until)
     assert path.end.reason is EndReason.TIME
-    assert len(expected.times) >= LEAST_CHANGES
+    assert len(expected.times) >= changes
     assert {event.kind for event in path.events} == {EventKind.ENTER, EventKind.LEAVE}
     assert sets_of(path) == expected.sets
     found = [event.t for event in path.events]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -26,9 +27,15 @@ def orbit(states: Sequence[str], rhs: Sequence[str], start: Sequence[float], unt
     return find_orbit(system_field(system, start), start, until)
 
 
+@cache
+def van_der_pol() -> Orbit:
+    """With mu = 1."""
+    return orbit(["x", "y"], ["y", "(1 - x**2)*y - x"], (0.5, 0.0), 60.0)
+
+
 def test_van_der_pol_has_its_published_period() -> None:
     """mu = 1: T = 6.6632868593231301896996820305 (many sources; Viswanath, SIAM J. Sci. Comput. 23, 2001)."""
-    found = orbit(["x", "y"], ["y", "(1 - x**2)*y - x"], (0.5, 0.0), 60.0)
+    found = van_der_pol()
     assert found.period == pytest.approx(6.66328685932313, abs=1e-11)
     # Liouville: the multiplier is exp of the integral of the divergence 1 - x^2, by another integrator
     start = [*found.point, 0.0]
@@ -101,7 +108,7 @@ def test_stick_slip_on_a_belt_is_a_closed_form() -> None:
 @pytest.mark.parametrize("turns", [2, 3])
 def test_an_orbit_gone_through_several_times_has_the_period_of_one_turn(turns: int) -> None:
     """A path that ends exactly on the orbit may return closer after two turns, by rounding alone."""
-    found = orbit(["x", "y"], ["y", "(1 - x**2)*y - x"], (0.5, 0.0), 60.0)
+    found = van_der_pol()
     again = shoot(found.field, found.point, turns * found.period)
     assert again.period == pytest.approx(turns * found.period, rel=1e-9)
     assert single_turn(again).period == pytest.approx(found.period, rel=1e-9)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,13 +81,14 @@ def crossing_path(field: ConstantField, start: tuple[float, float, float]) -> Ex
     return ExactPath(start, (float(second.start) + float(ends)) / 2, path)
 
 
-@pytest.mark.parametrize("method", ["RK45", "DOP853"])
-def test_a_step_across_a_switch_errs_by_the_tolerance(method: str) -> None:
-    """Tolerances 1e-3 to 1e-8; mean of log(error) over 30 starts, since the switch falls anywhere within a step."""
+@pytest.mark.parametrize(("method", "count"), keep(1, [("RK45", 10), ("RK45", 30), ("DOP853", 30)]))
+def test_a_step_across_a_switch_errs_by_the_tolerance(method: str, count: int) -> None:
+    """Tolerances 1e-3 to 1e-8; mean of log(error) over some starts, since the switch falls anywhere within a step."""
     field = array_field(build_partition(load_scene("spiral-30")), Kinematics.LEADING, exact=True)
     starts = np.random.default_rng(0).uniform(-0.45, 0.45, (120, 2)).tolist()
-    paths = [path for x, y in starts if (path := crossing_path(field, (x, y, 0.0))) is not None][:30]
-    assert len(paths) == 30
+    crossing = (path for x, y in starts if (path := crossing_path(field, (x, y, 0.0))) is not None)
+    paths = list(islice(crossing, count))
+    assert len(paths) == count
     tolerances = [10.0**-k for k in range(3, 9)]
     means = []
     for tolerance in tolerances:
@@ -103,7 +105,7 @@ def test_events_make_the_tolerance_irrelevant() -> None:
     assert plan.orders["DOP853 with events"].expected is None
 
 
-@pytest.mark.parametrize(("name", "codimension"), [("four-wheel", 2), ("ring-5", 2), ("four-wheel-side", 1)])
+@pytest.mark.parametrize(("name", "codimension"), keep(2, [("four-wheel", 2), ("four-wheel-side", 1), ("ring-5", 2)]))
 def test_random_samples_come_near_a_face_by_its_codimension(name: str, codimension: int) -> None:
     scene = load_scene(name)
     assert codimension_of_largest(build_partition(scene.recentred())) == codimension
@@ -167,11 +169,13 @@ def test_exact_methods_have_no_error(arrays: Arrays) -> None:
         assert trial.judge(trial.work(Clock(SECONDS))).error == 0
 
 
+@pytest.mark.parametrize("hardest", keep(1, [1, 5]))
 @pytest.mark.parametrize("solver", list(ConeSolver))
-def test_solvers_print_nothing(solver: ConeSolver, capfd: pytest.CaptureFixture[str]) -> None:
-    """Not even past Python's own streams: the output may be JSON."""
+def test_solvers_print_nothing(solver: ConeSolver, hardest: int, capfd: pytest.CaptureFixture[str]) -> None:
+    """Not even past Python's own streams: the output may be JSON; where a solver may complain most, and elsewhere."""
     plan = UPPER_DERIVATIVE.build(load_scene("conveyor-3"))
-    for trial in plan.trials:
-        if trial.method == f"hulls, {solver.label}":
-            trial.work(Clock(SECONDS))
+    trials = [trial for trial in plan.trials if trial.method == f"hulls, {solver.label}"]
+    assert len(trials) == 5
+    for trial in trials[-hardest:]:
+        trial.work(Clock(SECONDS))
     assert capfd.readouterr() == ("", "")
