@@ -34,6 +34,7 @@ from nonsmooth.analysis.minimizers.newton_polish import (
 from nonsmooth.analysis.minimizers.norm_scaling import TINY, norm
 
 NEWTON_STEPS = 10  # corners leave the Hessian singular until the right rims stop slipping
+SETTLED = 1e-13  # relative to the unknowns: a step so small on unchanged parts is rounding, and no other is needed
 
 
 class Pieces(NamedTuple):
@@ -76,12 +77,15 @@ def polish_cut(
         pushed = force - np.where(part.inside, stiffness * r, 0.0)
         pushed[0] -= np.where(part.side, stiffness * r[0], 0.0)
         curvature = Curvature(norms, scale, axis)
-        y = y + curvature.solve(norms.imbalance(pushed))
+        step = curvature.solve(norms.imbalance(pushed))
+        y = y + step
         r = norms.residuals(y)
         z = _forces(part, r, z, cuts)
         z = z - np.where(part.inside, stiffness * r, 0.0)
         z[0] -= np.where(part.side, stiffness * r[0], 0.0)
-        part = pieces(z - stiffness * np.where(part.inside, 0.0, r), cuts)
+        before, part = part, pieces(z - stiffness * np.where(part.inside, 0.0, r), cuts)
+        if np.abs(step).max() <= SETTLED * np.abs(y).max() and np.array_equal(before, part):
+            break
     z = _forces(part, r, z, cuts)
     for _ in range(BALANCE_PASSES):
         z = z - curvature.change(curvature.solve(norms.imbalance(z)))
