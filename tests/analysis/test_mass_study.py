@@ -72,7 +72,7 @@ def test_flat_functional_puts_the_fall_off_until_the_mass_is_tiny() -> None:
         assert np.log10(fall) == pytest.approx(power, abs=SLOPE)
 
 
-@pytest.mark.parametrize("until", keep(1, [0.05, 0.5]))
+@pytest.mark.parametrize("until", keep(1, [0.005, 0.05, 0.5]))
 def test_rules_without_a_path_are_named(until: float) -> None:
     scene = load_scene("conveyor-3")
     study = mass_study(scene, mass_ladder(disc(contact_model(scene), 0.01), 1), START, until)

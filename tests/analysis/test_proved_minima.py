@@ -30,7 +30,7 @@ from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth
-from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.proofs.theorem4_result import SmoothCheck
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import Arrays, Pair, WheelData
 
@@ -78,7 +78,7 @@ def test_every_minimum_is_proved_and_right(arrays: Arrays, build: object) -> Non
 
 
 @cache
-def checked(build: Callable[[Arrays], Scene]) -> Theorem4Result:
+def checked(build: Callable[[Arrays], Scene]) -> SmoothCheck:
     """What several tests look at."""
     return check_smooth(build(Arrays()), prune=False)
 
