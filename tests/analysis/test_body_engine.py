@@ -14,7 +14,7 @@ from tests.body_engine import (
     run_beside_engine,
     with_random_body,
 )
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 TWISTS = 1e-3, 1e-2  # median and largest; over many poses 1e-4 is the median, and one of ten above 6e-4
 LOADS = 2e-4  # of the weight
@@ -35,11 +35,12 @@ def test_twists_loads_and_falls_of_random_bodies() -> None:
     assert max(pose.load_error for pose in inside) < LOADS
 
 
-def test_wheels_enter_and_leave_as_in_the_engine() -> None:
+@pytest.mark.parametrize(("until", "changes"), keep(1, [(0.22, 2), (0.4, 3)]))
+def test_wheels_enter_and_leave_as_in_the_engine(until: float, changes: int) -> None:
     rng = np.random.default_rng(1)
-    run = run_beside_engine(with_random_body(random_grid(rng), rng, 1.2), 0.4)
+    run = run_beside_engine(with_random_body(random_grid(rng), rng, 1.2), until)
     assert run.path.end.reason is EndReason.TIME
-    assert len(predicted_changes(run.path)) == 3
+    assert len(predicted_changes(run.path)) == changes
     assert run.changes_alike(LATE)
     assert run.tips_alike
     assert run.error < FAR

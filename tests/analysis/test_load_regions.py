@@ -109,7 +109,7 @@ def test_a_table_of_loads_is_taken_as_it_is_and_may_not_be_negative(arrays: Arra
         load_regions(replace(scene, contact=Contact("box", bad)))
 
 
-@pytest.mark.parametrize("seed", [8, 18, 31, 38, 50, 58, 66, 70])
+@pytest.mark.parametrize("seed", [38, 8, 18, 31, 50, 58, 66, 70])
 def test_a_line_of_wheels_that_takes_the_whole_load_is_crossed(arrays: Arrays, seed: int) -> None:
     """Several wheels change at once there: the body tilts about the line until others touch."""
     scene, rng = arrays.cocircular(seed), np.random.default_rng(seed)
@@ -126,7 +126,7 @@ def test_a_line_of_wheels_that_takes_the_whole_load_is_crossed(arrays: Arrays, s
         assert {region.loaded for region in here} == {r.loaded for r in regions if r.polygon.contains(corner)}
 
 
-@pytest.mark.parametrize("seed", [8, 18, 31, 38])
+@pytest.mark.parametrize("seed", [38, 8, 18, 31])
 def test_loads_beside_such_a_line_are_those_of_floats(arrays: Arrays, seed: int) -> None:
     scene, rng = arrays.cocircular(seed), np.random.default_rng(seed)
     for region in load_regions(scene):

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
 from tests.oracles.small_steps import small_steps_of_mass
 from tests.outlined import Depths, Pair, on, polygon_depths, polygon_of
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -43,13 +43,14 @@ def carton() -> tuple[Scene, Depths]:
     return scene, partial(polygon_depths, corners)
 
 
-def test_wheels_enter_and_leave_as_in_small_steps() -> None:
+@pytest.mark.parametrize(("until", "steps"), keep(1, [(0.6, 1500), (0.8, 2000)]))
+def test_wheels_enter_and_leave_as_in_small_steps(until: float, steps: int) -> None:
     scene, depths = carton()
-    start, until, masses = (1.3, 0.15, 0.0), 0.8, (0.1, 0.15)
+    start, masses = (1.3, 0.15, 0.0), (0.1, 0.15)
     path = followed(scene, Body(*masses), start, until)
     kinds = [event.kind for event in path.trajectory.events]
     assert kinds == [EventKind.LEAVE, EventKind.LEAVE, EventKind.ENTER, EventKind.ENTER]
-    expected = small_steps_of_mass(scene, depths, np.array(start), until, 2000, masses, CREEP)
+    expected = small_steps_of_mass(scene, depths, np.array(start), until, steps, masses, CREEP)
     assert np.abs(path.states[-1][:3] - expected[:3]).max() < OFF
     places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
     for event in path.trajectory.events:

@@ -17,7 +17,7 @@ from nonsmooth.analysis.pushes.ranking import Direction, Ranked, differences, me
 from nonsmooth.analysis.pushes.records import angles, load_pushes
 from nonsmooth.analysis.pushes.supports import SUPPORTS, support_loads, support_points
 from nonsmooth.analysis.pushes.surfaces import exponents, fit_surface, monomials
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 BODIES = 60  # random pushes
 CLOSE = 1e-6
@@ -40,10 +40,11 @@ def random_push(rng: np.random.Generator) -> tuple[Contacts, Floats, Floats, Flo
 # ---- a pusher with a velocity --------------------------------------------------------------------
 
 
-def test_the_sense_of_rotation_is_that_of_masons_votes() -> None:
+@pytest.mark.parametrize("bodies", keep(1, [20, BODIES]))
+def test_the_sense_of_rotation_is_that_of_masons_votes(bodies: int) -> None:
     """Both edges of the friction cone and the direction of the push vote; no support needs to be known (Mason 1986)."""
     rng, tips = np.random.default_rng(1986), set[Tip]()
-    for _ in range(BODIES):
+    for _ in range(bodies):
         contacts, point, normal, velocity, friction = random_push(rng)
         found = push(contacts, point, normal, velocity, friction)
         voters = (normal + friction * turned(normal), normal - friction * turned(normal), velocity)
@@ -193,12 +194,12 @@ def test_fitted_models_are_judged_on_pushes_that_they_have_not_seen(name: str) -
     assert rank(Direction.WRENCH, [model], [mixed])[0].median > 50
 
 
-@pytest.mark.parametrize("degree", [2, 4])
-def test_a_limit_surface_is_recovered_from_its_own_pushes(degree: int) -> None:
+@pytest.mark.parametrize(("degree", "pushes"), keep(2, [(2, 20), (4, 20), (2, 60), (4, 60)]))
+def test_a_limit_surface_is_recovered_from_its_own_pushes(degree: int, pushes: int) -> None:
     """Wrenches and normals of an ellipsoid are fitted by it; of degree 4 its square is."""
     rng = np.random.default_rng(5)
     shape = np.diag([1.0, 2.0, 0.5])
-    wrenches = rng.normal(size=(60, 3))
+    wrenches = rng.normal(size=(pushes, 3))
     wrenches /= np.sqrt(np.einsum("ni,ij,nj->n", wrenches, shape, wrenches))[:, None]
     motions = wrenches @ shape
     surface = fit_surface(degree, motions, wrenches)

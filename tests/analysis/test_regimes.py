@@ -9,6 +9,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
+from tests.thorough import keep
 
 SAME = 1e-9  # of twists of order one
 STEP, SLOPE_ERROR = 1e-5, 1e-6  # of the way from loads to loads; relative
@@ -24,10 +25,11 @@ def model_of(seed: int, alike: int) -> ContactModel:
     return ContactModel.build(places, rims, speeds, (1.0, 0.5))
 
 
-@pytest.mark.parametrize("alike", [0, 1, 2, 3])
-def test_twists_are_those_of_the_interior_point_method(alike: int) -> None:
+@pytest.mark.parametrize("models", keep(1, [2, 8]))
+@pytest.mark.parametrize("alike", [2, 0, 1, 3])
+def test_twists_are_those_of_the_interior_point_method(alike: int, models: int) -> None:
     found = stuck = 0
-    for seed in range(8):
+    for seed in range(models):
         model, rng = model_of(seed, alike), np.random.default_rng(seed + 100)
         ends = rng.dirichlet(np.ones(7), 2)
         newton = SmoothNewton(model)
@@ -42,8 +44,8 @@ def test_twists_are_those_of_the_interior_point_method(alike: int) -> None:
             found += 1
             stuck += int(newton.last is not None and newton.last[0].sticks.any())
             assert np.abs(twist - expected).max() < SAME
-    assert found > 120
-    assert stuck > 20
+    assert found > 15 * models
+    assert stuck > 2.5 * models
 
 
 @pytest.mark.parametrize("alike", [0, 2])

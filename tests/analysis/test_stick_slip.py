@@ -16,9 +16,10 @@ from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.analysis.stick_slip import random_stick_slip, reference_events
+from tests.thorough import keep
 
 EVENT_ERROR = 1e-9
-UNTIL = 5.0
+UNTIL = 2.5, 5.0
 
 
 def follow(tmp_path: Path, states: str, rhs: list[str], start: list[float], until: float) -> Trajectory:
@@ -61,22 +62,24 @@ def test_an_exit_and_a_return_between_two_steps(tmp_path: Path) -> None:
     assert event_times(path) == pytest.approx([1.0, back], abs=EVENT_ERROR)
 
 
+@pytest.mark.parametrize("until", keep(1, UNTIL))
 @pytest.mark.parametrize("seed", range(40))
-def test_two_masses_on_a_belt(tmp_path: Path, seed: int) -> None:
+def test_two_masses_on_a_belt(tmp_path: Path, seed: int, until: float) -> None:
     system, start = random_stick_slip(seed)
-    times, end = reference_events(system, start, UNTIL)
-    path = follow(tmp_path, "xvyw", system.formulas(), [float(v) for v in start], UNTIL)
+    times, end = reference_events(system, start, until)
+    path = follow(tmp_path, "xvyw", system.formulas(), [float(v) for v in start], until)
     assert event_times(path) == pytest.approx([float(t) for t in times], abs=EVENT_ERROR)
     assert path.end.state == pytest.approx([float(v) for v in end], abs=EVENT_ERROR)
     assert path.unique
 
 
+@pytest.mark.parametrize("until", keep(1, UNTIL))
 @pytest.mark.parametrize("seed", range(20))
-def test_three_masses_on_a_belt(tmp_path: Path, seed: int) -> None:
+def test_three_masses_on_a_belt(tmp_path: Path, seed: int, until: float) -> None:
     """Sliding of codimension three is left on time too."""
     system, start = random_stick_slip(seed, masses=3)
-    times, end = reference_events(system, start, UNTIL)
-    path = follow(tmp_path, "xvywzu", system.formulas(), [float(v) for v in start], UNTIL)
+    times, end = reference_events(system, start, until)
+    path = follow(tmp_path, "xvywzu", system.formulas(), [float(v) for v in start], until)
     assert event_times(path) == pytest.approx([float(t) for t in times], abs=EVENT_ERROR)
     assert path.end.state == pytest.approx([float(v) for v in end], abs=EVENT_ERROR)
     assert path.unique
