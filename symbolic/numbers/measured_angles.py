@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from flint import arb, ctx, fmpq
+from flint import arb, ctx, fmpq, fmpz
 
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
@@ -110,4 +110,7 @@ def _shown(turn: Fraction) -> str:
 @cache
 def degree_of(order: int) -> int:
     """Degree of ``Q(2 cos(2 pi/N))``: half of Euler's phi, at least one."""
-    return max(1, sum(math.gcd(k, order) == 1 for k in range(order)) // 2)
+    phi = order
+    for prime, _ in fmpz(order).factor():
+        phi -= phi // int(prime)
+    return max(1, phi // 2)

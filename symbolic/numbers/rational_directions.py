@@ -7,7 +7,6 @@ are so exactly: a symmetric array stays symmetric.
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 from functools import cache
 
@@ -56,8 +55,12 @@ def _half_tangent(turn: Fraction) -> Fraction:
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:
     """The fraction of the smallest denominator in a closed interval of positive numbers (continued fractions)."""
-    whole = math.ceil(low)
-    if whole <= high:
-        return Fraction(whole)
-    below = math.floor(low)
-    return below + 1 / simplest_between(1 / (high - below), 1 / (low - below))
+    a, b, c, d = low.numerator, low.denominator, high.numerator, high.denominator  # from a/b to c/d
+    before, last = (0, 1), (1, 0)  # convergents as numerator and denominator
+    while True:
+        whole = -(-a // b)
+        if whole * d <= c:
+            return Fraction(whole * last[0] + before[0], whole * last[1] + before[1])
+        below = whole - 1
+        before, last = last, (below * last[0] + before[0], below * last[1] + before[1])
+        a, b, c, d = d, c - below * d, b, a - below * b

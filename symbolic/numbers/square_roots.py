@@ -206,7 +206,8 @@ class _ResidueMap:
             for q in reversed(coefficients):
                 if q.q % self.p == 0:
                     return None
-                term = (term * self.base + q.p * fmpz(pow(int(q.q), -1, int(self.p)))) % self.p
+                residue = q.p if q.q == 1 else q.p * fmpz(pow(int(q.q), -1, int(self.p)))
+                term = (term * self.base + residue) % self.p
             for i in bits(mask):
                 term = term * self.roots[i] % self.p
             total = (total + term) % self.p
