@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -44,11 +46,14 @@ def as_trajectory(method: str, solution: Any, loads: MovingLoads) -> Trajectory:
     def state(t: Any) -> State:
         return tuple(solution.sol(float(t))[:3].tolist())
 
+    def poses(since: Floats) -> Floats:
+        return np.asarray(solution.sol(since)[:3].T)
+
     reason = EndReason.TIME
     if solution.status == 1:
         reason = EndReason.TIPS if loads.model.load_table is None else EndReason.LOADS
     times = tuple(solution.t.tolist())
     states = tuple(tuple(pose) for pose in solution.y[:3].T.tolist())
-    piece = Piece(0.0, times[-1], method, (), state, times)
+    piece = Piece(0.0, times[-1], method, (), state, times, poses)
     end = End(times[-1], states[-1], reason)
     return Trajectory(Kinematics.EXACT.value, method, times, states, (), end, True, (piece,))

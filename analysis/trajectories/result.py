@@ -100,6 +100,7 @@ class Piece:
         cells: the cells whose motions it mixes.
         state: state as a function of the time since ``start``.
         times: sample times within the piece, its start and (finite) end included.
+        states: states (m, n) at many times since ``start`` at once, where the method has them.
     """
 
     start: Any
@@ -108,6 +109,7 @@ class Piece:
     cells: tuple[str, ...]
     state: Callable[[Any], State] = field(repr=False, compare=False)
     times: tuple[Any, ...]
+    states: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = field(repr=False, compare=False, default=None)
 
     def record(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -180,6 +182,10 @@ class Trajectory(ShortRepr):
 
     def sample(self, times: Iterable[float]) -> NDArray[np.float64]:
         """States (m, n) at many times, as floats."""
+        many = self.pieces[0].states if len(self.pieces) == 1 else None
+        if many is not None:
+            since = np.asarray(list(times), float) - self.pieces[0].start
+            return many(np.clip(since, 0.0, self.end.t - self.pieces[0].start))
         return np.array([_floats(self.at(time)) for time in times])
 
     def in_lengths(self, length: float) -> Trajectory:
@@ -198,7 +204,7 @@ class Trajectory(ShortRepr):
         """The same path with all its states mapped."""
 
         def later(piece: Piece) -> Piece:
-            return replace(piece, state=lambda time: seen(piece.state(time)))
+            return replace(piece, state=lambda time: seen(piece.state(time)), states=None)
 
         return replace(
             self,
