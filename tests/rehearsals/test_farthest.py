@@ -72,7 +72,10 @@ def test_the_commands_take_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytes
     assert invoke("partition", "four-wheel", "--compare", "-o", "a.png").status == 0
 
 
-@pytest.mark.parametrize("parts", keep(1, ["--only verdict,cells,rules", "--without precision"]))
+PARTS = ["--only verdict,rules", "--only verdict,cells,rules", "--without precision"]
+
+
+@pytest.mark.parametrize("parts", keep(1, PARTS))
 def test_a_report_takes_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, parts: str) -> None:
     monkeypatch.chdir(tmp_path)
     assert invoke("derive", "four-wheel", "--rule", "farthest", *parts.split(), "-o", "a.html").status == 0

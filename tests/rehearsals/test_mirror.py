@@ -20,6 +20,8 @@ from tests.rehearsals.mirror import MirrorClause
 from tests.reports.conftest import Invoke
 from tests.thorough import keep
 
+MANY_PARTS = "--without precision,trajectories,rules"
+
 THREE = """
 [friction]
 mu_roll = 1
@@ -36,8 +38,11 @@ def mirror(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("mirror")
-@pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box"]))
-def test_a_new_clause_is_shown_everywhere(invoke: Invoke, tmp_path: Path, rule: str) -> None:
+@pytest.mark.parametrize(
+    ("rule", "parts"),
+    keep(2, [(rule, parts) for parts in ("--only theorem", MANY_PARTS) for rule in ("nearest", "ellipse", "box")]),
+)
+def test_a_new_clause_is_shown_everywhere(invoke: Invoke, tmp_path: Path, rule: str, parts: str) -> None:
     assert len(inspect.getsource(MirrorClause).splitlines()) <= 60
     shown = " ".join(invoke("check", "four-wheel", "--rule", rule).out.replace("│", " ").split())
     assert "mirror symmetric 0 wheels have no counterpart across the point the farthest wheel has |p|^2 = 2" in shown
@@ -46,7 +51,7 @@ def test_a_new_clause_is_shown_everywhere(invoke: Invoke, tmp_path: Path, rule: 
         "verdict": "symmetric", "reason": "0 wheels have no counterpart across the point",
         "farthest": 2.0, "exact": {"farthest": "2"},
     }  # fmt: skip
-    options = ("--rule", rule, "--without", "precision,trajectories,rules")
+    options = ("--rule", rule, *parts.split())
     report = invoke("derive", "four-wheel", *options).out
     assert "Clause 5, mirror: symmetric" in report
     assert "the farthest wheel has |p|^2 = $2$" in report.replace("\\", "")

@@ -18,8 +18,9 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.root_masks import bits
 from nonsmooth.symbolic.numbers.square_roots import NestingError
+from tests.thorough import keep
 
-RANDOM = settings(max_examples=60)
+COUNTS = pytest.mark.parametrize("count", keep(1, [15, 60]))  # of examples
 DIGITS = 60
 # A nonzero element of degree n <= 16 whose conjugates are below B = 10^3 and whose denominator divides
 # D = 12^4 is at least D^-n B^(1-n) > 10^-115 in theory; the samples below never come near this gap.
@@ -107,9 +108,10 @@ def elements(name: str) -> st.SearchStrategy[Sample]:
 # ---- axioms ----------------------------------------------------------------------------------
 
 
+@COUNTS
 @every_field
-def test_ring_axioms(name: str) -> None:
-    @RANDOM
+def test_ring_axioms(name: str, count: int) -> None:
+    @settings(max_examples=count)
     @given(elements(name), elements(name), elements(name))
     def check(x: Sample, y: Sample, z: Sample) -> None:
         a, b, c = x.exact, y.exact, z.exact
@@ -127,9 +129,10 @@ def test_ring_axioms(name: str) -> None:
     check()
 
 
+@COUNTS
 @every_field
-def test_inverse(name: str) -> None:
-    @RANDOM
+def test_inverse(name: str, count: int) -> None:
+    @settings(max_examples=count)
     @given(elements(name), elements(name))
     def check(x: Sample, y: Sample) -> None:
         assume(y.exact)
@@ -142,9 +145,10 @@ def test_inverse(name: str) -> None:
     check()
 
 
+@COUNTS
 @every_field
-def test_values_signs_and_order_agree_with_60_digits(name: str) -> None:
-    @RANDOM
+def test_values_signs_and_order_agree_with_60_digits(name: str, count: int) -> None:
+    @settings(max_examples=count)
     @given(elements(name), elements(name))
     def check(x: Sample, y: Sample) -> None:
         assert float(x.exact) == pytest.approx(float(x.value), rel=1e-15)
@@ -160,11 +164,12 @@ def test_values_signs_and_order_agree_with_60_digits(name: str) -> None:
     check()
 
 
+@COUNTS
 @every_field
-def test_root_of_a_square_needs_no_new_generator(name: str) -> None:
+def test_root_of_a_square_needs_no_new_generator(name: str, count: int) -> None:
     field = FIELDS[name][0].exact.field
 
-    @RANDOM
+    @settings(max_examples=count)
     @given(elements(name))
     def check(x: Sample) -> None:
         before = len(field.radicands)
