@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.thorough import keep
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 AT_THE_TOP = ("__init__.py", "__main__.py", "py.typed", "pyproject.toml", "README.md", "LICENSE")
@@ -30,9 +32,15 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_wheel_holds_the_package_and_nothing_else(source: Path, tmp_path: Path) -> None:
-    build = [sys.executable, "-m", "pip", "wheel", ".", "--no-deps", "--no-build-isolation", "--no-index", "-q", "-w"]
-    done = subprocess.run([*build, str(tmp_path)], cwd=source, capture_output=True, text=True, check=False)
+# what pip calls in the end (PEP 517), and pip
+BACKEND = ["-c", "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"]
+PIP = ["-m", "pip", "wheel", ".", "--no-deps", "--no-build-isolation", "--no-index", "-q", "-w"]
+
+
+@pytest.mark.parametrize("build", keep(1, [BACKEND, PIP]), ids=["backend", "pip"])
+def test_the_wheel_holds_the_package_and_nothing_else(source: Path, tmp_path: Path, build: list[str]) -> None:
+    command = [sys.executable, *build, str(tmp_path)]
+    done = subprocess.run(command, cwd=source, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     (wheel,) = tmp_path.glob("nonsmooth-*-py3-none-any.whl")
     with zipfile.ZipFile(wheel) as archive:

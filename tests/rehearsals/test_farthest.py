@@ -72,14 +72,16 @@ def test_the_commands_take_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytes
     assert invoke("partition", "four-wheel", "--compare", "-o", "a.png").status == 0
 
 
-PARTS = ["--only verdict,rules", "--only verdict,cells,rules", "--without precision"]
+SOME, MOST = "--only verdict,cells,rules", "--without precision"
 
 
-@pytest.mark.parametrize("parts", keep(1, PARTS))
-def test_a_report_takes_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, parts: str) -> None:
+@pytest.mark.parametrize(("parts", "file"), keep(1, [(SOME, "a.md"), (SOME, "a.html"), (MOST, "a.html")]))
+def test_a_report_takes_it(
+    invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, parts: str, file: str
+) -> None:
     monkeypatch.chdir(tmp_path)
-    assert invoke("derive", "four-wheel", "--rule", "farthest", *parts.split(), "-o", "a.html").status == 0
-    assert "farthest" in (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert invoke("derive", "four-wheel", "--rule", "farthest", *parts.split(), "-o", file).status == 0
+    assert "farthest" in (tmp_path / file).read_text(encoding="utf-8")
 
 
 def test_the_checker_of_certificates_does_not_know_it(invoke: Invoke, tmp_path: Path) -> None:
