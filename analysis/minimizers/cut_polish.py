@@ -64,15 +64,15 @@ def polish_cut(
     weights: Floats, maps: Floats, targets: Floats, cuts: Floats, y: Floats, z: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Finish ``min_y sum_i w_i h_i(E_i y - e_i)`` from an interior point; arguments as in ``polish``, cuts (n, 1)."""
-    norms = Norms(weights, maps, targets)
+    norms, border = Norms(weights, maps, targets), np.array([corners(cuts), cuts])
     r = norms.residuals(y)
     stiffness = STIFFNESS * len(weights) / (norm(r).sum(axis=0) + TINY)
     part = pieces(z - stiffness * r, cuts)
     for _ in range(NEWTON_STEPS):
-        force = _forces(part, r, z, cuts)
+        force = _forces(part, r, z, border)
         fixed = np.where(part.inside, stiffness, np.where(part.side, stiffness, 0.0))
         scale = np.where(part.arc, 1 / (norm(r) + TINY), fixed)
-        across = np.stack([np.zeros_like(scale), np.where(part.side, 1.0, 0.0)])
+        across = np.array([np.zeros_like(scale), np.where(part.side, 1.0, 0.0)])
         axis = np.where(part.arc, force, across)
         pushed = force - np.where(part.inside, stiffness * r, 0.0)
         pushed[0] -= np.where(part.side, stiffness * r[0], 0.0)
@@ -80,24 +80,31 @@ def polish_cut(
         step = curvature.solve(norms.imbalance(pushed))
         y = y + step
         r = norms.residuals(y)
-        z = _forces(part, r, z, cuts)
+        z = _forces(part, r, z, border)
         z = z - np.where(part.inside, stiffness * r, 0.0)
         z[0] -= np.where(part.side, stiffness * r[0], 0.0)
         before, part = part, pieces(z - stiffness * np.where(part.inside, 0.0, r), cuts)
         if np.abs(step).max() <= SETTLED * np.abs(y).max() and np.array_equal(before, part):
             break
-    z = _forces(part, r, z, cuts)
+    z = _forces(part, r, z, border)
     for _ in range(BALANCE_PASSES):
         z = z - curvature.change(curvature.solve(norms.imbalance(z)))
     return y, z, _solved(norms, r, z, cuts)
 
 
-def _forces(part: Pieces, r: Floats, z: Floats, cuts: Floats) -> Floats:
-    """The forces that the parts and the slips r give; where a multiplier is free, that of z."""
-    bound = np.where(part.side, -np.sign(r[1]) * cuts, np.where(part.arc, -r[1] / (norm(r) + TINY), z[1]))
-    free = np.where(part.arc, -r[0] / (norm(r) + TINY), z[0])
-    corner = -np.sign(r) * np.stack(np.broadcast_arrays(corners(cuts), cuts))
-    return np.where(part.corner, corner, np.stack([free, bound]))
+def _forces(part: Pieces, r: Floats, z: Floats, border: Floats) -> Floats:
+    """The forces that the parts and the slips r give; where a multiplier is free, that of z.
+
+    Args:
+        part: where the forces lie on the border.
+        r: slips, shape (2, n, m).
+        z: multipliers, shape (2, n, m).
+        border: the corner of each cut disc, shape (2, n, 1).
+    """
+    size = norm(r) + TINY
+    bound = np.where(part.side, -np.sign(r[1]) * border[1], np.where(part.arc, -r[1] / size, z[1]))
+    free = np.where(part.arc, -r[0] / size, z[0])
+    return np.where(part.corner, -np.sign(r) * border, np.array([free, bound]))
 
 
 def _solved(norms: Norms, r: Floats, z: Floats, cuts: Floats) -> NDArray[np.bool_]:

@@ -65,12 +65,15 @@ def polish(
 
 
 class Norms:
-    """The problems: weights (n, m), maps (n, 2, 3), targets (2, n, m) or (2, n, 1)."""
+    """The problems: weights (n, m), maps (n, 2, 3), targets (2, n, m) or (2, n, 1); products of rows (6, 3n)."""
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats) -> None:
         self.weights, self.maps, self.targets = weights, maps, targets
         self.columns = maps.transpose(2, 1, 0).reshape(3, -1)
         self.start = (weights * norm(targets)).sum(axis=0)
+        first, second = maps[:, 0], maps[:, 1]
+        both = _products(first, second)
+        self.products = np.concatenate([_products(first, first), _products(second, second), -2 * both]).T
 
     def residuals(self, y: Floats) -> Floats:
         """``w_i (E_i y - e_i)``, shape (2, n, m)."""
@@ -95,11 +98,9 @@ class Curvature:
 
     def __init__(self, norms: Norms, scale: Floats, axis: Floats) -> None:
         self.norms, self.scale, self.axis = norms, scale, axis
-        first, second = norms.maps[:, 0], norms.maps[:, 1]
-        products = [_products(first, first), _products(second, second), -2 * _products(first, second)]
         bend = np.square(norms.weights) * scale
         squares = [bend * (1 - np.square(axis[0])), bend * (1 - np.square(axis[1])), bend * axis[0] * axis[1]]
-        self.matrix = np.concatenate(products).T @ np.concatenate(squares)
+        self.matrix = norms.products @ np.concatenate(squares)
 
     def change(self, dy: Floats) -> Floats:
         """``S_i w_i E_i dy``: fall of the multipliers along a step, shape (2, n, m)."""
@@ -121,7 +122,7 @@ class Curvature:
         x1 = x1 - l10 * x0
         x2 = (x2 - l20 * x0 - l21 * x1) / d2
         x1 = x1 / d1 - l21 * x2
-        return np.stack([x0 / d0 - l10 * x1 - l20 * x2, x1, x2])
+        return np.array([x0 / d0 - l10 * x1 - l20 * x2, x1, x2])
 
 
 def _sticking(weights: Floats, sizes: Floats, z: Floats) -> NDArray[np.bool_]:

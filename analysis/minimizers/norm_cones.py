@@ -116,7 +116,7 @@ class Cones:
         t, x = sh * a + ch * self.point_b, ch * a - sh * self.point_b
         x_t = (t * goal_t - x * goal_x - q * goal_q) / self.root
         x_x, x_q = (goal_x - x * x_t) / t, (goal_q - q * x_t) / t
-        goal = np.stack([sh * x_t + ch * x_x, x_q]) - self.point
+        goal = np.array([sh * x_t + ch * x_x, x_q]) - self.point
         return self.direction(split, goal, ch * x_t - sh * x_x - self.point_b)
 
     def _centre(self, predictor: Direction) -> Floats:

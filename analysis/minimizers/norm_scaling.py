@@ -115,4 +115,4 @@ def nesterov_todd(state: Iterate, roots: Floats, gaps: Floats) -> Scaling:
     c2 = np.sqrt(np.square(cosh) + np.square(sinh))
     eta = np.sqrt(roots[0] / roots[1])
     tilt = 1 / np.square(c2 * (cosh + sinh))
-    return Scaling(cos + (size == 0), sin, sinh / c2, cosh / c2, np.stack([eta * c2, eta]), eta / c2, tilt)
+    return Scaling(cos + (size == 0), sin, sinh / c2, cosh / c2, np.array([eta * c2, eta]), eta / c2, tilt)

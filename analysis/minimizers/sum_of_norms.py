@@ -184,13 +184,13 @@ class LeastSquares:
     def split(self, vector: Floats) -> tuple[Floats, Floats]:
         """Coefficients on the orthogonal columns, and the remainder orthogonal to them (in place)."""
         coefficients = [self._remove(index, vector) for index in range(3)]
-        return np.stack(coefficients), vector
+        return np.array(coefficients), vector
 
     def solution(self, coefficients: Floats) -> Floats:
         """The unknowns, shape (3, m), by back substitution."""
         x, y, z = coefficients
         y = y - self.second * z
-        return np.stack([x - self.first[0] * y - self.first[1] * z, y, z])
+        return np.array([x - self.first[0] * y - self.first[1] * z, y, z])
 
 
 def _inner(a: Floats, b: Floats) -> Floats:
