@@ -157,4 +157,4 @@ class _Polynomials:
         """The values, in order."""
         if self._constant is not None:
             return self._constant
-        return np.asarray(self._coefficients @ np.prod(x**self._exponents, axis=1))
+        return np.asarray(self._coefficients @ np.multiply.reduce(x**self._exponents, axis=1))
