@@ -33,6 +33,7 @@ from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.reports.sweeps.workers import ALONE, DIED, TOGETHER, InProcess, Pool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -78,14 +79,17 @@ def begun(means: Means) -> BaseProcess:
     return process
 
 
-def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Killed up to five times at random moments, each time a little further; its table is the undisturbed one.
+@pytest.mark.parametrize("times", keep(1, [2, 5]))
+def test_a_sweep_that_is_killed_goes_on_where_it_was(
+    times: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed at random moments, each time a little further; its table is the undisturbed one.
 
     Where this process waits for its turn, a sweep may end before it is killed.
     """
-    monkeypatch.setattr(store_module, "LEASE", 1.0)  # what the killed ones had claimed is free after a second
+    monkeypatch.setattr(store_module, "LEASE", 0.5)  # what the killed ones had claimed is free after so many seconds
     moments, store, done, killed = random.Random(5), tmp_path / "r.sqlite", 0, 0
-    for _ in range(5):
+    for _ in range(times):
         process = begun(Means(store=store))
         target, end = done + moments.randint(1, 3), time.monotonic() + 60
         while rows(store) < target and time.monotonic() < end:
@@ -251,7 +255,7 @@ def test_a_long_check_keeps_its_claim(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr(store_module, "LEASE", 0.3)
     with closing(Store(tmp_path / "r.sqlite")) as one, closing(Store(tmp_path / "r.sqlite")) as two:
         assert one.claim(["a"]) == {"a"}
-        time.sleep(0.9)
+        time.sleep(0.7)
         assert two.claim(["a"]) == set()
 
 
