@@ -30,7 +30,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -171,10 +171,11 @@ def test_engines_settled_twist_is_that_of_rule_ellipse(
     assert np.abs(plate.loads() - loads[0]).max() < SHARE
 
 
+@pytest.mark.parametrize("until", keep(1, [150.0, 400.0]))
 @pytest.mark.parametrize("friction", [FRICTION["side 1/2"], FRICTION["side 1/10"]])
-def test_engines_path_is_that_of_full_dynamics(friction: tuple[float, float]) -> None:
-    """Most of the way to the middle, a turn included, at 1e-3 lengths per second."""
-    wheels, start, until = array(friction, speed=1e-3), (0.2, 0.45), 400.0
+def test_engines_path_is_that_of_full_dynamics(friction: tuple[float, float], until: float) -> None:
+    """A part of the way to the middle, and most of it, a turn included, at 1e-3 lengths per second."""
+    wheels, start = array(friction, speed=1e-3), (0.2, 0.45)
     plate = engine(wheels, start, timestep=5e-3, time_constant=0.02)
     inertia = plate.model.body_inertia[1, 2]
     body = Body(1 / GRAVITY, inertia / GRAVITY)  # the plate weighs one kilogram

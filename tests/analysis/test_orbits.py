@@ -11,12 +11,15 @@ from nonsmooth.analysis.cells.full_turns import Growth, full_turns
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system
+from nonsmooth.analysis.trajectories import constant
+from nonsmooth.analysis.trajectories.constant import MAX_LEGS
 from nonsmooth.analysis.trajectories.junction import signs_of
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.plane import around
+from tests.thorough import keep
 
 START = (Fraction(3, 10), Fraction(1, 5), Fraction(1, 7))
 PERIOD = 2  # the orbit is the square |x| + |y| = 1/2, at speed one in x and in y
@@ -75,7 +78,9 @@ def test_states_within_the_turns_are_exact_too() -> None:
     assert "turns are taken at once" in "".join(event.note for event in path.events)
 
 
-def test_floats_take_turns_at_once_only_where_the_orbit_closes() -> None:
+@pytest.mark.parametrize("legs", keep(1, [1_000, MAX_LEGS]))
+def test_floats_take_turns_at_once_only_where_the_orbit_closes(legs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(constant, "MAX_LEGS", legs)
     start = (0.25, 0.25, 0.0)  # binary fractions: the orbit closes to the last bit
     path = simulate(relay(exact=False), start, 2e6 + 0.125)
     assert path.end.state[:2] == pytest.approx((0.375, 0.125), abs=1e-9)

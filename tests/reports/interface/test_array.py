@@ -20,7 +20,7 @@ from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 MU: dict[str, Any] = {"mu_roll": 1, "mu_side": "1/2"}
 
@@ -109,10 +109,11 @@ def test_a_result_answers() -> None:
     assert [row["question"] for row in result.rows()][:3] == ["position", "heading", "pose"]
 
 
-def test_a_result_is_the_record_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
-    run(app, ["check", "off-center", "--rule", "box", "--json"])
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "off-center"]))
+def test_a_result_is_the_record_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    run(app, ["check", name, "--rule", "box", "--json"])
     printed = json.loads(capsys.readouterr().out)
-    record = ns.load("off-center").check(rule="box").to_dict()
+    record = ns.load(name).check(rule="box").to_dict()
     record.pop("seconds")
     printed.pop("seconds")
     assert json.loads(json.dumps(record)) == printed
