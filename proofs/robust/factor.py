@@ -9,6 +9,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.tolerances import Tolerance
 
 DOUBLINGS = 10  # of the factor: a thousand times the tolerances is as good as all
+SMALLEST = Fraction(1, 2 ** (DOUBLINGS - 1))  # factor that is tried
 HALVINGS = 6  # of the interval in which the largest factor lies
 COARSE = 3  # the same where factors are only compared
 LARGEST_SHARE = Fraction(99, 100)
@@ -37,10 +38,12 @@ def largest_factor(
     for _ in range(DOUBLINGS):
         if proved(high):
             low, high = high, 2 * high
-        elif not low and high > Fraction(1, 2**DOUBLINGS):
-            high /= 2
-        else:
+        elif low:
             break
+        elif high == 1 and not proved(SMALLEST):
+            return Fraction(0)  # nor is any larger one
+        else:
+            high /= 2
     for _ in range(halvings if low else 0):
         middle = (low + high) / 2
         low, high = (middle, high) if proved(middle) else (low, middle)

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -32,7 +33,8 @@ PRECISION = 64  # bits of the balls
 INFLATIONS = 12  # of the box Z
 GROWTH = 1.125  # of the image of the box, which is the next one
 LEAST = 2.0**-50  # of its half-widths
-NEWTON_STEPS = 20  # in floats, to the middle of the box
+NEWTON_STEPS = 20  # in floats, to the middle of the box, at most
+DONE = LEAST / 16  # a step that moves the middle no more
 
 Matrix: TypeAlias = list[list[arb]]
 
@@ -103,6 +105,7 @@ def equilibrium_box(scene: Scene, box: Tolerance) -> EquilibriumBox | None:
         return None if middle is None else _proved(springs, middle)
 
 
+@lru_cache(maxsize=8)  # many boxes about one scene are asked for
 def _start(scene: Scene) -> list[float] | None:
     """The point, and the spin of the minimizer there, in floats."""
     minima = smooth_rule_of(scene).minima(scene, np.zeros((1, 2)))
@@ -125,6 +128,8 @@ def _newton(springs: _Springs, start: list[float]) -> list[float] | None:
         z -= step
         if not np.isfinite(z).all():
             return None
+        if np.abs(step).max() <= DONE:
+            break
     return [float(entry) for entry in z]
 
 
