@@ -24,7 +24,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Sc
     return scene, found
 
 
-@pytest.mark.parametrize(("name", "radius"), [("four-wheel", "7/10"), ("ring-5", "9/20"), ("ring-6", "9/20")])
+@pytest.mark.parametrize(("name", "radius"), [("four-wheel", "13/20"), ("ring-5", "9/20"), ("ring-6", "9/20")])
 def test_no_array_of_the_box_breaks_the_rate(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Corners of the box and arrays inside it, each at points between the disc and the starts."""
     scene, found = disc_of(name, radius, monkeypatch)
@@ -102,7 +102,7 @@ def test_paths_end_in_the_disc_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
         assert np.hypot(*points.T).max() <= float(found.radius) + 2 * step
 
 
-@pytest.mark.parametrize("name", ["four-wheel", "ring-6", "rectangle", "grid-4x4"])
+@pytest.mark.parametrize("name", keep(2, ["four-wheel", "rectangle", "ring-6", "grid-4x4"]))
 def test_every_body_within_the_rest_disc_stays_where_it_is(name: str) -> None:
     scene = load_scene(name, rule="box").recentred()
     within, rng = small_box(scene), np.random.default_rng(3)
@@ -160,14 +160,14 @@ def holds(corners: Floats, point: Floats) -> bool:
 def test_what_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rings, "RINGS", 8)
     monkeypatch.setattr(BoxRule, "halvings", 0)
-    scene = load_scene("four-wheel", rule="box", radius="7/10")
+    scene = load_scene("four-wheel", rule="box", radius="13/20")
     one = replace(small_box(scene).times(Fraction(0)), mu_side=scene.field(Fraction(1, 400)))
     found = decide_robust(replace(scene, tolerances=one))
     assert found is not None
     assert found.verdict is Certainty.CERTIFIED
     assert found.radius is not None
     assert found.rests is not None
-    assert Fraction(1, 2) < found.radius < Fraction(7, 10)
+    assert Fraction(1, 2) < found.radius < Fraction(13, 20)
     assert Fraction(3, 10) < found.rests < Fraction(36, 100)
     assert found.factor is not None
     assert found.factor > 1

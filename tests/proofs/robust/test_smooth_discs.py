@@ -27,9 +27,10 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from tests.proofs.robust.test_smooth_bounds import drawn
-from tests.thorough import keep, thorough
+from tests.thorough import thorough
 
 DRAWN, PLACES = 12, 24
+QUARTER = Fraction(1, 4)  # of the tolerances
 SLACK = 1e-6  # of the speeds: velocities of numerical minimizers
 
 CASES = [("four-wheel", "ellipse"), ("four-wheel", "roller"), ("ring-6", "ellipse"), ("elliptic", "roller")]
@@ -48,28 +49,60 @@ def box_of(scene: Scene, share: Fraction) -> Tolerance:
 
 @cache
 def statement_of(name: str, rule: str, share: Fraction) -> Robust:
-    """What is said about a scene; kept, since two tests look at one that takes many seconds."""
+    """What is said about a scene; kept, since it takes many seconds."""
     scene = load_scene(name, rule=rule)
     return decided_statement(replace(scene, tolerances=box_of(scene, share)))
+
+
+def disc_said(said: Robust) -> EndDisc:
+    """The disc of a statement, with the rate that its time tells."""
+    assert said.radius is not None
+    assert said.start is not None
+    assert said.within is not None
+    return EndDisc(said.radius, said.start, (said.start - said.radius) / said.within)
 
 
 @cache
 def disc_of(name: str, rule: str, share: Fraction) -> tuple[Scene, EndDisc | None]:
     """A scene about its point, and the disc in which bodies end; from what is said where that is about this disc."""
     scene, said = standing(load_scene(name, rule=rule)).recentred(), statement_of(name, rule, share)
-    if said.radius is not None and said.start is not None and said.within is not None:
-        return scene, EndDisc(said.radius, said.start, (said.start - said.radius) / said.within)
+    if said.start is not None:
+        return scene, disc_said(said)
     return scene, SmoothDisc(scene).disc(box_of(scene, share), Fraction(str(inner_radius(scene))))
 
 
-@pytest.mark.parametrize(("name", "rule"), keep(1, CASES))
+@pytest.fixture(scope="module")
+def nearby() -> tuple[Scene, Robust]:
+    """An array with a small square, and what is said of it where the proof divides neither quadrangles nor rings.
+
+    The disc is then larger than it need be, and found in a second.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(SmoothDisc, "depth", 0)
+        patch.setattr(SmoothDisc, "halvings", 0)
+        scene = load_scene("four-wheel", rule="ellipse", radius="1/10")
+        said = decided_statement(replace(scene, tolerances=box_of(scene, QUARTER)))
+    return standing(scene).recentred(), said
+
+
+def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, Robust]) -> None:
+    scene, said = nearby
+    assert_nearer_outside(scene, disc_said(said))
+
+
+@thorough  # the small one: test_every_array_comes_nearer_outside_a_disc_nearby
+@pytest.mark.parametrize(("name", "rule"), CASES)
 def test_every_array_comes_nearer_outside_the_disc(name: str, rule: str) -> None:
-    share = Fraction(1, 4)
-    scene, disc = disc_of(name, rule, share)
+    scene, disc = disc_of(name, rule, QUARTER)
     assert disc is not None
+    assert_nearer_outside(scene, disc)
+
+
+def assert_nearer_outside(scene: Scene, disc: EndDisc) -> None:
+    """At places on the disc's border and beyond it, for corners of the box and arrays inside it."""
     rng = np.random.default_rng(5)
     for k in range(DRAWN):
-        model = drawn(scene, box_of(scene, share), rng, corner=k % 3 != 0)
+        model = drawn(scene, box_of(scene, QUARTER), rng, corner=k % 3 != 0)
         radii = np.r_[float(disc.radius), rng.uniform(float(disc.radius), float(disc.start), PLACES - 1)]
         angles = rng.uniform(0, 2 * np.pi, PLACES)
         places = radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -107,11 +140,11 @@ def test_the_disc_reaches_further_than_the_equilibrium() -> None:
     assert 0 < farthest <= float(disc.radius)
 
 
-def test_what_is_said() -> None:
+def test_what_is_said(nearby: tuple[Scene, Robust]) -> None:
     scene = load_scene("four-wheel", rule="ellipse")
-    large = replace(scene, tolerances=box_of(scene, Fraction(1, 4)))
+    large = replace(scene, tolerances=box_of(scene, QUARTER))
     small = replace(scene, tolerances=box_of(scene, Fraction(1, 32)))
-    wide = statement_of("four-wheel", "ellipse", Fraction(1, 4))
+    _, wide = nearby
     found = replace(wide, equilibrium=Fraction(1, 50), drift=Fraction(0))
     assert wide.verdict is Certainty.CERTIFIED
     assert wide.start is not None
