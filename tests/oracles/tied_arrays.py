@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cache
 from itertools import combinations
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import flint
@@ -22,9 +23,11 @@ from tests.oracles.nearest_paths import NearestArray, Twist, Wheel, as_arb
 
 Pair: TypeAlias = tuple[Fraction, Fraction]
 Floats: TypeAlias = npt.NDArray[Any]
+Numbers: TypeAlias = npt.NDArray[np.int64]
 Tie: TypeAlias = Callable[[list[Wheel], random.Random], list[Wheel]]
 
 SPEEDS = [Fraction(n, d) for n in (-7, -5, -4, -3, -2, -1, 1, 2, 3, 4, 5, 7) for d in (1, 2, 3, 5)]
+FOUND = Path(__file__).with_name("turning_arrays.csv")
 POOL, BATCH = 400, 50_000  # turning arrays to begin with; candidates looked at together
 TRIES = 20  # of coincidences for one array that turns, until it still turns
 SHARE_OF_OTHERS = 0.2  # of arrays in which not all velocities turn about the origin in one sense
@@ -69,12 +72,21 @@ def turning(rng: random.Random) -> list[Wheel]:
 
 @cache
 def turning_pool() -> list[list[Wheel]]:
-    """Arrays found among many at random: one in some 4,000 turns."""
-    rng, generator = random.Random(0), np.random.default_rng(0)
-    points = [circle_point(rng) for _ in range(600)]
-    rims = [circle_point(rng) for _ in range(600)]
-    pool: list[list[Wheel]] = []
-    while len(pool) < POOL:
+    """The arrays that a file lists, for finding them takes many seconds: those of :func:`found_by_search`."""
+    numbers = np.loadtxt(FOUND, dtype=int, delimiter=",")
+    return [_of_numbers(*row.reshape(3, 3)) for row in numbers]
+
+
+def found_by_search() -> list[list[int]]:
+    """Turning arrays among many at random: one in some 4,000 turns.
+
+    Returns:
+        For each the numbers of its three places, then of its rims and of its speeds: what the file lists.
+    """
+    generator = np.random.default_rng(0)
+    points, rims = _circle_points()
+    found: list[list[int]] = []
+    while len(found) < POOL:
         places, directions = generator.integers(len(points), size=(2, BATCH, 3))
         speeds = generator.integers(len(SPEEDS), size=(BATCH, 3))
         turns = _turning_in_floats(
@@ -83,11 +95,22 @@ def turning_pool() -> list[list[Wheel]]:
             np.array(SPEEDS, dtype=float)[speeds],
         )
         for k in np.flatnonzero(turns):
-            row = zip(places[k], directions[k], speeds[k], strict=True)
-            wheels = [_wheel(points[p], rims[d], SPEEDS[u]) for p, d, u in row]
+            wheels = _of_numbers(places[k], directions[k], speeds[k])
             if len({wheel.position for wheel in wheels}) == 3 and _turns(wheels):
-                pool.append(wheels)
-    return pool
+                found.append([*places[k].tolist(), *directions[k].tolist(), *speeds[k].tolist()])
+    return found
+
+
+@cache
+def _circle_points() -> tuple[list[Pair], list[Pair]]:
+    """Places and rims to choose from."""
+    rng = random.Random(0)
+    return [circle_point(rng) for _ in range(600)], [circle_point(rng) for _ in range(600)]
+
+
+def _of_numbers(places: Numbers, directions: Numbers, speeds: Numbers) -> list[Wheel]:
+    points, rims = _circle_points()
+    return [_wheel(points[p], rims[d], SPEEDS[u]) for p, d, u in zip(places, directions, speeds, strict=True)]
 
 
 def _turning_in_floats(p: Floats, d: Floats, u: Floats) -> Floats:

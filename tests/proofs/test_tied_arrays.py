@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
@@ -15,8 +16,9 @@ from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4, Translation
 from tests.oracles.agreement import contradiction
 from tests.oracles.nearest_paths import End, Wheel, observe
-from tests.oracles.tied_arrays import tied_array, untied_array
+from tests.oracles.tied_arrays import FOUND, found_by_search, tied_array, untied_array
 from tests.oracles.tied_scenes import CENTRE, LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -66,6 +68,11 @@ def test_the_oracle_follows_half_a_turn_about_the_point_itself() -> None:
     """In a half-plane with v = 0 the exit lies half a turn away, where the parameter of the arc is infinite."""
     wheels, _ = tied_array(1_031_836)
     assert observe(wheels, seed=1_031_836, starts=6) == {End.ARRIVES}
+
+
+@thorough  # the others follow arrays of the file
+def test_the_file_lists_the_arrays_that_a_search_finds() -> None:
+    assert np.loadtxt(FOUND, dtype=int, delimiter=",").tolist() == found_by_search()
 
 
 # ---- many --------------------------------------------------------------------------------------
