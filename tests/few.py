@@ -81,7 +81,6 @@ FEW = {
     "proofs/answers/test_destinations.py::test_auto_refuses_in_one_line": 2,
     "proofs/answers/test_failures.py::test_failures_answer_as_arrays_written_without_the_wheel": 1,
     "proofs/headings/test_equilibrium_headings.py::test_a_grid_of_headings_finds_what_is_listed_and_no_more": 2,
-    "proofs/measurements/test_stress.py::test_a_built_in_scene_holds": 1,
     "proofs/robust/test_box_bounds.py::test_no_array_of_the_box_breaks_the_rate": 1,
     "proofs/robust/test_certified_bound.py::test_irrational_places_are_followed": 1,
     "proofs/robust/test_robust_feedback.py::test_no_array_of_the_box_is_slower": 1,
