@@ -60,15 +60,18 @@ class PiecewiseExpression:
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("sin", "cos"):
                 yield turn_of(node.args[0], self.text)
 
-    def switching_parts(self) -> Iterator[PiecewiseExpression]:
+    @cached_property
+    def switching_parts(self) -> tuple[PiecewiseExpression, ...]:
         """The outermost parts that may switch, each as a formula of its own."""
+        found: list[PiecewiseExpression] = []
         waiting: list[ast.AST] = [self.tree]
         while waiting:
             node = waiting.pop()
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SWITCHES:
-                yield PiecewiseExpression(self.text, node, self.states)
+                found.append(PiecewiseExpression(self.text, node, self.states))
             else:
                 waiting += reversed(list(ast.iter_child_nodes(node)))
+        return tuple(found)
 
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""

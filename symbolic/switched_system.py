@@ -172,7 +172,7 @@ class SwitchedSystem(ShortRepr):
         return tuple(found)
 
     def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
-        parts = (self._asked(k, part, values) for part in self.rhs[k].switching_parts())
+        parts = (self._asked(k, part, values) for part in self.rhs[k].switching_parts)
         return list(dict.fromkeys(surface for part in parts for surface in part))
 
     def _asked(self, k: int, part: PiecewiseExpression, values: Sequence[Polynomial]) -> list[Polynomial]:
