@@ -126,7 +126,7 @@ FEW = {
     "proofs/test_input_margin.py::test_at_a_sides_distance_its_two_cells_have_no_common_input": 12,
     "proofs/test_input_margin.py::test_within_the_margin_all_cells_in_reach_have_a_common_input": 1,
     "proofs/test_invariance.py::test_an_energy_is_found": 1,
-    "proofs/test_invariance_certificate.py::test_what_the_principle_decides_is_certified": 2,
+    "proofs/test_invariance_certificate.py::test_what_the_principle_decides_is_certified": 1,
     "proofs/test_inward_slope.py::test_no_disc_is_claimed_where_the_distance_may_grow": 4,
     "proofs/test_inward_slope.py::test_the_distance_falls_all_over_the_disc": 1,
     "proofs/test_large_arrays.py::test_a_law_of_few_candidates_verifies": 1,

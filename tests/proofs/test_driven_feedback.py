@@ -152,7 +152,7 @@ def test_under_box_a_minimizer_tells_which_twists_are_held(arrays: Arrays, seed:
         assert not (held.is_unique and held.is_excluded)
 
 
-@pytest.mark.parametrize("seed", FORCES_AND_SEPARATORS[:3])
+@pytest.mark.parametrize("seed", [1, 0, 2])
 def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, seed: int) -> None:
     scene = small(centred(arrays.cocircular(seed, (1, Fraction(9, 10))), "ellipse"))
     zero = scene.field.zero

@@ -36,17 +36,19 @@ def numerical_twist(scene: Scene, region: LoadRegion, c: tuple[float, float]) ->
     """Minimizer of the ellipse functional by smoothing and a general-purpose solver."""
     field = scene.field
     where = (field.rational(Fraction(c[0])), field.rational(Fraction(c[1])))
-    rows, weights = [], []
+    along, across, weights = [], [], []
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
         d, p = (np.array([float(x) for x in v]) for v in (wheel.unit_direction, wheel.position))
         n, arm = np.array([-d[1], d[0]]), np.array([-p[1], p[0]])
         roll, side = float(wheel.friction.roll), float(wheel.friction.side)
-        rows.append((roll * np.array([*d, d @ arm, -float(wheel.speed)]), side * np.array([*n, n @ arm, 0.0])))
+        along.append(roll * np.array([*d, d @ arm, -float(wheel.speed)]))
+        across.append(side * np.array([*n, n @ arm, 0.0]))
         weights.append(float(value_at(form, where)))
+    first, second, loads = np.array(along), np.array(across), np.array(weights)
 
     def total(xi: np.ndarray) -> float:
         y = np.append(xi, 1.0)
-        return sum(w * np.sqrt((a @ y) ** 2 + (b @ y) ** 2 + 1e-18) for w, (a, b) in zip(weights, rows, strict=True))
+        return float(loads @ np.sqrt((first @ y) ** 2 + (second @ y) ** 2 + 1e-18))
 
     result = minimize(
         total, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-11, "fatol": 1e-15, "maxiter": 20000}

@@ -282,7 +282,7 @@ def test_linear_fields_are_decided_both_ways(arrays: Arrays) -> None:
 # ---- where it fails, a load is the witness ---------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["grid-4x4", "elliptic", "off-center"])
+@pytest.mark.parametrize("name", ["off-center", "elliptic", "grid-4x4"])
 @pytest.mark.parametrize("rule", ["ellipse", "box"])
 def test_the_witness_fails_as_a_known_load(name: str, rule: str) -> None:
     scene = with_loads(load_scene(name), rule)

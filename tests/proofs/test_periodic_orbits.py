@@ -155,7 +155,7 @@ def relay_orbit() -> tuple[ns.System, OrbitProof]:
     return ns.System(["x", "y"], rhs), proved(rhs, (2.5, 0.0), 12.0)[1]
 
 
-@pytest.mark.parametrize("step", keep(1, [4, 1]))  # of the forgeries that are tried
+@pytest.mark.parametrize("step", keep(1, [5, 1]))  # of the forgeries that are tried
 def test_a_proof_is_verified_by_liouville_and_forgeries_are_refused(step: int) -> None:
     system, proof = relay_orbit()
     segment, period, multiplier = proof.segment, proof.period, proof.multiplier
@@ -183,7 +183,8 @@ def test_a_proof_is_verified_by_liouville_and_forgeries_are_refused(step: int) -
     assert not proof.check(ns.System(["x", "y", "z"], ["y", "-x", "-z"]).system)
 
 
-def test_a_slide_is_verified_and_forgeries_are_refused() -> None:
+@pytest.mark.parametrize("step", keep(1, [3, 1]))  # of the forgeries that are tried
+def test_a_slide_is_verified_and_forgeries_are_refused(step: int) -> None:
     system = load_system("stick-slip")
     proof = prove_orbit(system, find_orbit(system_field(system, (2.0, 0.0)), (2.0, 0.0), 100.0))
     assert proof.check(system)
@@ -199,7 +200,7 @@ def test_a_slide_is_verified_and_forgeries_are_refused() -> None:
         replace(proof, ends=(replace(end, place=end.place + 1e-9),)),
         replace(proof, ends=(replace(end, signs=tuple(-s for s in end.signs)),)),
     ]
-    assert not any(other.check(system) for other in forged)
+    assert not any(other.check(system) for other in forged[::step])
 
 
 def test_nothing_is_claimed_of_what_is_not_proved() -> None:
