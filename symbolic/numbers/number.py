@@ -66,7 +66,7 @@ class Number(ExactReal):
         return None
 
     def __add__(self, value: Any) -> Number:
-        other = self._operand(value)
+        other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
         if not other.terms:
@@ -81,7 +81,7 @@ class Number(ExactReal):
         return Number(self.field, terms)
 
     def __sub__(self, value: Any) -> Number:
-        other = self._operand(value)
+        other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
         if not other.terms:
@@ -99,7 +99,7 @@ class Number(ExactReal):
         return Number(self.field, {mask: -c for mask, c in self.terms.items()})
 
     def __mul__(self, value: Any) -> Number:
-        other = self._operand(value)
+        other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
         field, modulus = self.field, self.field.modulus

@@ -19,6 +19,7 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import WheelData
 from tests.four_wheel import CORNERS
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -207,12 +208,13 @@ def test_w_falls_everywhere_in_the_region(arrays: Arrays, array: str | int) -> N
     assert inside > 300
 
 
+@pytest.mark.parametrize("angles", keep(1, [91, 721]))
 @pytest.mark.parametrize("name", ["conveyor-3", "saddle"])
-def test_the_region_lies_in_the_square_and_on_its_border_w_is_not_below(name: str) -> None:
+def test_the_region_lies_in_the_square_and_on_its_border_w_is_not_below(name: str, angles: int) -> None:
     """No solution passes ``r = top l``: there W is at least the level, whatever the heading."""
     _, region = slow_turns(name)
     loop = Loop(region)
-    for angle in np.linspace(0, 2 * np.pi, 721):
+    for angle in np.linspace(0, 2 * np.pi, angles):
         unit = np.array([np.cos(angle), np.sin(angle)])
         r, _, _ = loop.frame(unit)
         c = unit * float(region.top) * loop.length / r

@@ -16,7 +16,7 @@ from nonsmooth.proofs.clauses.translation.fan import Evidence, FanResult, Move, 
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -341,10 +341,11 @@ def test_mixtures_of_tied_motions_never_refute_a_verdict() -> None:
     assert stable >= 5
 
 
-def test_tied_motions_of_an_array_are_decided(arrays: Arrays) -> None:
+@pytest.mark.parametrize("count", keep(1, [10, 40]))
+def test_tied_motions_of_an_array_are_decided(arrays: Arrays, count: int) -> None:
     from nonsmooth.analysis.cells.nearest import build_nearest_partition
     from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 
-    verdicts = {decide_translation(build_nearest_partition(arrays.cocircular(s, (1, 1)))).verdict for s in range(40)}
+    verdicts = {decide_translation(build_nearest_partition(arrays.cocircular(s, (1, 1)))).verdict for s in range(count)}
     assert Translation.UNDECIDED not in verdicts
     assert len(verdicts) > 1

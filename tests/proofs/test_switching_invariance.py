@@ -22,6 +22,7 @@ from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import keep
 
 Fields = list[list[str]]
 
@@ -82,9 +83,9 @@ def test_each_attracts_where_both_do_not() -> None:
     assert np.allclose(np.mean(velocities, axis=0), 0.0)
 
 
-@pytest.mark.parametrize("fields", [[["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]]])
-def test_the_check_takes_the_principle(fields: Fields) -> None:
-    result = system_check(built(fields))
+@pytest.mark.parametrize("lyapunov", keep(1, ["y**2/2 + Abs(x)", None]), ids=["named", "searched"])
+def test_the_check_takes_the_principle(lyapunov: str | None) -> None:
+    result = system_check(built([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], lyapunov))
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
     assert result.check()
     assert not replace(result, staying=Staying.UNDECIDED).check()
