@@ -95,11 +95,15 @@ def _largest_rise(
     gradient = [exact_value(_slope(pieces[around[0].signs][0], k), point) for k in range(count)] if around else []
     fields = list(dict.fromkeys(tuple(exact_value(f, point) for f in own) for c in around for own in c.velocities))
     normals = [[form.get(unit(count, k), fmpq(0)) for k in range(count)] for form in independent]
-    columns = [(*(field(_dot(normal, velocity)) for normal in normals), field.one) for velocity in fields]
-    target = (*(field.zero for _ in normals), field.one)
-    if not columns:
+    if not fields:
         return None
-    mixture = best_mixture(columns, target, [field(_dot(gradient, velocity)) for velocity in fields])
+    rises = [_dot(gradient, velocity) for velocity in fields]
+    across = [tuple(_dot(normal, velocity) for normal in normals) for velocity in fields]
+    if max(rises) <= 0 or any(min(speeds) > 0 or max(speeds) < 0 for speeds in zip(*across, strict=True)):
+        return None  # V rises along none of them, or all leave a surface to one side: so do their mixtures
+    columns = [(*map(field, speeds), field.one) for speeds in across]
+    target = (*(field.zero for _ in normals), field.one)
+    mixture = best_mixture(columns, target, [field(rise) for rise in rises])
     if mixture is None or mixture.value.sign() <= 0 or len(mixture.weights) <= len(normals):
         return None
     return mixture.value.as_rational()

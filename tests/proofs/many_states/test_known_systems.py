@@ -13,6 +13,7 @@ from nonsmooth.proofs.many_states.decision import decide_many
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import thorough
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 OPEN = Translation.UNDECIDED
@@ -87,15 +88,8 @@ KNOWN = [
     ),
     Known("x y z", ["-sgn(x) + y", "-2*sgn(y) + z", "-3*sgn(z)"], ATTRACTS, "a cascade of relays"),
     Known(
-        "a b c d e f",
-        [
-            "-sgn(a) + b/2",
-            "-sgn(b) + c/2",
-            "-sgn(c) + d/2",
-            "-sgn(d) + e/2",
-            "-sgn(e) + f/2",
-            "-sgn(f) - a/2",
-        ],
+        "a b c d",
+        ["-sgn(a) + b/2", "-sgn(b) + c/2", "-sgn(c) + d/2", "-sgn(d) - a/2"],
         ATTRACTS,
         "a ring of relays: the sum of absolute values falls",
     ),
@@ -116,6 +110,13 @@ KNOWN = [
     Known("a b c d", ["b", "-2*a + c - b", "d", "a - 2*c"], ATTRACTS, "two masses, one damper: Kelvin and Tait"),
     Known("x y z", ["1 - sgn(x)/2", "-y", "-z"], LEAVES, "0 is no mixture of the velocities"),
 ]
+# As the ring of four relays above.
+RING_OF_SIX = Known(
+    "a b c d e f",
+    ["-sgn(a) + b/2", "-sgn(b) + c/2", "-sgn(c) + d/2", "-sgn(d) + e/2", "-sgn(e) + f/2", "-sgn(f) - a/2"],
+    ATTRACTS,
+    "a ring of six relays",
+)
 
 
 def build(known: Known) -> SwitchedSystem:
@@ -125,7 +126,9 @@ def build(known: Known) -> SwitchedSystem:
     return build_system({"system": system, "check": dict(known.check)}, "t", Path("t.toml"))
 
 
-@pytest.mark.parametrize("known", KNOWN, ids=[known.source[:40] for known in KNOWN])
+@pytest.mark.parametrize(
+    "known", [*KNOWN, pytest.param(RING_OF_SIX, marks=thorough)], ids=lambda known: known.source[:40]
+)
 def test_known_systems(known: Known) -> None:
     result = decide_many(build(known))
     assert result.verdict is (known.said or known.truth)
