@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 from typing import Any, TypeAlias
 
@@ -21,6 +22,7 @@ from nonsmooth.analysis.cells.region import Region, Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
 from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -28,6 +30,7 @@ Floats: TypeAlias = NDArray[np.float64]
 DIVISIONS = 6  # of every side of a cell
 SHRINKING = 0.5  # from one distance to the next
 DISTANCES = 8
+KEPT = 512  # regions, and pairs of them, whose points are kept: families of functions share most cells
 RIM, HALVINGS = 24, 30  # parts of each side of an outline on which curves are looked for, and how often they are halved
 
 
@@ -61,19 +64,23 @@ def build_sides(cells: Iterable[LyapunovCell], basis: Sequence[BasisFunction]) -
 
 def build_rows(sides: Sequence[Sides]) -> Floats:
     """Rows r with the condition ``r . c > 0``, for points all over the cells."""
-    blocks = [rows for side in sides for rows in _cell_rows(side, sample_points(side.cell.region))]
+    blocks = [
+        rows for side in sides for rows in _cell_rows(side, _samples(side.cell.region, side.cell.potential.field))
+    ]
     for first, second in combinations(sides, 2):
-        for points, normals in _shared_points(first, second):
+        for points, normals in _between_cells(first.cell, second.cell):
             blocks += _slide_rows(first, second, points, normals)
     return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
 
 
 def build_weak_rows(sides: Sequence[Sides]) -> tuple[Floats, Floats]:
     """Rows with the conditions ``r . c > 0`` of V, and those of its derivative, which may vanish too."""
-    blocks = [rows for side in sides for rows in _cell_rows(side, sample_points(side.cell.region))]
+    blocks = [
+        rows for side in sides for rows in _cell_rows(side, _samples(side.cell.region, side.cell.potential.field))
+    ]
     positive, falling = blocks[::2], blocks[1::2]
     for first, second in combinations(sides, 2):
-        for points, normals in _shared_points(first, second):
+        for points, normals in _between_cells(first.cell, second.cell):
             falling += _slide_rows(first, second, points, normals)
     return normalized(np.vstack(positive)), normalized(np.vstack(falling))
 
@@ -111,18 +118,33 @@ def _cell_rows(side: Sides, points: Floats) -> Iterator[Floats]:
         yield -np.column_stack([values_at(p, points) for p in side.rates])
 
 
-def _shared_points(first: Sides, second: Sides) -> Iterator[tuple[Floats, Floats]]:
-    """Points of edges and of curves between two cells, with normals there."""
-    for edge in common_edges(first.cell.region, second.cell.region):
+@lru_cache(maxsize=KEPT)
+def _samples(region: Region, field: NumberField) -> Floats:
+    """The sample points of a region; its field is named because numbers of two fields are not compared."""
+    return sample_points(region)
+
+
+@lru_cache(maxsize=KEPT)
+def _shared_points(first: Region, second: Region, field: NumberField) -> list[tuple[Floats, Floats]]:
+    """Points of edges and of curves between two regions, with normals there; the field as for :func:`_samples`."""
+    return list(_points_between(first, second))
+
+
+def _between_cells(first: LyapunovCell, second: LyapunovCell) -> list[tuple[Floats, Floats]]:
+    return _shared_points(first.region, second.region, first.potential.field)
+
+
+def _points_between(first: Region, second: Region) -> Iterator[tuple[Floats, Floats]]:
+    for edge in common_edges(first, second):
         points = _edge_points(edge)
-        points = points[_inside(first.cell.region, points) & _inside(second.cell.region, points)]
+        points = points[_inside(first, points) & _inside(second, points)]
         (ax, ay, aw), (bx, by, bw) = ([float(v) for v in end] for end in edge)
         along = np.array([bx / bw - ax / aw, by / bw - ay / aw]) if aw and bw else np.array([bx, by])
         yield points, np.broadcast_to([-along[1], along[0]], points.shape)
-    for curve in first.cell.region.guards:
-        if any(not curve + guard for guard in second.cell.region.guards):
-            points = _curve_points(curve, first.cell.region)
-            held = _inside(second.cell.region, points, curve)
+    for curve in first.guards:
+        if any(not curve + guard for guard in second.guards):
+            points = _curve_points(curve, first)
+            held = _inside(second, points, curve)
             slopes = (curve.derivative(name) for name in curve.variables)
             yield points[held], np.column_stack([values_at(p, points[held]) for p in slopes])
 
