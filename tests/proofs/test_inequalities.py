@@ -226,7 +226,9 @@ def test_four_wheel_feedback(corner: Pair, start: Pair, end: Pair, sign: int) ->
 
 # ---- random forms ------------------------------------------------------------------------------
 
-COEFFICIENTS = st.fractions(min_value=-3, max_value=3, max_denominator=3)
+# Drawn from a list, which is much faster than st.fractions: between -3 and 3, small sizes first.
+VALUES = {Fraction(top, bottom) for bottom in (1, 2, 3) for top in range(-3 * bottom, 3 * bottom + 1)}
+COEFFICIENTS = st.sampled_from(sorted(VALUES, key=lambda value: (abs(value), value.denominator, value)))
 RAYS = st.tuples(st.integers(-6, 6), st.integers(-6, 6)).filter(any)
 
 
