@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -20,6 +21,7 @@ from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import keep
 
 SPIRAL = ns.Array.ring(
     4,
@@ -33,6 +35,7 @@ SPIRAL = ns.Array.ring(
     field={"kind": "spiral", "angle": "pi/6"},
 )
 BESIDE = 1e-3  # relative distance from the limits at which the eigenvalues are looked at
+FIVE_OF_EACH = (0, 1, 3, 4, 5, 2, 14, 28, 31, 32)  # arrays that lose their stability with mass, and that keep it
 
 
 def translation_of(scene: Scene) -> EllipseTranslation:
@@ -77,13 +80,14 @@ def leaning_ring(seed: int) -> ns.Array:
     return ns.Array.ring(draw.randrange(3, 7), radius=radius, mu_roll=1, mu_side=friction, rule="ellipse", field=field)
 
 
-def random_limits() -> list[tuple[Scene, MassLimit]]:
-    scenes = [leaning_ring(seed).scene for seed in range(40)]
+def random_limits(seeds: Iterable[int]) -> list[tuple[Scene, MassLimit]]:
+    scenes = [leaning_ring(seed).scene for seed in seeds]
     return [(scene, limit) for scene in scenes if (limit := limit_of(scene)) is not None]
 
 
-def test_limits_of_random_arrays_are_those_of_the_jacobian() -> None:
-    found = random_limits()
+@pytest.mark.parametrize("seeds", keep(1, [FIVE_OF_EACH, range(40)]), ids=["five of each", "all"])
+def test_limits_of_random_arrays_are_those_of_the_jacobian(seeds: Iterable[int]) -> None:
+    found = random_limits(seeds)
     lost = [(scene, limit) for scene, limit in found if limit.unstable_at is not None]
     kept = [(scene, limit) for scene, limit in found if limit.unstable_at is None]
     assert len(lost) >= 5
