@@ -948,7 +948,7 @@ def count_mutants(certificates: dict[tuple[str, str], Record], count: int, seed:
     return rejected, accepted
 
 
-@pytest.mark.parametrize("count", keep(1, [MUTANTS // 6, MUTANTS]))
+@pytest.mark.parametrize("count", keep(1, [MUTANTS // 12, MUTANTS]))
 def test_every_mutant_is_rejected_or_still_true(certificates: dict[tuple[str, str], Record], count: int) -> None:
     rejected, accepted = count_mutants(certificates, count, seed=4)
     print(f"{rejected} mutants rejected, {accepted} still true")
@@ -956,8 +956,9 @@ def test_every_mutant_is_rejected_or_still_true(certificates: dict[tuple[str, st
 
 
 @pytest.mark.parametrize(("name", "rule"), WITH_FEEDBACK_EVIDENCE)
-def test_the_evidence_of_the_feedback_clause_is_load_bearing(arrays: Arrays, name: str, rule: str) -> None:
-    forge_feedback(arrays, name, rule, EVIDENCE_MUTANTS)
+@pytest.mark.parametrize("count", keep(1, [EVIDENCE_MUTANTS // 2, EVIDENCE_MUTANTS]))
+def test_the_evidence_of_the_feedback_clause_is_load_bearing(arrays: Arrays, name: str, rule: str, count: int) -> None:
+    forge_feedback(arrays, name, rule, count)
 
 
 def forge_feedback(arrays: Arrays, name: str, rule: str, count: int) -> None:

@@ -14,6 +14,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.smooth_ends import smooth_ends
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.answers import destinations as destinations_module
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.best_point import at_best_point
@@ -46,6 +47,14 @@ def destinations(name: str, rule: str = "nearest") -> Destinations:
     return found
 
 
+@pytest.fixture(params=keep(1, ["few starts", "all starts"]))
+def starts(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """How many bodies are followed to count shares: a quarter of them, or as many as the answers follow."""
+    if request.param == "few starts":
+        monkeypatch.setattr(destinations_module, "STARTS", 15)
+        monkeypatch.setattr(destinations_module, "FEW_STARTS", 5)
+
+
 @pytest.fixture
 def random_file(tmp_path: Path) -> str:
     file = tmp_path / "random.toml"
@@ -71,6 +80,7 @@ def test_a_conveyor_lets_bodies_circle() -> None:
     assert goals[Goal.ORBIT] > 0.5
 
 
+@pytest.mark.usefixtures("starts")
 def test_shares_add_up_and_every_place_is_where_paths_end(random_file: str) -> None:
     scene = load_scene(random_file)
     check = check_cells(scene)
@@ -154,10 +164,12 @@ def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand(count: int)
     assert np.hypot(*place) < step
 
 
+@pytest.mark.usefixtures("starts")
 def test_without_cells_bodies_leave_a_saddle() -> None:
     assert destinations("saddle", rule="ellipse").found[0].goal is Goal.LEAVES
 
 
+@pytest.mark.usefixtures("starts")
 def test_without_cells_bodies_that_all_stand_still_are_an_area() -> None:
     scene = load_scene("four-wheel", rule="ellipse")
     still = replace(scene, wheels=tuple(replace(w, given_speed=scene.field.zero) for w in scene.wheels))

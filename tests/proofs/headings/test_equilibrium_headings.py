@@ -27,7 +27,7 @@ from nonsmooth.proofs.headings.slides import Fate
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 Field: TypeAlias = tuple[str, str]
@@ -209,11 +209,11 @@ def test_a_body_leaves_where_its_place_and_heading_are_said_to(tmp_path: Path) -
     assert np.abs(last - start).max() > GONE
 
 
-def test_nothing_rests_on_a_conveying_bed_under_any_rule() -> None:
-    for rule in ("nearest", "box", "ellipse", "roller"):
-        found = found_at_point(load_scene("roller-bed", rule=rule))
-        assert not found.found
-        assert not found.undecided
+@pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box", "roller"]))
+def test_nothing_rests_on_a_conveying_bed_under_any_rule(rule: str) -> None:
+    found = found_at_point(load_scene("roller-bed", rule=rule))
+    assert not found.found
+    assert not found.undecided
 
 
 def test_what_is_not_decided_is_named(tmp_path: Path) -> None:
