@@ -14,6 +14,8 @@ TOOL_PACKAGES := fonts-dejavu-core texlive-latex-base
 BROWSERS := chromium-headless-shell chromium
 TOOL_SECONDS := 300
 REPORT := build/four-wheel.html
+# For two cores: one more, because tests of pages and of processes wait. On a larger machine: make WORKERS=9 test
+WORKERS ?= 3
 # `make lowest`: what touches each library, against its oldest version that pyproject.toml allows.
 # Needs Python 3.11 or 3.12 (make PYTHON=python3.12 lowest): for later ones these versions were never built.
 LOWEST := .venv-lowest
@@ -43,7 +45,7 @@ demo: $(PACKAGE) ## check the four-wheel array under every contact rule and writ
 	@echo "The derivation report is in $(REPORT)"
 
 test: $(INSTALLED) $(TOOLS) ## run the tests
-	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -m "not thorough" -q
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore=tests/benchmarks -m "not thorough" -q
 
 lowest: $(LOWEST)/installed ## run a part of the tests with the oldest versions of all libraries
 	$(LOWEST)/bin/python -m pytest -n 2 --dist worksteal -m "not thorough" -q $(LOWEST_TESTS)
