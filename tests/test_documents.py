@@ -22,6 +22,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from typer.core import TyperGroup
+from typer.main import get_command
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
@@ -33,7 +35,6 @@ LONGEST = ("choose.md", "stress.md", "theory.md")  # their commands run in `make
 LONG_COMMANDS = re.compile(
     r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--grid|sweep .*\.svg|sweep \S+\.toml .*--borders)\b"
 )  # and these, of which tests/reports has smaller ones
-MANY_COMMANDS = "tutorial.md"  # of which those run whose output is shown; those of the others run whatever they show
 WRITTEN = re.compile(r" -o (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
@@ -182,12 +183,15 @@ def named(path: Path) -> str:
     return path.name
 
 
-def shorter(path: Path, found: list[Command]) -> list[Command]:
-    """The commands of a document that are run by ``make test``, without those that need what others write."""
+def shorter(found: list[Command]) -> list[Command]:
+    """The commands whose output is shown, without long ones and those that need what others write: for ``make test``.
+
+    Of the others it asks whether they are commands at all: test_commands_have_such_arguments.
+    """
     kept, absent = [], set[str]()
     for command in found:
         shows_nothing = command.shown is None and command.text.startswith("nonsmooth ") and ">" not in command.text
-        if LONG_COMMANDS.match(command.text) or (path.name == MANY_COMMANDS and shows_nothing):
+        if LONG_COMMANDS.match(command.text) or shows_nothing:
             absent.update(WRITTEN.findall(command.text))
         elif not absent.intersection(command.text.split()):
             kept.append(command)
@@ -201,7 +205,7 @@ def test_commands_run_as_typed(path: Path, extent: str, tmp_path: Path, monkeypa
     monkeypatch.setenv("COLUMNS", "80")
     shell, found = Shell(), commands(path.read_text(encoding="utf-8"))
     if extent == "short":
-        found = shorter(path, found)
+        found = shorter(found)
     for command, following in zip_longest(found, found[1:]):
         where = f"{path.name}:{command.line}: {command.text}"
         printed = shell.run(command)
@@ -212,6 +216,24 @@ def test_commands_run_as_typed(path: Path, extent: str, tmp_path: Path, monkeypa
         assert shell.status == expected, f"{where}: exit status {shell.status}, the document says {expected}"
         lost = None if command.shown is None else lost_line(command.shown, printed.splitlines())
         assert lost is None, f"{where}: required the line\n{lost}\nreceived\n{printed}"
+
+
+@pytest.mark.parametrize("path", WITH_COMMANDS, ids=named)
+def test_commands_have_such_arguments(path: Path) -> None:
+    """Every command of every document is read as the command line reads it, and not run."""
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    for command in commands(path.read_text(encoding="utf-8")):
+        if not command.text.startswith("nonsmooth "):
+            continue
+        allowed = ALLOWED.fullmatch(command.text)
+        words = shlex.split(allowed.group(1) if allowed else command.text, comments=True)[1:]
+        if ">" in words:
+            words = words[: words.index(">")]
+        with group.make_context("nonsmooth", words) as context:
+            name, own, arguments = group.resolve_command(context, words)
+            assert own is not None
+            own.make_context(name, arguments, parent=context)
 
 
 def test_what_is_shown_is_compared() -> None:
