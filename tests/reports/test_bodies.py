@@ -128,13 +128,21 @@ def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], c
     assert invoke("simulate", carton, "--from", "0.1,0,0", *options).status == 2
 
 
-@pytest.mark.parametrize(("mass", "until"), keep(1, [("1e-2", "0.01"), ("1e-4", "0.02"), ("1e-4", "0.05")]))
-def test_masses_are_compared_where_wheels_leave(carton: str, invoke: Invoke, mass: str, until: str) -> None:
+@pytest.mark.parametrize(
+    ("side", "mass", "until"),
+    keep(1, [(4, "1e-2", "0.01"), (6, "1e-2", "0.01"), (6, "1e-4", "0.02"), (6, "1e-4", "0.05")]),
+)
+def test_masses_are_compared_where_wheels_leave(
+    invoke: Invoke, tmp_path: Path, side: int, mass: str, until: str
+) -> None:
+    file = tmp_path / "carton.toml"
+    file.write_text(CARTON.replace("= 6", f"= {side}"))
     masses = ("--method", "dynamics", "--compare-masses", "--mass", mass, "--until", until)
-    status, found = record(invoke, "simulate", carton, "--from", "1.3,0.15,0", *masses)
+    status, found = record(invoke, "simulate", str(file), "--from", f"{side / 2 - 1.7},0.15,0", *masses)
     assert status == 0
     assert {own["rule"] for own in found["limits"]} == {"nearest", "box", "roller"}
-    tips = invoke("simulate", carton, "--from", "2.9,2.9,0", *masses)
+    beyond = side / 2 - 0.1
+    tips = invoke("simulate", str(file), "--from", f"{beyond},{beyond},0", *masses)
     assert (tips.status, tips.out) == (2, "")
     assert tips.err.count("\n") == 1
 

@@ -19,15 +19,16 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
 from nonsmooth.symbolic.scene import Wheel
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
 
-def test_a_saddle_becomes_an_array_that_brings_bodies_home(invoke: Invoke, tmp_path: Path) -> None:
+@pytest.mark.parametrize("checks", keep(1, [12, 40]))
+def test_a_saddle_becomes_an_array_that_brings_bodies_home(invoke: Invoke, tmp_path: Path, checks: int) -> None:
     """The file alone says the same to a check, and bodies of its paths come home."""
-    outcome = invoke("design", "saddle", "--checks", "40", "-o", "found.toml", "--json")
+    outcome = invoke("design", "saddle", "--checks", str(checks), "-o", "found.toml", "--json")
     assert outcome.status == 0
     record = outcome.record
     assert record["given"]["answers"]["position"]["verdict"] == "leaves"

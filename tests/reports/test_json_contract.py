@@ -39,7 +39,7 @@ CASES = {
     "simulate four-wheel --grid 4": "nonsmooth-map/1",
     "simulate eq-4 --grid 2 --until 1": "nonsmooth-system-map/1",
     "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
-    "precision relay-oscillator --runs 1": "nonsmooth-precision/1",
+    "precision relay-oscillator --runs 1 --time-limit 0.02": "nonsmooth-precision/1",
     "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
     "vehicle husky-a200 --spin 2": "nonsmooth-vehicle/1",
     "vehicle": "nonsmooth-vehicles/1",
