@@ -29,7 +29,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -179,20 +179,35 @@ def mass_study(
             if rule.is_massless_limit:
                 raise
             skipped[rule.name] = str(error)
-    rows = []
+    samples, rows = PathSamples(), []
     for body in bodies:
         began = time.perf_counter()
         path = follow_body(scene, body, (x, y, theta), until)
-        rows.append(_row(path, until, paths, time.perf_counter() - began))
-    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(paths, until), seconds, skipped)
+        rows.append(_row(path, until, paths, samples, time.perf_counter() - began))
+    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(paths, until, samples), seconds, skipped)
 
 
-def _limits(paths: Mapping[str, Trajectory], until: float) -> tuple[PathDistance, ...] | None:
+class PathSamples:
+    """States of paths at :data:`COMPARED` times, found once for all paths that each is compared with."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[int, float], tuple[Trajectory, Floats]] = {}  # and the path: ids are of what lives
+
+    def until(self, path: Trajectory, last: float) -> Floats:
+        """States (m, 3) at equal steps from time 0 to the last time."""
+        key = id(path), last
+        if key not in self._found:
+            self._found[key] = path, path.sample(np.linspace(0.0, last, COMPARED))
+        return self._found[key][1]
+
+
+def _limits(paths: Mapping[str, Trajectory], until: float, samples: PathSamples) -> tuple[PathDistance, ...] | None:
     """What the columns of the other rules tend to; None where the path that should be the limit slides on an edge."""
     limit = massless_limit()
     if any(event.kind is EventKind.SLIDE for event in paths[limit].events):
         return None
-    return tuple(path_distance(rule, paths[limit], path, until) for rule, path in paths.items() if rule != limit)
+    others = [(rule, path) for rule, path in paths.items() if rule != limit]
+    return tuple(path_distance(rule, paths[limit], path, until, samples) for rule, path in others)
 
 
 def massless_limit() -> str:
@@ -205,14 +220,19 @@ def rules_by_limit() -> tuple[str, ...]:
     return tuple(rule.name for rule in sorted(all_rules(), key=lambda rule: not rule.is_massless_limit))
 
 
-def path_distance(rule: str, path: Trajectory, other: Trajectory, until: float) -> PathDistance:
-    """Largest distance up to a time; ``other`` is the path of the rule."""
+def path_distance(
+    rule: str, path: Trajectory, other: Trajectory, until: float, samples: PathSamples | None = None
+) -> PathDistance:
+    """Largest distance up to a time; ``other`` is the path of the rule, ``samples`` holds what is known of both."""
+    samples = samples or PathSamples()
     last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
-    times = np.linspace(0.0, last, COMPARED)
-    apart = path.sample(times) - other.sample(times)
+    apart = samples.until(path, last) - samples.until(other, last)
     return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
 
 
-def _row(path: DynamicPath, until: float, paths: Mapping[str, Trajectory], seconds: float) -> MassRow:
-    distances = tuple(path_distance(rule, path.trajectory, other, until) for rule, other in paths.items())
+def _row(
+    path: DynamicPath, until: float, paths: Mapping[str, Trajectory], samples: PathSamples, seconds: float
+) -> MassRow:
+    trajectory = path.trajectory
+    distances = tuple(path_distance(rule, trajectory, other, until, samples) for rule, other in paths.items())
     return MassRow(path.body, distances, path.evaluations, seconds)
