@@ -210,7 +210,7 @@ def test_ellipse_is_smooth_at_the_origin(invoke: Invoke) -> None:
 
 
 def test_sampled_rates_are_called_sampled(invoke: Invoke) -> None:
-    translation = invoke("check", "elliptic", "--rule", "ellipse", "--json").record["translation"]
+    translation = invoke("check", "spiral-30", "--rule", "ellipse", "--json").record["translation"]
     assert translation["samples"] > 0
     assert translation["exact"] == {}
 

@@ -146,5 +146,5 @@ def test_a_clause_that_the_certificate_leaves_open_is_named(invoke: Invoke, tmp_
     path = tmp_path / "c.json"
     outcome = invoke("check", "four-wheel", "--rule", "box", "--certificate", str(path))
     assert "feedback stands as undecided" in outcome.err
-    assert invoke("check", "spiral-30", "--rule", "box", "--certificate", str(path)).err == ""
+    assert invoke("check", "ring-3", "--rule", "box", "--certificate", str(path)).err == ""
     assert invoke("verify", str(path)).status == 0

@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
 
@@ -75,13 +75,17 @@ def test_motions_that_are_possible_are_listed(tmp_path: Path, capsys: pytest.Cap
     assert run(app, ["partition", str(path), "-o", str(tmp_path / "ring.svg")]) == 2
 
 
-def test_json_holds_the_load_that_refutes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(("rows", "columns"), keep(1, [(2, 3), (3, 4)]))
+def test_json_holds_the_load_that_refutes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: int, columns: int
+) -> None:
     path = tmp_path / "grid.toml"
-    text = TEXT.replace("[ring]\ncount = 5", "[grid]\nrows = 3\ncolumns = 4").format("ellipse", '"any"')
+    grid = f"[grid]\nrows = {rows}\ncolumns = {columns}"
+    text = TEXT.replace("[ring]\ncount = 5", grid).format("ellipse", '"any"')
     path.write_text(text, encoding="utf-8")
     assert run(app, ["check", str(path), "--json"]) == 1
     load = json.loads(capsys.readouterr().out)["equilibrium"]["load"]
-    assert len(load) == 12
+    assert len(load) == rows * columns
     assert sum(load) == pytest.approx(1)
 
 
