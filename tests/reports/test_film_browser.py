@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, Page, expect
 
 import nonsmooth as ns
 from tests.browser import CONTRAST, NARROW, READABLE, STICKING_OUT, WIDE, needs_chromium, opened
+from tests.thorough import keep
 
 pytestmark = needs_chromium
 PATHS: dict[str, Any] = {
@@ -61,7 +62,7 @@ def drawn(page: Page) -> tuple[str, ...]:
 
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])
-@pytest.mark.parametrize("name", PATHS)
+@pytest.mark.parametrize("name", keep(2, PATHS))
 def test_a_page_opens_quietly_and_fits(browser: Browser, pages: Pages, name: str, width: int) -> None:
     seen = opened(browser, pages[name], width)
     assert seen.said == []
@@ -110,7 +111,10 @@ def test_the_button_plays_in_real_time_and_pauses(page: Page) -> None:
     kept = drawn(page)
     page.wait_for_timeout(200)
     assert drawn(page) == kept
+    for key in ("End", "PageDown"):  # the last tenth of the film
+        page.locator("#scrubber").press(key)
     button.click()
+    assert button.inner_text() == "Pause"
     expect(button).to_have_text("Again")
     assert page.locator("#time").inner_text() == "t = 3.000"
     button.click()

@@ -23,17 +23,30 @@ y = "-0.1 - y"
 [check]
 equilibrium = [0.3, -0.1]
 radius = 0.1
-""" + "".join(f"[[wheel]]\nposition = [{x}, {y}]\n" for x in (0.0, 0.2, 0.4, 0.6) for y in (0.0, -0.2))
+"""
+FEW_WHEELS, MANY_WHEELS = (0.2, 0.4), (0.0, 0.2, 0.4, 0.6)  # x of the wheels, in two rows
 DRAWN = re.compile(r"Drawn by `([^`]*)`")
 SECTIONS = "array,cells,derivative,trajectories,rules"
 
 
-@pytest.mark.parametrize("rule", keep(1, ["ellipse", "nearest", "box"]))
+def write_table(places: tuple[float, ...]) -> None:
+    wheels = [f"[[wheel]]\nposition = [{x}, {y}]\n" for x in places for y in (0.0, -0.2)]
+    Path("table.toml").write_text(TABLE + "".join(wheels), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("rule", "places"),
+    keep(1, [("ellipse", FEW_WHEELS), *((rule, MANY_WHEELS) for rule in ("ellipse", "nearest", "box"))]),
+)
 def test_commands_of_figures_run(
-    rule: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    rule: str,
+    places: tuple[float, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("table.toml").write_text(TABLE, encoding="utf-8")
+    write_table(places)
     assert run(app, ["derive", "table.toml", "--rule", rule, "--only", SECTIONS]) == 0
     commands = DRAWN.findall(capsys.readouterr().out)
     assert len(commands) == {"nearest": 7, "box": 6, "ellipse": 2}[rule]
@@ -49,7 +62,7 @@ def test_the_path_that_a_command_draws_is_that_of_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("table.toml").write_text(TABLE, encoding="utf-8")
+    write_table(MANY_WHEELS)
     assert run(app, ["derive", "table.toml", "--only", "trajectories"]) == 0
     command = next(line for line in DRAWN.findall(capsys.readouterr().out) if "open-loop" in line)
     words = shlex.split(command)

@@ -48,7 +48,7 @@ def random_edit(page: Page, hand: random.Random) -> None:
     page.evaluate(CHANGED, REFUSED)
 
 
-@pytest.mark.parametrize("edits", keep(1, [15, 50]))
+@pytest.mark.parametrize("edits", keep(1, [8, 50]))
 def test_undo_of_random_edits_gives_the_same_file_byte_for_byte(
     browser: Browser, server: Workbench, edits: int
 ) -> None:
@@ -150,10 +150,11 @@ def test_a_page_without_a_token_asks_for_it(browser: Browser, server: Workbench)
     context.close()
 
 
-def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page) -> None:
+@pytest.mark.parametrize("system", keep(1, ["relay-oscillator-damped", "flower"]))
+def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page, system: str) -> None:
     page.locator("#numbers > summary").click()
     beyond = STICKING_OUT.replace("'main *, nav *'", "'header *, main > *, .details *'")
-    for scene in ("four-wheel", "carton-on-6x6", "flower"):
+    for scene in ("four-wheel", "carton-on-6x6", system):
         page.select_option("#scene", scene)
         page.wait_for_timeout(300)
         page.evaluate("() => workbench.store.select([0])")
@@ -181,8 +182,8 @@ def test_text_is_readable(page: Page, scheme: Any) -> None:
         ".wheels td", ".legend li", "#clock", ".start-name", ".layer-grid-labels text:not([visibility=hidden])",
     ]  # fmt: skip
     for name in places:
-        for element in page.locator(f"{name}:visible").all()[:4]:
-            assert element.evaluate(CONTRAST) >= READABLE, (name, element.inner_text())
+        first = page.locator(f"{name}:visible").evaluate_all(f"(elements) => elements.slice(0, 4).map({CONTRAST})")
+        assert min(first, default=READABLE) >= READABLE, (name, first)
     dark = page.evaluate("() => getComputedStyle(document.body).colorScheme")
     page.click("#theme")
     assert page.evaluate("() => document.documentElement.dataset.theme") == ("light" if scheme == "dark" else "dark")
