@@ -181,7 +181,8 @@ def test_reports_name_the_wheels_that_carry(carton: str, invoke: Invoke) -> None
     assert "wheels 15, 16, 21, 22 of 36 carry it" in " ".join(done.out.split())
 
 
-def test_auto_finds_a_point_where_the_body_stands(carton: str, invoke: Invoke) -> None:
-    status, found = record(invoke, "check", carton, "--at", "auto", "--rule", "ellipse")
+@pytest.mark.parametrize("rule", keep(1, ["nearest", "ellipse"]))
+def test_auto_finds_a_point_where_the_body_stands(carton: str, rule: str, invoke: Invoke) -> None:
+    status, found = record(invoke, "check", carton, "--at", "auto", "--rule", rule)
     assert status in {0, 1}
     assert found["equilibrium"]["verdict"] == "holds"

@@ -38,7 +38,7 @@ from tests.thorough import keep
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
-COUNT = 20
+COUNT = 16
 VARY = {"mu_side": f"1/10:2:{COUNT}"}
 COMMAND = [sys.executable, "-m", "nonsmooth", "sweep", "four-wheel", "--vary", f"mu_side={VARY['mu_side']}"]
 
@@ -118,7 +118,7 @@ def test_killed_workers_cost_time_only(tmp_path: Path) -> None:
     killed: list[int] = []
 
     def kill(done: int, total: int, what: str | None = None) -> None:
-        if done in (3, 9, 15):
+        if done in (3, 7, 11):
             worker = active_children()[0]
             worker.kill()
             killed.append(done)
