@@ -114,7 +114,6 @@ def test_the_button_plays_in_real_time_and_pauses(page: Page) -> None:
     for key in ("End", "PageDown"):  # the last tenth of the film
         page.locator("#scrubber").press(key)
     button.click()
-    assert button.inner_text() == "Pause"
     expect(button).to_have_text("Again")
     assert page.locator("#time").inner_text() == "t = 3.000"
     button.click()
