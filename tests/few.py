@@ -111,7 +111,6 @@ FEW = {
     "proofs/test_contact_rules.py::test_evidence_verifies": 2,
     "proofs/test_control_lyapunov.py::test_one_p_is_found_in_every_region": 1,
     "proofs/test_control_lyapunov.py::test_the_regions_hold_exactly_the_p_that_serve": 1,
-    "proofs/test_control_lyapunov.py::test_where_squares_fail_a_p_is_found_or_excluded": 1,
     "proofs/test_curved_kinks.py::test_proved_v_falls_along_random_curves": 1,
     "proofs/test_curved_kinks.py::test_relays_on_curves_are_decided_by_v_that_bends_there": 1,
     "proofs/test_curved_kinks.py::test_relays_on_curves_that_repel_have_no_such_v": 1,

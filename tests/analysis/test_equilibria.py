@@ -16,6 +16,7 @@ from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Twist
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -62,13 +63,14 @@ def test_a_cell_may_turn_about_a_point_of_its_own(arrays: Arrays) -> None:
     assert (str(Place.CENTRE), frozenset({("0", "0")})) in places(found)
 
 
-def test_motions_that_tie_in_a_cell_may_cancel_along_a_line_or_everywhere(arrays: Arrays) -> None:
+@pytest.mark.parametrize("count", keep(1, [100, 300]))
+def test_motions_that_tie_in_a_cell_may_cancel_along_a_line_or_everywhere(arrays: Arrays, count: int) -> None:
     """Isotropic friction leaves two twists per cell; where they oppose each other the body may rest."""
     partition = build_nearest_partition(arrays.four_wheel((1, 1)))
     for equilibrium in find_equilibria(partition):
         n = len(equilibrium.points)
         assert holds_zero(partition, tuple(sum(p[k] for p in equilibrium.points) / n for k in (0, 1)))
-    scanned = np.random.default_rng(0).uniform(-0.5, 0.5, (300, 2))
+    scanned = np.random.default_rng(0).uniform(-0.5, 0.5, (count, 2))
     areas = [e for e in find_equilibria(partition) if e.place is Place.AREA]
     assert not areas
     assert not any(holds_zero(partition, (Fraction(x), Fraction(y))) for x, y in scanned)

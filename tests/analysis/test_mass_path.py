@@ -43,7 +43,7 @@ def carton() -> tuple[Scene, Depths]:
     return scene, partial(polygon_depths, corners)
 
 
-@pytest.mark.parametrize(("until", "steps"), keep(1, [(0.6, 1500), (0.8, 2000)]))
+@pytest.mark.parametrize(("until", "steps"), keep(1, [(0.6, 1000), (0.8, 2000)]))
 def test_wheels_enter_and_leave_as_in_small_steps(until: float, steps: int) -> None:
     scene, depths = carton()
     start, masses = (1.3, 0.15, 0.0), (0.1, 0.15)

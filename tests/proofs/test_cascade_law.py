@@ -96,18 +96,19 @@ def test_full_turns_that_contract_bring_the_body_home(arrays: Arrays, seed: int)
     assert np.linalg.norm(end) < 1e-4 * np.linalg.norm(start)
 
 
-def test_inward_slides_bring_the_body_home(arrays: Arrays) -> None:
+@pytest.mark.parametrize("step", keep(1, [0.004, 0.002]))
+def test_inward_slides_bring_the_body_home(arrays: Arrays, step: float) -> None:
     """Also where a quadratic V serves: the four-wheel array slides home along the axes between its wheels."""
     scene = arrays.four_wheel(turn=(Fraction(4, 5), Fraction(3, 5)))
     law = find_cascade(build_fan(build_nearest_partition(scene)))
     assert law is not None
     assert law.descent is Descent.SLIDES
-    end = followed(closed_loop(scene, law), np.array([0.1, 0.05, 0.3]), until=12, step=0.002)
+    end = followed(closed_loop(scene, law), np.array([0.1, 0.05, 0.3]), until=12, step=step)
     assert np.abs(end).max() < 1e-3
 
 
-@pytest.mark.parametrize("hundreds", keep(1, [2, 4]))
-def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro(hundreds: int) -> None:
+@pytest.mark.parametrize(("hundreds", "step"), keep(1, [(2, 0.04), (4, 0.02)]))
+def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro(hundreds: int, step: float) -> None:
     """The proof's function ``X^2 + Theta^2`` falls by about ``2 mu m x^3``: like ``1/t``, not exponentially."""
     scene = load_scene("conveyor-3").recentred()
     feedback = decide_feedback(build_nearest_partition(scene))
@@ -116,7 +117,7 @@ def test_an_omniwheel_drive_comes_home_slowly_by_turning_to_and_fro(hundreds: in
     assert feedback.none_serves
     rate, pose, sizes = closed_loop(scene, feedback.cascade), np.array([0.05, 0.02, 0.1]), list[float]()
     for _ in range(hundreds):
-        pose = followed(rate, pose, until=100, step=0.02)
+        pose = followed(rate, pose, until=100, step=step)
         sizes.append(float(np.linalg.norm(pose)))
     assert 1e-4 < sizes[-1] < sizes[0] < 0.15 * 0.11  # |pose| itself goes up and down on the way
 

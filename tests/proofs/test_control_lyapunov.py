@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from itertools import islice
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -126,11 +127,11 @@ def test_one_p_is_found_in_every_region(seed: int) -> None:
     assert all(ControlLyapunov(shape).is_positive for shape in found)
 
 
-@pytest.mark.parametrize("any_rims", [False, True])
-def test_where_squares_fail_a_p_is_found_or_excluded(any_rims: bool) -> None:
+@pytest.mark.parametrize(("seeds", "any_rims"), keep(1, [(range(3), False), (SEEDS, False), (SEEDS, True)]))
+def test_where_squares_fail_a_p_is_found_or_excluded(seeds: range, any_rims: bool) -> None:
     """Two inputs in every cell: each array has a certified V or a proof that no such V exists; both occur."""
     outcomes = set()
-    for seed in SEEDS:
+    for seed in seeds:
         _, result = decided(seed, any_rims=any_rims)
         if all(data.lever is not None for data in local_cells(result)):
             found = result.has_lyapunov
@@ -162,9 +163,10 @@ def test_turned_rims_on_a_rectangle(half_width: int, turn: tuple[int, int], serv
 # ---- what is found ---------------------------------------------------------------------------------
 
 
-def shaped_results() -> list[tuple[Partition, FeedbackResult]]:
-    every = [decided(seed, any_rims=any_rims) for seed in SEEDS for any_rims in (False, True)]
-    return [(partition, result) for partition, result in every if result.lyapunov != SQUARES]
+def shaped_results(count: int | None) -> list[tuple[Partition, FeedbackResult]]:
+    """The first arrays whose certified V is no sum of squares, or all; no array after them is decided."""
+    every = (decided(seed, any_rims=any_rims) for seed in SEEDS for any_rims in (False, True))
+    return list(islice((pair for pair in every if pair[1].lyapunov != SQUARES), count))
 
 
 def inverse_rows(data: InputCell) -> NDArray[np.float64]:
@@ -210,10 +212,10 @@ def best_rate(data: InputCell, lyapunov: ControlLyapunov) -> float:
     return float(np.linalg.svd(response, compute_uv=False).min() ** 2)
 
 
-@pytest.mark.parametrize("count", keep(1, [2, None]))
+@pytest.mark.parametrize("count", keep(1, [1, 2, None]))
 def test_the_rate_holds_under_exact_kinematics_within_its_reach(count: int | None) -> None:
     """``V' <= -2 kappa V`` at sampled states, and kappa is the best to first order but for rounding and slack."""
-    for k, (_, result) in enumerate(shaped_results()[:count]):
+    for k, (_, result) in enumerate(shaped_results(count)):
         assert result.rate is not None
         reach = result.rate.reach
         assert reach is not None
@@ -244,7 +246,7 @@ def test_the_closed_loop_decays_at_the_certified_rate() -> None:
 
 
 def test_any_weight_serves_and_half_of_the_best_rate_is_reached() -> None:
-    for partition, result in shaped_results()[:6]:
+    for partition, result in shaped_results(6):
         assert result.rate is not None
         shape = result.lyapunov.shape
         light, best = (certified_rate(partition, ControlLyapunov(shape, Fraction(2) ** k)) for k in (-20, 60))
@@ -258,7 +260,7 @@ def test_any_weight_serves_and_half_of_the_best_rate_is_reached() -> None:
 
 
 def test_tampered_functions_are_refused() -> None:
-    for _, result in shaped_results()[:10]:
+    for _, result in shaped_results(10):
         assert result.check()
         for lyapunov in (
             SQUARES,

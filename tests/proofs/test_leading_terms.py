@@ -20,6 +20,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import PLANE
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -29,16 +30,17 @@ PATHS = 6
 
 
 @pytest.mark.parametrize("generate", [random_relay, random_conewise])
-def test_random_systems_against_formulas(load: Load, generate: Callable[[int], Switched]) -> None:
+@pytest.mark.parametrize("count", keep(1, [16, COUNT]))
+def test_random_systems_against_formulas(load: Load, generate: Callable[[int], Switched], count: int) -> None:
     seen: Counter[tuple[str, str]] = Counter()
-    for seed in range(1000, 1000 + COUNT):
+    for seed in range(1000, 1000 + count):
         system = generate(seed)
         found = decide_leading_terms(load(*system.rhs))
         known = Judge(system).verdict()
         seen[str(found and found.verdict), str(known)] += 1
         assert found is None or known is None or str(found.verdict) == known, (seed, system.rhs)
-    assert min(seen[v, v] for v in ("asymptotically stable", "unstable")) >= COUNT // 8
-    assert sum(n for (found, _), n in seen.items() if found == "None") <= COUNT // 10
+    assert min(seen[v, v] for v in ("asymptotically stable", "unstable")) >= count // 8
+    assert sum(n for (found, _), n in seen.items() if found == "None") <= count // 10
 
 
 @pytest.mark.parametrize("generate", [random_relay, random_conewise])

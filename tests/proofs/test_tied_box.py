@@ -15,7 +15,7 @@ from tests.oracles.tied_box_arrays import tied_box
 if TYPE_CHECKING:
     from tests.conftest import Arrays
 
-TIED, BLOCKS = 50, 10
+TIED, BLOCKS = 50, 25
 
 
 @pytest.mark.parametrize("block", range(BLOCKS))

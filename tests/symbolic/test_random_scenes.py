@@ -172,7 +172,7 @@ GOOD_CELLS = st.sampled_from(sorted(PLACES))
 GOOD_ROWS = st.lists(st.lists(GOOD_CELLS, min_size=2, max_size=2).map(",".join), min_size=2, max_size=4)
 
 
-@pytest.mark.parametrize("count", keep(1, [100, 400]))
+@pytest.mark.parametrize("count", keep(1, [50, 400]))
 def test_random_wheel_tables(folder: Path, count: int) -> None:
     """A table that is read has one wheel per row, where the row says, with the friction of the scene."""
     scenes = refused = 0

@@ -113,8 +113,10 @@ def test_what_is_not_followed_is_said() -> None:
 
 
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
-@pytest.mark.parametrize("name", keep(1, ["four-wheel", "saddle", "spiral-30"]))
-def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str, rule: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "count"), keep(1, [("four-wheel", 10), ("four-wheel", 40), ("saddle", 40), ("spiral-30", 40)])
+)
+def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str, count: int, rule: str) -> None:
     """The speeds are those that the law states; minimizers by interior points, for corners of the box and others."""
     scene = load_scene(name, rule=rule)
     feedback = cast("DrivenFeedback", check_smooth(scene).results["feedback"])
@@ -129,7 +131,7 @@ def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str,
     twists = np.array([[float(x) for x in twist] for twist in cone.vectors])
     speeds = [np.array(rim_speeds(own, imposed)) for imposed in cone.twists]
     assert own.tolerances is not None
-    for k in range(40):
+    for k in range(count):
         g = rng.normal(size=3)
         products = twists @ g
         m = int(np.argmax(np.abs(products)))
