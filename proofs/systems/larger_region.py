@@ -174,7 +174,10 @@ def _outline(cells: Sequence[FieldCell], radius: float) -> _Outline:
 
 
 def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> NDArray[np.bool_]:
-    """Whether solutions reach the point without leaving the square, by the classical Runge-Kutta method."""
+    """Whether solutions reach the point without leaving the square, by the classical Runge-Kutta method.
+
+    Those that stand still, as all do beyond the square, are followed no further.
+    """
     places, back = starts.copy(), np.zeros(len(starts), dtype=bool)
     going = np.arange(len(starts))
     for _ in range(STEPS):
@@ -188,7 +191,7 @@ def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> ND
         places[going] = x + STEP / 6 * (first + 2 * second + 2 * third + last)
         sizes = np.abs(places[going]).max(axis=1)
         back[going[sizes <= radius * ARRIVED]] = True
-        going = going[(sizes > radius * ARRIVED) & (sizes <= radius * (1 + STEP))]
+        going = going[(sizes > radius * ARRIVED) & (sizes <= radius * (1 + STEP)) & first.any(axis=1)]
     return back
 
 
