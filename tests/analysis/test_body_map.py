@@ -134,10 +134,10 @@ def test_ends_agree_with_paths_by_events(count: int, tmp_path: Path) -> None:
         assert away[2] <= HEADING_ERROR
 
 
-@pytest.mark.parametrize("side", keep(1, [3, 5]))
-def test_destinations_share_all_starts(side: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("side", "reach"), keep(1, [(2, 1), (3, 2), (5, 2)]))
+def test_destinations_share_all_starts(side: int, reach: float, tmp_path: Path) -> None:
     scene = carton(tmp_path)
-    axis = np.linspace(-2, 2, side)
+    axis = np.linspace(-reach, reach, side)
     x, y = np.meshgrid(axis, axis)
     paths = ManyPaths(scene, smooth_rule_of(scene))
     found = paths.follow(np.column_stack([x.ravel(), y.ravel(), np.full(side**2, 0.4)]))
@@ -145,6 +145,7 @@ def test_destinations_share_all_starts(side: int, tmp_path: Path) -> None:
     assert sum(len(one.starts) for one in places) == side**2
     assert sum(one.share for one in places) == pytest.approx(1)
     resting = [one for one in places if one.reason is BodyEnd.REST]
+    assert resting
     assert all(one.headings is not None and one.headings[0] <= one.headings[1] for one in resting)
 
 

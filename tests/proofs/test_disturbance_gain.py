@@ -58,8 +58,8 @@ def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: fl
 
 
 @pytest.mark.parametrize(("rhs", "lyapunov"), keep(2, SYSTEMS[::-1]))
-@pytest.mark.parametrize("share", keep(1, [0.95, 0.3]))
-def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: float) -> None:
+@pytest.mark.parametrize(("share", "until"), keep(1, [(0.95, 1.5), (0.95, 3.0), (0.3, 3.0)]))
+def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: float, until: float) -> None:
     result = checked(rhs, lyapunov)
     gain = result.gain
     assert gain is not None
@@ -73,7 +73,7 @@ def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: fl
     rng = np.random.default_rng(1)
     starts = rng.uniform(-radius, radius, (400, 2))
     starts = starts[value(lyapunov, *starts.T) < level][:40]
-    values = disturbed(rhs, lyapunov, starts, delta, 3.0)
+    values = disturbed(rhs, lyapunov, starts, delta, until)
     speed = max(float(np.abs(value(text, *starts.T)).max()) for text in rhs) + delta
     slack = 4 * gamma * STEP * (speed + 1)  # what a step across an edge adds
     times = STEP * np.arange(len(values))[:, None]

@@ -17,6 +17,7 @@ from nonsmooth.proofs.systems.rest_points import Rests, find_rests
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -92,8 +93,12 @@ def test_coulomb_friction_is_not_asymptotically_stable(load: Load) -> None:
         assert system_check(load("y", second)).verdict is Translation.STABLE
 
 
-def test_shrinking_avoids_a_far_equilibrium(load: Load) -> None:
-    system = with_v(load("y", "-x + 4*x**3 - y**3"), "y**2/2 + x**2/2 - x**4")
+@pytest.mark.parametrize(
+    ("force", "potential"), keep(1, [("sign(x) - 2*x", "Abs(x) - x**2"), ("x - 4*x**3", "x**2/2 - x**4")])
+)
+def test_shrinking_avoids_a_far_equilibrium(load: Load, force: str, potential: str) -> None:
+    """Beside the point, that of x = 1/2 rests too."""
+    system = with_v(load("y", f"-({force}) - y**3"), f"y**2/2 + {potential}")
     result = system_check(system)
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
     assert result.domain is not None
