@@ -27,7 +27,7 @@ def test_equilibria(arrays: Arrays, stopwatch: Stopwatch) -> None:
 
 @pytest.mark.parametrize("seed", driven.FORCES_AND_SEPARATORS)
 def test_forces_and_separators(arrays: Arrays, seed: int) -> None:
-    driven.test_under_ellipse_forces_and_separators_exclude_each_other(arrays, seed)
+    driven.test_under_ellipse_forces_and_separators_exclude_each_other(arrays, seed, count=4)
 
 
 @pytest.mark.parametrize(("name", "rule"), checker.WITH_FEEDBACK_EVIDENCE)

@@ -956,7 +956,7 @@ def test_every_mutant_is_rejected_or_still_true(certificates: dict[tuple[str, st
 
 
 @pytest.mark.parametrize(("name", "rule"), WITH_FEEDBACK_EVIDENCE)
-@pytest.mark.parametrize("count", keep(1, [EVIDENCE_MUTANTS // 2, EVIDENCE_MUTANTS]))
+@pytest.mark.parametrize("count", keep(1, [EVIDENCE_MUTANTS // 4, EVIDENCE_MUTANTS]))
 def test_the_evidence_of_the_feedback_clause_is_load_bearing(arrays: Arrays, name: str, rule: str, count: int) -> None:
     forge_feedback(arrays, name, rule, count)
 
