@@ -19,6 +19,7 @@ from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -120,13 +121,19 @@ def test_proved_v_falls_along_random_curves(load: Load, seed: int) -> None:
     assert np.all(falls[opposed] < 0)
 
 
-def test_shares_of_guards_are_checked_again(load: Load) -> None:
-    """``q + 2 x^2 > 0`` where ``q = 2 y + x^2 >= 0``: along the curve it vanishes to second order."""
+def beside_a_curve(load: Load) -> tuple[Region, list[Polynomial]]:
+    """The part of a square where ``q = 2 y + x^2 >= 0``, and the coordinates."""
     field = load("-x", "-y").field
     x, y = (Polynomial.variable(field, ("x", "y"), name) for name in ("x", "y"))
     one, zero = field.one, field.zero
     square = Region(((zero, zero, one), (zero, -one, one), (one, -one, one), (one, one, one), (zero, one, one)))
-    beside = replace(square, guards=(y * 2 + x * x,))
+    return replace(square, guards=(y * 2 + x * x,)), [x, y]
+
+
+def test_shares_of_guards_are_checked_again(load: Load) -> None:
+    """``q + 2 x^2 > 0`` where ``q = 2 y + x^2 >= 0``: along the curve it vanishes to second order."""
+    beside, (x, y) = beside_a_curve(load)
+    field = x.field
     proof = prove(Sense.POSITIVE, y * 2 + x * x * 3, beside, except_origin=True)
     assert isinstance(proof, Proof)
     assert proof.share == (1, 0)
@@ -135,8 +142,13 @@ def test_shares_of_guards_are_checked_again(load: Load) -> None:
     assert not replace(proof, share=(field(2), 0)).check()
     assert not replace(proof, share=None).check()
     assert not replace(proof, share=(field(1), 1)).check()
-    assert not isinstance(prove(Sense.POSITIVE, y * 2 + x * x, beside, except_origin=True), Proof)
     assert isinstance(prove(Sense.NONNEGATIVE, y * 2 + x * x, beside), Proof)
+
+
+@thorough  # the small one: forged shares, in test_shares_of_guards_are_checked_again
+def test_what_vanishes_along_the_curve_is_not_positive(load: Load) -> None:
+    beside, (x, y) = beside_a_curve(load)
+    assert not isinstance(prove(Sense.POSITIVE, y * 2 + x * x, beside, except_origin=True), Proof)
 
 
 def test_no_rate_and_no_invariance_where_v_bends_along_a_curve(load: Load) -> None:

@@ -19,7 +19,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from tests.rehearsals.farthest import FarthestRule
 from tests.reports.conftest import Invoke
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 SCENES = ["four-wheel", "conveyor-3", "ring-6", "rectangle"]
 
@@ -69,6 +69,11 @@ def test_the_commands_take_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytes
         "nearest_box", "nearest_farthest", "box_farthest", "ellipse_nearest", "ellipse_box", "ellipse_farthest",
         "roller_nearest", "roller_box", "roller_farthest"
     }  # fmt: skip
+
+
+@thorough  # the small one: the numbers of the comparison, in test_the_commands_take_it
+def test_a_picture_takes_it(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     assert invoke("partition", "four-wheel", "--compare", "-o", "a.png").status == 0
 
 

@@ -84,7 +84,7 @@ def test_a_terminal_says_sampled_and_how_many_tip(carton: Path, invoke: Invoke) 
 
 
 def test_a_picture_is_drawn(carton: Path, invoke: Invoke) -> None:
-    done = invoke(*GRID, "-o", "map.svg")
+    done = invoke("simulate", "carton.toml", "--grid", "2", "-o", "map.svg")
     assert (done.status, done.err) == (0, "")
     assert (carton.parent / "map.svg").read_text().startswith("<?xml")
 
