@@ -34,7 +34,7 @@ WITH_COMMANDS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LONGEST = ("choose.md", "stress.md", "theory.md")  # their commands run in `make bench`
 LONG_COMMANDS = re.compile(
     r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--grid|sweep .*\.svg|sweep \S+\.toml .*--borders"
-    r"|check twist\.toml|check \S+\.toml --(at auto|at \S+ --rule ellipse|require (pose|tolerances)))\b"
+    r"|check twist\.toml|check \S+\.toml --(at auto|require (pose|tolerances)))\b"
 )  # and these, of which tests/reports has smaller ones
 WRITTEN = re.compile(r" -o (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]

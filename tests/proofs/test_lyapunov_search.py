@@ -80,7 +80,6 @@ def test_nothing_is_found_where_there_is_nothing(load: Load) -> None:
         assert find_lyapunov(load(first, second)) is None
 
 
-@thorough  # the small one: test_shrinking_avoids_a_far_equilibrium in test_invariance.py
 def test_rich_families_leave_work_for_smaller_squares(load: Load) -> None:
     """On the checked square two relays refute sum after sum; a quadratic form serves on a quarter of it."""
     first = "-sign(y) - sign(y - 2*x) - y/2 - x**2/2 - x/2"
