@@ -14,8 +14,8 @@ TOOL_PACKAGES := fonts-dejavu-core texlive-latex-base
 BROWSERS := chromium-headless-shell chromium
 TOOL_SECONDS := 300
 REPORT := build/four-wheel.html
-# For two cores: one more, because tests of pages and of processes wait. On a larger machine: make WORKERS=9 test
-WORKERS ?= 3
+# For two cores: every further worker imports everything once more. On a larger machine: make WORKERS=8 test
+WORKERS ?= 2
 # `make lowest`: what touches each library, against its oldest version that pyproject.toml allows.
 # Needs Python 3.11 or 3.12 (make PYTHON=python3.12 lowest): for later ones these versions were never built.
 LOWEST := .venv-lowest

@@ -22,6 +22,7 @@ needs_chromium = pytest.mark.skipif(
 OPTIONS = [
     "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
+    "--in-process-gpu", "--renderer-process-limit=1",  # fewer processes to start for every page
 ]  # fmt: skip
 NARROW, WIDE = 400, 1400  # a phone, a desk
 READABLE = 4.5  # contrast of small text to its ground (WCAG 2, level AA)
