@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, scaled, scene_rows
+from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import is_clear
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
@@ -203,7 +204,7 @@ def order(form: Affine, place: Beside) -> Lexicographic:
 
 def is_multiple(form: Affine, line: Affine) -> bool:
     """Whether one affine form is a multiple of another that is not zero: a rational one, else by minors."""
-    factor = next(a.rational_quotient(b) for a, b in zip(form, line, strict=True) if b)
+    factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
     if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
         return True
     return not any(form[i] * line[j] - form[j] * line[i] for i, j in ((1, 2), (0, 1), (0, 2)))

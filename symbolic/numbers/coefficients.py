@@ -1,4 +1,4 @@
-"""Coefficients of numbers: rationals, or rational polynomials in the base; their size, and what a product costs."""
+"""Coefficients of numbers: rationals, or rational polynomials in the base; their quotients, size, and cost."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from flint import fmpq
+from flint import fmpq, fmpq_poly
 
 Coefficient: TypeAlias = Any  # fmpq over Q, fmpq_poly reduced by the base modulus otherwise
 Rational: TypeAlias = int | Fraction | fmpq
@@ -17,7 +17,7 @@ _UNIT_BITS = 512  # products of longer rationals count more
 
 def as_fmpq(value: Rational) -> fmpq:
     """Convert an int, Fraction or fmpq to fmpq."""
-    if isinstance(value, Fraction):
+    if not isinstance(value, (int, fmpq)) and isinstance(value, Fraction):  # in this order: a Fraction is slow to tell
         return fmpq(value.numerator, value.denominator)
     return fmpq(value)
 
@@ -46,6 +46,24 @@ def product_units(a: Terms, b: Terms, base_degree: int) -> int:
 def single_units(a: fmpq, b: fmpq) -> int:
     """What :func:`product_units` says of two numbers of one term over the rationals, by far the most."""
     return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
+
+
+def base_inverse(coefficient: Coefficient, modulus: fmpq_poly | None) -> Coefficient:
+    """``1/c`` in the base field of this minimal polynomial; None for the rationals."""
+    if modulus is None:
+        return 1 / coefficient
+    divisor, cofactor, _ = coefficient.xgcd(modulus)
+    return (cofactor * (1 / divisor.coeffs()[0])) % modulus
+
+
+def rational_quotient(dividend: Terms, divisor: Terms) -> fmpq | None:
+    """The quotient of two numbers where it is rational, term by term; None elsewhere, and for a divisor of zero."""
+    if not divisor or (dividend and dividend.keys() != divisor.keys()):
+        return None
+    mask, c = next(iter(divisor.items()))
+    top, bottom = (x if isinstance(x, fmpq) else x.coeffs()[-1] for x in (dividend.get(mask, c * 0), c))
+    quotient = top / bottom
+    return quotient if all(dividend.get(m, d * 0) == quotient * d for m, d in divisor.items()) else None
 
 
 def is_rational(terms: Terms) -> bool:

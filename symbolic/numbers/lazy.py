@@ -30,6 +30,7 @@ FEW_BITS = 1024
 EXACT_DENOMINATOR = 4
 
 _PRECISION = 256
+_RATIONAL = (int, fmpq, Fraction)  # as a tuple: the union would be made anew at every call
 _FLOAT_BITS = 53
 
 Quotient: TypeAlias = tuple[Number, Number]  # numerator, nonzero denominator
@@ -96,7 +97,7 @@ class Lazy(ExactReal):
             return value
         if isinstance(value, Number):
             return Lazy.of(value)
-        if isinstance(value, int | Fraction | fmpq):
+        if isinstance(value, _RATIONAL):
             return Lazy.of(self.field.rational(value))
         return None
 

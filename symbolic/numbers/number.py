@@ -16,6 +16,7 @@ from flint import arb, ctx, fmpq, fmpz
 
 from nonsmooth.symbolic.numbers.coefficients import (
     Coefficient,
+    base_inverse,
     fmpq_to_float,
     height,
     is_rational,
@@ -35,6 +36,7 @@ _FLOAT_BITS = 53
 _FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
 TINY, HUGE = 2.0**-900, 2.0**900  # outside this range floats may under- or overflow: use balls
 _FIRST_PRECISION = 128
+_RATIONAL = (int, fmpq, fmpz, Fraction)  # as a tuple: the union `int | fmpq` would be made anew at every call
 
 
 def sign(value: Any) -> int:
@@ -61,7 +63,7 @@ class Number(ExactReal):
             if value.field is not self.field:
                 raise ValueError("required numbers of one field, received two fields")
             return value
-        if isinstance(value, int | Fraction | fmpq | fmpz):
+        if isinstance(value, _RATIONAL):
             return self.field.rational(fmpq(value) if isinstance(value, fmpz) else value)
         return None
 
@@ -96,6 +98,9 @@ class Number(ExactReal):
         return Number(self.field, terms)
 
     def __neg__(self) -> Number:
+        if len(self.terms) == 1:  # by far the most; a comprehension is a call
+            ((mask, c),) = self.terms.items()
+            return Number(self.field, {mask: -c})
         return Number(self.field, {mask: -c for mask, c in self.terms.items()})
 
     def __mul__(self, value: Any) -> Number:
@@ -132,6 +137,8 @@ class Number(ExactReal):
         result = field.collected(terms)
         return result + nested if nested.terms else result
 
+    __radd__, __rmul__ = __add__, __mul__
+
     def _multiple(self, other: Number) -> Number:
         """The product over the rationals where one of both is rational: nothing to collect."""
         if self.field.meter is not None:
@@ -166,19 +173,12 @@ class Number(ExactReal):
             if not mask:
                 if field.meter is not None:
                     field.meter.spend(field.base_degree * product_units(self.terms, self.terms, field.base_degree))
-                return Number(field, {0: self._base_inverse(c)})
+                return Number(field, {0: base_inverse(c, field.modulus)})
             root = Number(field, {mask: field.coefficient(fmpq(1))})
             return root * (Number(field, {0: c}) * field.radicand_product(mask)).inverse()
         top = 1 << (max(self.terms).bit_length() - 1)
         conjugate = Number(field, {mask: -c if mask & top else c for mask, c in self.terms.items()})
         return conjugate * (self * conjugate).inverse()
-
-    def _base_inverse(self, coefficient: Coefficient) -> Coefficient:
-        modulus = self.field.modulus
-        if modulus is None:
-            return 1 / coefficient
-        divisor, cofactor, _ = coefficient.xgcd(modulus)
-        return (cofactor * (1 / divisor.coeffs()[0])) % modulus
 
     def __truediv__(self, value: Any) -> Number:
         other = self._operand(value)
@@ -195,15 +195,6 @@ class Number(ExactReal):
     def __rtruediv__(self, value: Any) -> Number:
         return self.inverse() * value
 
-    def rational_quotient(self, divisor: Number) -> fmpq | None:
-        """``self / divisor`` where that is rational, term by term; None elsewhere, and for a divisor that is zero."""
-        if not divisor.terms or (self.terms and self.terms.keys() != divisor.terms.keys()):
-            return None
-        mask, c = next(iter(divisor.terms.items()))
-        top, bottom = (x if isinstance(x, fmpq) else x.coeffs()[-1] for x in (self.terms.get(mask, c * 0), c))
-        quotient = top / bottom
-        return quotient if all(self.terms.get(m, d * 0) == quotient * d for m, d in divisor.terms.items()) else None
-
     # ---- order ---------------------------------------------------------------------------
 
     def sign(self) -> int:
@@ -211,6 +202,15 @@ class Number(ExactReal):
         if self._sign is None:
             self._sign = self._decide_sign()
         return self._sign
+
+    def _compare(self, value: Any) -> int | None:
+        other = value if type(value) is Number and value.field is self.field else self._operand(value)
+        if other is None:
+            return None
+        if self.field.modulus is None and is_rational(self.terms) and is_rational(other.terms):
+            a, b = self.terms[0], other.terms[0]
+            return (a > b) - (a < b)
+        return 0 if other is self else (self - other).sign()
 
     def _decide_sign(self) -> int:
         if not self.terms:

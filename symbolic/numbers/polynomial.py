@@ -91,7 +91,7 @@ class Polynomial(ExactRing):
             if value.variables != self.variables:
                 raise ValueError(f"required polynomials in {self.variables}, received {value.variables}")
             return value
-        if isinstance(value, Number | int | Fraction):
+        if isinstance(value, (Number, int, Fraction)):  # a tuple: the union would be made at every call
             return Polynomial.constant(self.field, self.variables, value)
         return None
 

@@ -21,6 +21,7 @@ from nonsmooth.proofs.clauses.feedback.wheel_forces import wheel_forces
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner, outer
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene
 
@@ -114,5 +115,5 @@ def test_multiples_of_a_line() -> None:
         assert is_multiple(tuple(factor * x for x in line), line)  # type: ignore[arg-type]
     assert not is_multiple((one, root, one - root), line)
     assert not is_multiple((one, root, root), (field.zero, one, one))
-    assert (root * 3).rational_quotient(root * 2) == fmpq(3, 2)
-    assert root.rational_quotient(one) is None
+    assert rational_quotient((root * 3).terms, (root * 2).terms) == fmpq(3, 2)
+    assert rational_quotient(root.terms, one.terms) is None
