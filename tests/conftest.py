@@ -169,8 +169,8 @@ class Arrays:
         return x / sum(weights), y / sum(weights)
 
 
-# Builders whose results files share within a process: reports (tests/reports/derived.py) and arrays that turn.
-SHARED = ({"derived", "derived_afresh"}, {"tied_array"})
+# Builders of tests/reports/derived.py, whose reports several files read: each is derived once in a process.
+SHARED = {"derived", "derived_afresh"}
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -189,7 +189,7 @@ def place(item: pytest.Item) -> int:
     if "test_documents.py" in item.nodeid:
         return 0
     names = vars(item.module).keys() if isinstance(item, pytest.Function) else set[str]()
-    return next((k for k, shared in enumerate(SHARED, 1) if shared & names), len(SHARED) + 1)
+    return 1 if SHARED & names else 2
 
 
 def pytest_collection_finish() -> None:

@@ -1,7 +1,7 @@
 """Which cases ``make test`` runs, so that it stays short; ``make bench`` runs the others, which are marked `thorough`.
 
 1. A check over random arrays (a parameter of :data:`SEEDED`) keeps the first one.
-2. A check of many long cases (:data:`FEW`) keeps as many as together take about a second: its first case, then those
+2. A check of many long cases (:data:`FEW`) keeps as many as take about half a second together: its first, then those
    that have most in their names that no kept case has, such as another rule and another scene (:func:`unlike`).
 3. A test may say itself which of its cases are kept (:func:`keep`), or be left to ``make bench`` as a whole
    (:data:`thorough`) where a smaller test of the same claim stands beside it, which a comment then names.
