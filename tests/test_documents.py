@@ -33,8 +33,9 @@ ROOT = Path(__file__).resolve().parents[1]
 WITH_COMMANDS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LONGEST = ("choose.md", "stress.md", "theory.md")  # their commands run in `make bench`
 LONG_COMMANDS = re.compile(
-    r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--grid|sweep .*\.svg|sweep \S+\.toml .*--borders"
-    r"|check twist\.toml|check \S+\.toml --(at auto|require (pose|tolerances)))\b"
+    r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--grid|simulate \S+\.toml .*--until 3|sweep .*\.svg"
+    r"|sweep .*--borders|check twist\.toml|check \S+\.toml --(at auto|require (pose|tolerances))"
+    r"|check \S+\.toml .*--rule ellipse)\b"
 )  # and these, of which tests/reports has smaller ones
 WRITTEN = re.compile(r" -o (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]
@@ -187,14 +188,20 @@ def named(path: Path) -> str:
 def shorter(found: list[Command]) -> list[Command]:
     """The commands whose output is shown, without long ones and those that need what others write: for ``make test``.
 
-    Of the others it asks whether they are commands at all: test_commands_have_such_arguments.
+    What asks for the exit status of a command goes with it. Of the others it asks whether they are commands at all:
+    test_commands_have_such_arguments.
     """
     kept, absent = [], set[str]()
+    last_is_kept = True
     for command in found:
+        if command.text == "echo $?" and not last_is_kept:
+            continue
         shows_nothing = command.shown is None and command.text.startswith("nonsmooth ") and ">" not in command.text
-        if LONG_COMMANDS.match(command.text) or shows_nothing:
+        is_left_out = shows_nothing or LONG_COMMANDS.match(command.text) is not None
+        if is_left_out:
             absent.update(WRITTEN.findall(command.text))
-        elif not absent.intersection(command.text.split()):
+        last_is_kept = not is_left_out and not absent.intersection(command.text.split())
+        if last_is_kept:
             kept.append(command)
     return kept
 
