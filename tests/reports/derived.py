@@ -10,14 +10,17 @@ from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 
-def derived_afresh(name: str, rule: str | None = None) -> Report:
-    """The report that ``nonsmooth derive`` writes, nothing of it computed before."""
-    audit_section.cache_clear()
+@cache
+def derived(name: str, rule: str | None = None) -> Report:
+    """The report that ``nonsmooth derive`` writes."""
     options = () if rule is None else ("--rule", rule)
     return derive_report(load_scene(name, rule=rule), Invocation(name, options))
 
 
-derived = cache(derived_afresh)
+def derived_afresh(name: str, rule: str | None = None) -> Report:
+    """The same, nothing of it computed before."""
+    audit_section.cache_clear()
+    return derived.__wrapped__(name, rule)
 
 
 @cache

@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 
@@ -35,17 +35,23 @@ with open(os.environ["LOOKED_AT"], "a") as file:
     file.write(__name__ + "\\n")
 class Model: pass
 """
+ASKED = "asked of CVXPY: "
+Loud: TypeAlias = tuple[str, str, str]  # what a loud process prints before ASKED, this, and what it prints after
 
 
 @pytest.fixture
 def loud(tmp_path: Path) -> dict[str, str]:
     """An environment in which every optional solver prints a licence text when it is imported."""
-    packages = tmp_path / "packages"
+    return loud_environment(tmp_path)
+
+
+def loud_environment(folder: Path) -> dict[str, str]:
+    packages = folder / "packages"
     packages.mkdir()
     for name in OPTIONAL:
         (packages / f"{name}.py").write_text(LOUD, encoding="utf-8")
     path = os.pathsep.join([str(packages), *filter(None, [os.environ.get("PYTHONPATH")])])
-    return {**os.environ, "PYTHONPATH": path, "LOOKED_AT": str(tmp_path / "looked-at")}
+    return {**os.environ, "PYTHONPATH": path, "LOOKED_AT": str(folder / "looked-at")}
 
 
 def run(environment: dict[str, str], *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -66,11 +72,31 @@ def test_the_packages_are_loud(loud: dict[str, str]) -> None:
     assert "gurobipy" in looked_at(loud)
 
 
-def test_json_is_all_that_check_prints(loud: dict[str, str]) -> None:
+@pytest.fixture(scope="module")
+def flower(tmp_path_factory: pytest.TempPathFactory) -> Loud:
+    """What one process prints: the record of a plain system whose V is found by a semidefinite program; then which
+    solvers CVXPY found, who imports, and whether a loud package was looked at; then what a loud package prints.
+
+    One process for all of it, since it is the import of CVXPY that takes long.
+    """
+    environment = loud_environment(tmp_path_factory.mktemp("loud"))
+    code = (
+        "from nonsmooth.reports.cli import app; from nonsmooth.reports.console import run; "
+        "run(app, ['check', 'flower', '--json']); "
+        "import builtins, json, os; from cvxpy.reductions.solvers import defines; "
+        "looked_at = os.path.exists(os.environ['LOOKED_AT']); "
+        "asked = [defines.INSTALLED_SOLVERS, builtins.__import__.__name__, looked_at]; "
+        "print('" + ASKED + "' + json.dumps(asked), flush=True); import gurobipy"
+    )
+    return run(environment, "-c", code).stdout.partition(ASKED)
+
+
+def test_json_is_all_that_check_prints(flower: Loud) -> None:
     """Of a plain system whose V is found by a semidefinite program."""
-    done = run(loud, "-m", "nonsmooth.reports.cli", "check", "flower", "--json")
-    assert json.loads(done.stdout)["scene"] == "flower"
-    assert looked_at(loud) == ""
+    printed, _, asked = flower
+    *_, looked_at = json.loads(asked.splitlines()[0])
+    assert json.loads(printed)["scene"] == "flower"
+    assert not looked_at
 
 
 @thorough
@@ -101,15 +127,10 @@ def test_json_is_all_that_precision_prints(loud: dict[str, str]) -> None:
     assert looked_at(loud) == ""
 
 
-def test_what_cvxpy_requires_is_there_and_other_modules_import_what_they_like(loud: dict[str, str]) -> None:
+def test_what_cvxpy_requires_is_there_and_other_modules_import_what_they_like(flower: Loud) -> None:
     """Our own way in finds the same solvers as the plain import of an environment without optional ones."""
-    code = (
-        "from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy; load_cvxpy(); "
-        "import builtins, json; from cvxpy.reductions.solvers import defines; "
-        "print(json.dumps([defines.INSTALLED_SOLVERS, builtins.__import__.__name__]), flush=True); import gurobipy"
-    )
-    first, *printed_by_others = run(loud, "-c", code).stdout.splitlines()
-    solvers, importer = json.loads(first)
+    first, *printed_by_others = flower[2].splitlines()
+    solvers, importer, _ = json.loads(first)
     assert {"CLARABEL", "SCS", "OSQP"} <= set(solvers)
     assert not {"GUROBI", "MOSEK", "CPLEX"} & set(solvers)
     assert importer == "__import__"  # the interpreter's own is back
