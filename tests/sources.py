@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")  # each may import the packages to its left
+BLOCKS = ("body", "handlers", "cases", "orelse", "finalbody")  # fields of syntax trees that hold statements
 
 
 class Import(NamedTuple):
@@ -51,21 +52,29 @@ def imports_of_file(path: Path) -> tuple[Import, ...]:
 
 def imports_in(node: ast.AST, in_function: bool = False, for_types: bool = False) -> Iterator[Import]:
     """Every import below a node."""
-    for child in ast.iter_child_nodes(node):
+    for child in statements_in(node):
         if isinstance(child, ast.Import):
             modules = tuple(alias.name for alias in child.names)
             yield Import(child.lineno, modules, False, in_function, for_types)
         elif isinstance(child, ast.ImportFrom):
             modules = tuple(f"{child.module}.{alias.name}" for alias in child.names)
             yield Import(child.lineno, modules, child.level > 0, in_function, for_types)
-        elif not isinstance(child, ast.expr):  # expressions hold no statements
+        else:
             is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
             yield from imports_in(child, in_function or is_function, for_types or is_type_checking_block(child))
 
 
+def statements_in(node: ast.AST) -> Iterator[ast.AST]:
+    """The statements of the blocks of a node, and what holds blocks itself: expressions, by far the most, hold none."""
+    for block in BLOCKS:
+        yield from getattr(node, block, ())
+
+
 def is_type_checking_block(node: ast.AST) -> bool:
     """Whether what is below a node is read by the type checker only."""
-    return isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
+    if not isinstance(node, ast.If) or not isinstance(node.test, ast.Name | ast.Attribute):
+        return False  # to write out every condition takes long
+    return ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
 
 
 @cache
