@@ -23,6 +23,7 @@ import pytest
 from nonsmooth.reports.interface.sweep_result import SweepResult
 from nonsmooth.reports.progress import Report, silent
 from nonsmooth.reports.sweeps import store as store_module
+from nonsmooth.reports.sweeps import workers as workers_module
 from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.outcome import Outcome
 from nonsmooth.reports.sweeps.plan import read_plan
@@ -193,7 +194,12 @@ class Deadly(Work):
         return {"position": str(entries[0])}
 
 
-def test_a_scene_that_kills_its_workers_is_refused_and_no_other() -> None:
+@pytest.mark.parametrize(("together", "alone"), keep(1, [(1, 1), (TOGETHER, ALONE)]))
+def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
+    together: int, alone: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workers_module, "TOGETHER", together)
+    monkeypatch.setattr(workers_module, "ALONE", alone)
     pool = Pool(Deadly(*work()), 2)
     try:
         waiting = [Task(f"key {name}", (name,)) for name in ("a", "deadly", "b", "c", "d")]
@@ -207,7 +213,7 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other() -> None:
                 if not done.lasting:
                     assert done.outcome["why"] == DIED
         assert found == {**{f"key {name}": (name, True) for name in "abcd"}, "key deadly": ("refused", False)}
-        assert pool._deaths["key deadly"] == TOGETHER + ALONE
+        assert pool._deaths["key deadly"] == together + alone
     finally:
         pool.close()
 
