@@ -23,8 +23,7 @@ from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.two_fold import BECOMES_TANGENT, CLEAR_OF_TANGENCY, IS_TANGENT, tangency
 from nonsmooth.analysis.trajectories.whirls import WhirlMotion
 
-Interpolant: TypeAlias = Callable[[float], Vector]
-DenseOutput: TypeAlias = Callable[[Any], Vector]  # also of times (n,), as states (states, n)
+Interpolant: TypeAlias = Callable[[Any], Vector]  # also of times (n,), as states (states, n)
 
 HALVINGS = 40  # of a step, in search of a moment at which a guard that starts at zero is positive
 ROOT_STEPS = 100  # bisection alone needs 60
@@ -55,11 +54,11 @@ class Step:
 
     before: tuple[float, Vector, Vector]
     after: tuple[float, Vector, Vector]
-    dense_output: Callable[[], DenseOutput]
+    dense_output: Callable[[], Interpolant]
     easy: bool = False
 
     @cached_property
-    def interpolant(self) -> DenseOutput:
+    def interpolant(self) -> Interpolant:
         """Dense output, made at most once."""
         return self.dense_output()
 

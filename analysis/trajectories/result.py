@@ -182,11 +182,19 @@ class Trajectory(ShortRepr):
 
     def sample(self, times: Iterable[float]) -> NDArray[np.float64]:
         """States (m, n) at many times, as floats."""
-        many = self.pieces[0].states if len(self.pieces) == 1 else None
-        if many is not None:
-            since = np.asarray(list(times), float) - self.pieces[0].start
-            return many(np.clip(since, 0.0, self.end.t - self.pieces[0].start))
-        return np.array([_floats(self.at(time)) for time in times])
+        asked = np.asarray(list(times), float)
+        if not self.pieces or any(piece.states is None for piece in self.pieces):
+            return np.array([_floats(self.at(time)) for time in asked.tolist()])
+        found = np.empty((len(asked), len(self.end.state)))
+        begun = np.searchsorted([piece.start for piece in self.pieces], asked, side="right")
+        for k, piece in enumerate(self.pieces):
+            own = np.maximum(begun - 1, 0) == k
+            if piece.states is not None and own.any():
+                last = np.inf if piece.end is None else piece.end - piece.start
+                found[own] = piece.states(np.clip(asked[own] - piece.start, 0.0, last))
+        if self.pieces[-1].end is not None:
+            found[asked >= self.pieces[-1].end] = _floats(self.end.state)
+        return found
 
     def in_lengths(self, length: float) -> Trajectory:
         """The same path of ``(x, y, theta)``, where x and y count a length, in the unit of that length."""

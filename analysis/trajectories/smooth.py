@@ -280,7 +280,7 @@ class _SmoothPath:
 def _piece(stretch: Stretch, face: Face) -> Piece:
     names = tuple(member.name for member in face.members)
     times = tuple(stretch.times)
-    return Piece(times[0], times[-1], face.name, names, stretch.state_since_start, times)
+    return Piece(times[0], times[-1], face.name, names, stretch.state_since_start, times, stretch.states_since_start)
 
 
 def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:

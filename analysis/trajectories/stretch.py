@@ -57,6 +57,23 @@ class Stretch:
         """State a time after the start."""
         return tuple(self.state_at(self.times[0] + float(time)).tolist())
 
+    def states_since_start(self, times: Vector) -> Vector:
+        """States (m, n) at many times after the start: each step's dense output is asked once."""
+        asked = self.times[0] + times
+        steps = np.searchsorted(self.times, asked, side="right") - 1
+        found = np.empty((len(asked), self.end.size))
+        by_step = np.argsort(steps, kind="stable")
+        for own in np.split(by_step, np.flatnonzero(np.diff(steps[by_step])) + 1):
+            if not own.size:
+                continue
+            k = int(steps[own[0]])
+            if k >= len(self.interpolants):
+                found[own] = self.end
+            else:
+                found[own] = self.interpolants[k](asked[own]).T
+                found[own[asked[own] == self.times[k]]] = self.states[k]
+        return found
+
     def state_at(self, t: float) -> Vector:
         """State at a time of the path."""
         k = bisect_right(self.times, t) - 1
@@ -74,8 +91,8 @@ class _LateInterpolant:
         self._data = motion, start, end, tolerances
         self._made: Interpolant | None = None
 
-    def __call__(self, t: float) -> Vector:
-        """State at a time within the step."""
+    def __call__(self, t: Any) -> Vector:
+        """State at a time within the step, or states (n, m) at many."""
         if self._made is None:
             from scipy.integrate import DOP853
 
@@ -154,8 +171,8 @@ def _resting(stretch: Stretch, until: float) -> Stretch:
     """A stretch whose last state stays."""
     last = stretch.end
 
-    def still(t: float) -> Vector:
-        return last
+    def still(t: Any) -> Vector:
+        return last if np.ndim(t) == 0 else np.repeat(last[:, None], len(t), axis=1)
 
     times, states = [*stretch.times, until], [*stretch.states, last]
     return replace(stretch, times=times, states=states, interpolants=[*stretch.interpolants, still])

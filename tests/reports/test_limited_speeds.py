@@ -11,6 +11,7 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -78,8 +79,10 @@ ARRAYS: dict[str, ns.Array] = {
 }
 
 
-def feedback_of(array: ns.Array) -> tuple[FeedbackResult, LimitedRate]:
-    found = array.check().evidence.feedback
+@cache
+def feedback_of(name: str) -> tuple[FeedbackResult, LimitedRate]:
+    """What the check of an array finds, once for all tests."""
+    found = ARRAYS[name].check().evidence.feedback
     assert isinstance(found, FeedbackResult)
     assert found.limited
     return found, found.limited
@@ -108,11 +111,20 @@ def speeds_of(path: PathResult, times: Any = None) -> Floats:
     return loop_speeds(path.partition, path.trajectory, path.loop, times)
 
 
+def test_states_at_many_times_are_those_at_each() -> None:
+    """Along a path of several stretches, before it, at its ends and after it, whatever the order of the times."""
+    path = ARRAYS["four wheels"].simulate((0.1, 0.2, 0.3), until=2.0, feedback=True, gain=3.0).trajectory
+    assert len(path.pieces) > 1
+    ends = [piece.end for piece in path.pieces]
+    times = [-1.0, *np.linspace(0, 2, 200), *path.times, *ends, 3.0, 1.0, 0.1]
+    assert path.sample(times).tolist() == [list(path.at(time)) for time in times]
+
+
 @pytest.mark.parametrize("gain", [0.5, 4.0])
 @pytest.mark.parametrize("name", keep(3, ARRAYS))
 def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> None:
     array = ARRAYS[name]
-    feedback, limited = feedback_of(array)
+    feedback, limited = feedback_of(name)
     limits = {index: float(limit) for index, limit in array.scene.speed_limits.items()}
     kappa, speed = float(limited.kappa), float(limited.speed)
     ever = False
@@ -142,7 +154,7 @@ ORBITS = [("shaped", 1), ("four wheels", 1), ("shaped", 2), ("four wheels", 2), 
 def test_orbits_are_those_without_limits(name: str, count: int) -> None:
     """V falls strictly along both, so the pose is a function of V: it must be the same one."""
     array = ARRAYS[name]
-    feedback, limited = feedback_of(array)
+    feedback, limited = feedback_of(name)
     free = ns.Array.of_document({key: part for key, part in array.document.items() if key != "drive"})
     if "wheel" in array.document:
         wheels = [{k: v for k, v in wheel.items() if k != "speed_limit"} for wheel in array.document["wheel"]]
@@ -202,7 +214,7 @@ def brute_force(array: ns.Array, start: Floats, gain: float, until: float, steps
 @pytest.mark.parametrize("name", keep(2, ["five in millimetres", "four wheels", "random 2"]))
 def test_paths_against_brute_force(name: str, finest: int) -> None:
     array = ARRAYS[name]
-    feedback, limited = feedback_of(array)
+    feedback, limited = feedback_of(name)
     assert feedback.lyapunov.length is not None
     (start,) = starts(array, limited, feedback.lyapunov, 1, seed=3)
     gain, until = 3.0, 2.0
@@ -341,8 +353,9 @@ def test_gains_are_positive_and_of_a_law(
 
 
 def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:
-    array = ARRAYS["five in millimetres"]
-    feedback, limited = feedback_of(array)
+    name = "five in millimetres"
+    array = ARRAYS[name]
+    feedback, limited = feedback_of(name)
     record = array.check().to_dict()["feedback"]["limited"]
     assert record["speed"] == pytest.approx(float(limited.speed))
     assert feedback.check()
@@ -360,7 +373,7 @@ def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:
 @pytest.mark.parametrize("key", ["free", "held", "speed", "level"])
 def test_larger_numbers_are_refused(key: str) -> None:
     """Every number is verified by itself: twice as much is not certified."""
-    feedback, limited = feedback_of(ARRAYS["random 3"])
+    feedback, limited = feedback_of("random 3")
     larger = replace(limited, **{key: getattr(limited, key) * 2})
     assert not replace(feedback, limited=larger).check()
     assert not replace(feedback, limited=replace(limited, kappa=limited.kappa * 2)).check()
