@@ -222,7 +222,7 @@ def test_a_law_by_name_is_labelled(invoke: Invoke) -> None:
         ("conveyor-3", "cascade", True),
         ("conveyor-3", "gradient", False),
     ):
-        common = ("simulate", name, "--from", "0.01,0.005,0.01", "--feedback", "--law", law)
+        common = ("simulate", name, "--from", "0.01,0.005,0.01", "--until", "0.1", "--feedback", "--law", law)
         record = invoke(*common, "--json").record["law"]
         assert (record["name"], record["certified"]) == (law, certified)
         assert ("not certified" in " ".join(invoke(*common).out.split())) == (not certified)
