@@ -1,4 +1,4 @@
-"""Plain switched systems as a fixture: ``load`` reads one from the text of its right-hand sides."""
+"""Plain switched systems as a fixture, ``load``, from the text of their right-hand sides; and ``strict_search``."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pytest
 
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import keep
 
 Load: TypeAlias = Callable[..., SwitchedSystem]
 
@@ -25,3 +26,20 @@ def load(tmp_path: Path) -> Load:
         return load_system(tmp_path / "my.toml")
 
     return load_system_text
+
+
+STRICT_SEARCHES = (
+    "nonsmooth.proofs.systems.system_stability.search_lyapunov",
+    "nonsmooth.proofs.many_states.decision.find_lyapunov",
+)
+
+
+@pytest.fixture(params=keep(1, [False, True]), ids=["at once", "after the search"])
+def strict_search(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """For systems of which no V is found that falls strictly: without searching it, and in ``make bench`` after that.
+
+    What comes after is decided alike: the long search of a check finds nothing.
+    """
+    if not request.param:
+        for search in STRICT_SEARCHES:
+            monkeypatch.setattr(search, lambda *_, **__: None)

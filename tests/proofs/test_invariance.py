@@ -57,6 +57,7 @@ def test_what_stays(load: Load, friction: str, potential: str, staying: Staying)
     assert decide_staying(scene_cells(system, square_regions(system.check.radius))) is staying
 
 
+@pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize(
     ("first", "second"),
     [
@@ -78,6 +79,7 @@ def test_an_energy_is_found(load: Load, first: str, second: str) -> None:
     assert judged.check()
 
 
+@pytest.mark.usefixtures("strict_search")
 def test_a_named_energy_decides_with_its_region(load: Load) -> None:
     system = with_v(load("y", "-sign(x) - y**3"), "y**2/2 + Abs(x)")
     result = system_check(system)
@@ -93,6 +95,7 @@ def test_coulomb_friction_is_not_asymptotically_stable(load: Load) -> None:
         assert system_check(load("y", second)).verdict is Translation.STABLE
 
 
+@pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize(
     ("force", "potential"), keep(1, [("sign(x) - 2*x", "Abs(x) - x**2"), ("x - 4*x**3", "x**2/2 - x**4")])
 )

@@ -83,6 +83,7 @@ def test_each_attracts_where_both_do_not() -> None:
     assert np.allclose(np.mean(velocities, axis=0), 0.0)
 
 
+@pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize("lyapunov", keep(1, ["y**2/2 + Abs(x)", None]), ids=["named", "searched"])
 def test_the_check_takes_the_principle(lyapunov: str | None) -> None:
     result = system_check(built([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], lyapunov))
@@ -93,6 +94,7 @@ def test_the_check_takes_the_principle(lyapunov: str | None) -> None:
         build_system_certificate(result)
 
 
+@pytest.mark.usefixtures("strict_search")
 def test_the_check_calls_no_kept_energy_attracting() -> None:
     for fields in ([["y", "-x"], ["y", "-x - y"]], [["y", "-x - y"], ["-y", "x - y"]]):
         assert system_check(built(fields)).verdict is Translation.STABLE

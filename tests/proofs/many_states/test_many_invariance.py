@@ -67,6 +67,7 @@ def test_a_held_relay_keeps_its_oscillation() -> None:
     assert np.linalg.norm(end) < 1e-3
 
 
+@pytest.mark.usefixtures("strict_search")
 def test_the_check_decides_by_the_principle() -> None:
     result = decide_many(built(["y", "-x - z", "y - z**5"]))
     assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
