@@ -20,7 +20,7 @@ POINTS = 200
 
 
 def translation_of(scene: Scene) -> EllipseTranslation:
-    found = check_theorem4(scene).results["translation"]
+    found = check_theorem4(scene, beside=False).results["translation"]
     assert isinstance(found, EllipseTranslation)
     assert found.check()
     return found
@@ -56,7 +56,7 @@ def test_a_spin_at_the_point_does_not_matter() -> None:
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_no_disc_is_claimed_where_the_distance_may_grow(name: str) -> None:
     """Every built-in scene: where a minimizer moves outward, no disc reaches there."""
-    found = check_theorem4(load_scene(name, rule="ellipse")).results["translation"]
+    found = check_theorem4(load_scene(name, rule="ellipse"), beside=False).results["translation"]
     if isinstance(found, EllipseTranslation) and found.home_radius is None:
         assert found.region_radius is None
         return

@@ -19,6 +19,7 @@ from tests.proofs.published_regions import (
     GUIDE,
     GUIDE_POTENTIAL,
     HYPERBOLA,
+    NO_POLYNOMIAL,
     PUBLISHED,
     VAN_DER_POL,
     Published,
@@ -27,7 +28,7 @@ from tests.proofs.published_regions import (
     published_cells,
     system_of,
 )
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 
 @pytest.mark.parametrize("published", PUBLISHED, ids=lambda published: published.name)
@@ -54,8 +55,9 @@ def gradient(potential: str) -> tuple[str, str]:
     return {"x**2 + y**2": ("2*x", "2*y"), "3*x**2/2 - x*y + y**2": ("3*x - y", "2*y - x")}[potential]
 
 
-def test_a_forged_level_is_refused() -> None:
-    system = system_of(VAN_DER_POL)
+@pytest.mark.parametrize("name", keep(1, [NO_POLYNOMIAL.name, VAN_DER_POL.name]))
+def test_a_forged_level_is_refused(name: str) -> None:
+    system = system_of(next(published for published in PUBLISHED if published.name == name))
     found, cells = exact_level(system), published_cells(system)
     assert found is not None
     assert found.check(cells)

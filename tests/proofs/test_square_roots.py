@@ -35,8 +35,9 @@ def largest_end(rhs: list[str], size: float, until: float, step: float = 5e-4) -
     """Where Euler polygons from a small curve end, ``max(sqrt|x|, |y|)`` over that of their starts."""
     angles = np.linspace(0.1, 6.2, 12)
     x, y = np.sign(np.cos(angles)) * (size * np.cos(angles)) ** 2, size * np.sin(angles)
+    formulas = [compile(text, "rhs", "eval") for text in rhs]
     for _ in range(int(until / step)):
-        f, g = (eval(text, dict(NAMES), {"x": x, "y": y}) for text in rhs)  # noqa: S307 - this file's
+        f, g = (eval(formula, dict(NAMES), {"x": x, "y": y}) for formula in formulas)  # noqa: S307 - this file's
         x, y = np.clip(x + step * f, -9, 9), np.clip(y + step * g, -9, 9)
     return float(np.maximum(np.sqrt(np.abs(x)), np.abs(y)).max() / size)
 

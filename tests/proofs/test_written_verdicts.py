@@ -31,9 +31,10 @@ def ends(rhs: tuple[str, str], radius: float, until: float = 60.0, step: float =
     """The largest of the distances that semi-implicit polygons from a small circle end with, over the radius."""
     angles = np.linspace(0.1, 6.2, 12)
     x, y = radius * np.cos(angles), radius * np.sin(angles)
+    first, second = (compile(text, "rhs", "eval") for text in rhs)
     for _ in range(int(until / step)):
-        y = np.clip(y + step * eval(rhs[1], dict(NAMES), {"x": x, "y": y}), -9, 9)  # noqa: S307 - this file's
-        x = np.clip(x + step * eval(rhs[0], dict(NAMES), {"x": x, "y": y}), -9, 9)  # noqa: S307
+        y = np.clip(y + step * eval(second, dict(NAMES), {"x": x, "y": y}), -9, 9)  # noqa: S307 - this file's
+        x = np.clip(x + step * eval(first, dict(NAMES), {"x": x, "y": y}), -9, 9)  # noqa: S307
     return float(np.max(np.hypot(x, y)) / radius)
 
 

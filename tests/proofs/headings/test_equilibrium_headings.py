@@ -237,7 +237,10 @@ def test_evidence_that_was_changed_is_refused(tmp_path: Path) -> None:
 # ---- around the point ----------------------------------------------------------------------------
 
 
-def test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("share", "until"), keep(1, [(0.25, 0.2), (1.0, 0.4)]))
+def test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it(
+    tmp_path: Path, share: float, until: float
+) -> None:
     scene = whole(fast(tmp_path))
     pose = (0.0759428, -0.111969, 2.1382672)
     oracle = Oracle(scene, (1.5, 1.0))
@@ -260,7 +263,7 @@ def test_rest_with_one_wheel_under_the_edge_is_proved_and_paths_come_back_to_it(
     assert not replace(found, heading=Fate.LEAVES).check()
     assert found.theta is not None
     assert float(found.theta) == pytest.approx(pose[2], abs=1e-6)
-    last = oracle.chatter(pose + np.array([0.02, -0.01, 0.02]), 0.4)
+    last = oracle.chatter(pose + share * np.array([0.02, -0.01, 0.02]), until)
     assert np.abs(last - pose).max() < ARRIVED
 
 
