@@ -7,10 +7,11 @@ import json
 import random
 import subprocess
 import sys
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -31,6 +32,8 @@ from tests.proofs.many_states.test_random_systems import NAMES, linear, random_m
 from tests.proofs.many_states.test_random_systems import built as built_of_many
 from tests.proofs.mutants import Record, is_one_line
 from tests.thorough import keep, thorough
+
+Change: TypeAlias = Callable[[Record], Any]
 
 BENDS = "4*Abs(x) + 4*Abs(y) + z**2"
 SYSTEMS: dict[str, tuple[list[Any], dict[str, Any]]] = {
@@ -227,36 +230,49 @@ def test_negative_squares_are_rejected() -> None:
     assert "semidefinite" in check_certificate(moved(record, name, -1))
 
 
-def with_square(**change: Any) -> Record:
-    record = record_of("slides")
-    name = next(name for name in record["proofs"] if name.startswith("cell"))
-    record["proofs"][name][0].update(change)
-    return record
+def with_square(**change: Any) -> Change:
+    """How the first square of the first cell is changed."""
+
+    def changed(record: Record) -> Record:
+        name = next(name for name in record["proofs"] if name.startswith("cell"))
+        record["proofs"][name][0].update(change)
+        return record
+
+    return changed
 
 
-MALFORMED: list[Any] = [
-    None, [], {}, {"schema": many_state_checker.SCHEMA}, with_square(guards=["s99"]), with_square(guards=["b9"]),
+def with_entry(**change: Any) -> Change:
+    """How entries of a certificate are changed."""
+    return lambda record: {**record, **change}
+
+
+def instead(data: Any) -> Change:
+    """Other data in place of a certificate."""
+    return lambda _: data
+
+
+MALFORMED: list[Change] = [
+    instead(None), instead([]), instead({}), instead({"schema": many_state_checker.SCHEMA}),
+    with_square(guards=["s99"]), with_square(guards=["b9"]),
     with_square(guards=[0]), with_square(guards=["s0"] * 9), with_square(guards=None), with_square(monomials=[[0]]),
     with_square(monomials=[[10**9, 0, 0]]), with_square(monomials=[[-1, 0, 0]]), with_square(monomials=[[0.5, 0, 0]]),
     with_square(gram=[["nan"]]), with_square(gram=[[1]]), with_square(gram=[["1" * 5000]]), with_square(gram="11"),
     with_square(gram=[]), with_square(monomials=[[True, 0, 0]]), with_square(more=1),
-    {**record_of("slides"), "radius": "nan"}, {**record_of("slides"), "radius": float("nan")},
-    {**record_of("slides"), "radius": "-1/2"}, {**record_of("slides"), "radius": "0"},
-    {**record_of("slides"), "states": ["x", "y"]}, {**record_of("slides"), "states": ["x", "y", "x"]},
-    {**record_of("slides"), "states": ["x"] * 99}, {**record_of("slides"), "rhs": []},
-    {**record_of("slides"), "rhs": [["-x", "-y"]]}, {**record_of("slides"), "rhs": [["-x", "-y", "w"]]},
-    {**record_of("slides"), "rhs": [["-x", "-y", "__import__('os')"]]}, {**record_of("slides"), "more": 1},
-    {**record_of("slides"), "rhs": [["-x", "-y", "(" * 500 + "z" + ")" * 500]]}, {**record_of("slides"), "at": []},
-    {**record_of("slides"), "rhs": [["-x", "-y", "-z**999999999"]]}, {**record_of("slides"), "proofs": []},
-    {**record_of("slides"), "rhs": [["-x", "-y", "-z*9e99999999"]]}, {**record_of("slides"), "everywhere": 1},
-    {**record_of("slides"), "proofs": {"V ...": 7}}, {**record_of("slides"), "faces": []},
-    {**record_of("slides"), "verdict": "holds"}, {**record_of("slides"), "rate": {"kind": "fast"}},
+    with_entry(radius="nan"), with_entry(radius=float("nan")), with_entry(radius="-1/2"), with_entry(radius="0"),
+    with_entry(states=["x", "y"]), with_entry(states=["x", "y", "x"]), with_entry(states=["x"] * 99),
+    with_entry(rhs=[]), with_entry(rhs=[["-x", "-y"]]), with_entry(rhs=[["-x", "-y", "w"]]),
+    with_entry(rhs=[["-x", "-y", "__import__('os')"]]), with_entry(more=1),
+    with_entry(rhs=[["-x", "-y", "(" * 500 + "z" + ")" * 500]]), with_entry(at=[]),
+    with_entry(rhs=[["-x", "-y", "-z**999999999"]]), with_entry(proofs=[]),
+    with_entry(rhs=[["-x", "-y", "-z*9e99999999"]]), with_entry(everywhere=1),
+    with_entry(proofs={"V ...": 7}), with_entry(faces=[]),
+    with_entry(verdict="holds"), with_entry(rate={"kind": "fast"}),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("data", MALFORMED, ids=range(len(MALFORMED)))
-def test_malformed_data_are_rejected_in_one_line(data: Any) -> None:
-    refused = check_certificate(data)
+@pytest.mark.parametrize("change", MALFORMED, ids=range(len(MALFORMED)))
+def test_malformed_data_are_rejected_in_one_line(change: Change) -> None:
+    refused = check_certificate(change(record_of("slides")))
     assert is_one_line(refused)
 
 
