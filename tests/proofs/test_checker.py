@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -74,7 +75,9 @@ SUBJECTS = (
 ALLOWED_SECONDS = 1.0  # for a certificate of the four-wheel array, interpreter included (about 0.1 s)
 
 
+@cache
 def certificate_of(name: str, rule: str) -> Record:
+    """Once in a process; to be copied by what changes it."""
     return build_certificate(checked(name, rule))
 
 
@@ -84,13 +87,13 @@ def certificates() -> dict[tuple[str, str], Record]:
 
 
 @pytest.fixture
-def four_wheel(certificates: dict[tuple[str, str], Record]) -> Record:
-    return copy.deepcopy(certificates["four-wheel", "nearest"])
+def four_wheel() -> Record:
+    return copy.deepcopy(certificate_of("four-wheel", "nearest"))
 
 
 @pytest.fixture
-def four_wheel_box(certificates: dict[tuple[str, str], Record]) -> Record:
-    return copy.deepcopy(certificates["four-wheel", "box"])
+def four_wheel_box() -> Record:
+    return copy.deepcopy(certificate_of("four-wheel", "box"))
 
 
 # ---- stand-alone -------------------------------------------------------------------------
