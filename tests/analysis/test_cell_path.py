@@ -29,6 +29,7 @@ from nonsmooth.symbolic.scene_error import SceneError
 from tests.conftest import WheelData
 from tests.oracles.small_steps import small_steps
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -182,15 +183,15 @@ def in_unit(arrays: Arrays, length: Fraction, rule: str) -> Scene:
     return on(scene, polygon_of(scene, [(-a, -b), (a / 2, -b * 5 / 4), (a, b / 3), (0, b), (-a, b)]), rule=rule)
 
 
-def test_a_path_is_the_same_in_every_unit_of_length(arrays: Arrays) -> None:
+@pytest.mark.parametrize("length", keep(1, [Fraction(1, 1000), Fraction(1000)]))
+def test_a_path_is_the_same_in_every_unit_of_length(arrays: Arrays, length: Fraction) -> None:
     expected = followed(in_unit(arrays, Fraction(1), "nearest"), (1.7, 2.1, 0.4), 1.0)
     assert len(expected.events) > 5
-    for length in (Fraction(1000), Fraction(1, 1000)):
-        size = float(length)
-        path = followed(in_unit(arrays, length, "nearest"), (1.7 * size, 2.1 * size, 0.4), 1.0)
-        assert [event.surface for event in path.events] == [event.surface for event in expected.events]
-        x, y, theta = path.end.state
-        assert (x / size, y / size, theta) == pytest.approx(expected.end.state, abs=POSE_ERROR)
+    size = float(length)
+    path = followed(in_unit(arrays, length, "nearest"), (1.7 * size, 2.1 * size, 0.4), 1.0)
+    assert [event.surface for event in path.events] == [event.surface for event in expected.events]
+    x, y, theta = path.end.state
+    assert (x / size, y / size, theta) == pytest.approx(expected.end.state, abs=POSE_ERROR)
 
 
 def test_a_start_that_tips_is_refused_in_one_line() -> None:

@@ -17,6 +17,7 @@ from nonsmooth.analysis.minimizers.closed_loop import SampledLaw, relative_rates
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
@@ -77,8 +78,9 @@ def test_pruning_changes_no_verdict(name: str) -> None:
 def test_the_rotation_bound_of_rule_box_holds_on_every_cell(arrays: Arrays, friction: tuple[int, Fraction]) -> None:
     """V* <= -kappa |c| and |omega| <= bound kappa/2 wherever the body moves."""
     scene = ruled(arrays.four_wheel(friction), "box")
-    result = check_cells(scene, prune=False)
-    bound = result.rotation.rotation_per_distance
+    rotation = check_theorem4(scene, prune=False, beside=False).results["rotation"]
+    assert isinstance(rotation, RotationResult)
+    bound = rotation.rotation_per_distance
     assert bound is not None
     rng = np.random.default_rng(0)
     for derivative in cell_derivatives(build_box_partition(scene)):

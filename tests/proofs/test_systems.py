@@ -416,10 +416,11 @@ def simulated_distance(scene: SwitchedSystem, start: tuple[float, float], time: 
     return float(np.hypot(x, y))
 
 
+@pytest.mark.parametrize("starts", keep(1, [2, 4]))
 @pytest.mark.parametrize("name", ["relay-oscillator-damped", "flower", "eq-4"])
-def test_asymptotically_stable_systems_contract(name: str) -> None:
+def test_asymptotically_stable_systems_contract(name: str, starts: int) -> None:
     scene = load_system(name)
-    for angle in np.linspace(0.1, 6.2, 4):
+    for angle in np.linspace(0.1, 6.2, starts):
         start = (0.5 * float(np.cos(angle)), 0.5 * float(np.sin(angle)))
         assert simulated_distance(scene, start, 30 if name == "flower" else 3, 6000) < 0.2
 

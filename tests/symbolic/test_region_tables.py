@@ -15,6 +15,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import keep
 
 COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 TABLES: list[list[dict[str, Any]]] = [
@@ -56,10 +57,13 @@ def test_the_first_table_whose_guards_hold_counts(tables: list[dict[str, Any]]) 
         assert field.flow(signs)(0.0, x) == pytest.approx(picked(tables, {"x": x[0], "y": x[1]}))
 
 
-def test_tables_and_signs_have_the_same_verdict() -> None:
-    by_tables = decide_system(built(TABLES[0]))
-    rhs = {"system": {"states": ["x", "y"], "rhs": ["y", "-sgn(x) - y"]}}
-    by_signs = decide_system(build_system(rhs, "t", Path("t.toml")))
+RELAY = [{"where": ["x > 0"], "rhs": ["-1", "-y"]}, {"rhs": ["1", "-y"]}]
+
+
+@pytest.mark.parametrize(("tables", "rhs"), keep(1, [(RELAY, ["-sgn(x)", "-y"]), (TABLES[0], ["y", "-sgn(x) - y"])]))
+def test_tables_and_signs_have_the_same_verdict(tables: list[dict[str, Any]], rhs: list[str]) -> None:
+    by_tables = decide_system(built(tables))
+    by_signs = decide_system(build_system({"system": {"states": ["x", "y"], "rhs": rhs}}, "t", Path("t.toml")))
     assert (by_tables.verdict, by_tables.reason) == (by_signs.verdict, by_signs.reason)
     assert by_tables.check()
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.many_states.conclusion import Method
-from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many
+from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many, first_cells
+from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.verdicts import Translation
 
 Floats = NDArray[np.float64]
@@ -61,7 +62,8 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
     ],
 )
 def test_other_relays_are_left_to_others(rhs: list[str]) -> None:
-    assert decided(rhs).evidence.relay is None
+    system = ns.System(list("xyzuvw"[: len(rhs)]), rhs).system
+    assert high_degree_relay(system, first_cells(system)) is None
 
 
 def test_forged_evidence_is_refused() -> None:
