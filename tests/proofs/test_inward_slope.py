@@ -14,6 +14,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import keep
 
 INWARD = ("four-wheel", "four-wheel-side", "ring-5", "ring-6", "grid-4x4")
 POINTS = 200
@@ -63,10 +64,11 @@ def test_no_disc_is_claimed_where_the_distance_may_grow(name: str) -> None:
     assert found.verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
-def test_the_disc_ends_where_a_spring_lifts_off() -> None:
+@pytest.mark.parametrize(("name", "radius"), keep(1, [("ring-6", Fraction(3, 5)), ("grid-4x4", Fraction(5, 4))]))
+def test_the_disc_ends_where_a_spring_lifts_off(name: str, radius: Fraction) -> None:
     """Beyond, the loads have another form: the disc is no larger than the part of the square that holds the point."""
-    base = load_scene("grid-4x4", rule="ellipse")
-    wide = replace(base, check=replace(base.check, radius=base.field(Fraction(5, 4))))
+    base = load_scene(name, rule="ellipse")
+    wide = replace(base, check=replace(base.check, radius=base.field(radius)))
     found = translation_of(wide)
     assert found.home_radius is not None
     assert 0 < found.home_radius < wide.check.radius
