@@ -17,7 +17,9 @@ _UNIT_BITS = 512  # products of longer rationals count more
 
 def as_fmpq(value: Rational) -> fmpq:
     """Convert an int, Fraction or fmpq to fmpq."""
-    if not isinstance(value, (int, fmpq)) and isinstance(value, Fraction):  # in this order: a Fraction is slow to tell
+    if isinstance(value, fmpq):
+        return value
+    if not isinstance(value, int) and isinstance(value, Fraction):  # in this order: a Fraction is slow to tell
         return fmpq(value.numerator, value.denominator)
     return fmpq(value)
 

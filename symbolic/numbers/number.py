@@ -59,12 +59,8 @@ class Number(ExactReal):
     # ---- ring operations -----------------------------------------------------------------
 
     def _operand(self, value: Any) -> Number | None:
-        kind = type(value)
-        if kind is int or kind is fmpq:  # by far the most
-            if not value:
-                return self.field.zero
-            number = value if kind is fmpq else fmpq(value)
-            return Number(self.field, {0: number if self.field.modulus is None else self.field.coefficient(number)})
+        if type(value) in (int, fmpq):  # by far the most
+            return self.field.rational(value)
         if isinstance(value, Number):
             if value.field is not self.field:
                 raise ValueError("required numbers of one field, received two fields")

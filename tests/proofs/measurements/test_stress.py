@@ -14,9 +14,10 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.measurements.cases import near_collinear, support_edge
 from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
+from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
 from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
-from nonsmooth.analysis.measurements.cases.near_collinear import collinear_rows
-from nonsmooth.analysis.measurements.cases.scales import SCALES, array_scale_rows, system_scale_rows
+from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, collinear_rows
+from nonsmooth.analysis.measurements.cases.scales import POWERS, SCALES, array_scale_rows, system_scale_rows
 from nonsmooth.analysis.measurements.cases.starts import STARTS
 from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, support_rows
 from nonsmooth.analysis.measurements.cases.switches import SWITCHES
@@ -25,6 +26,7 @@ from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, judge
 from nonsmooth.analysis.trajectories import guards
 from nonsmooth.analysis.trajectories.motion import Free
 from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
+from nonsmooth.proofs.measurements import array_verdicts
 from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS
 from nonsmooth.proofs.measurements.registry import CASES
 from nonsmooth.symbolic.constraints import Row, Twist
@@ -34,7 +36,7 @@ from nonsmooth.symbolic.files.system_file import load_any, load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -71,8 +73,12 @@ def assert_all_hold(scene: Scene | SwitchedSystem) -> None:
         assert row.error is None or math.isfinite(row.error)
 
 
-def test_other_arrays_hold(arrays: Arrays) -> None:
+@pytest.mark.parametrize("every", keep(1, [3, 1]))
+def test_other_arrays_hold(arrays: Arrays, monkeypatch: pytest.MonkeyPatch, every: int) -> None:
     """An array at random, whose checked point is no equilibrium; and one refused by rule box."""
+    monkeypatch.setattr(array_verdicts, "RATIOS", dict(list(RATIOS.items())[::every]))
+    monkeypatch.setattr(array_verdicts, "POWERS", POWERS[::every])
+    monkeypatch.setattr(array_verdicts, "DETERMINANTS", DETERMINANTS[::every])
     rows = measure(arrays.random(4, 4), CASES).rows
     assert len(rows) >= LEAST_ROWS
     assert [row for row in rows if not row.ok] == []
