@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,8 +12,8 @@ from rich.console import Console
 
 from nonsmooth.analysis.bodies.mass_comparison import outline_mass_study, outline_rule_path
 from nonsmooth.analysis.bodies.plate import plate
-from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder
-from nonsmooth.analysis.trajectories.result import EventKind
+from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder, mass_study
+from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.reports.dynamics import ShownMasses
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -63,9 +64,17 @@ def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) 
     assert "-> 0" not in captured.get()
 
 
-@pytest.mark.parametrize("until", keep(1, [0.215, 0.25]))
-def test_a_path_that_slides_along_an_edge_is_no_limit(arrays: Arrays, until: float) -> None:
-    scene, _ = pushed_back(arrays)
-    path = outline_rule_path(whole(scene), "ellipse", (0.3, -0.2, 0.0), until)
+@pytest.mark.parametrize(("rules", "until"), keep(1, [("ellipse alone", 0.215), ("all", 0.215), ("all", 0.25)]))
+def test_a_path_that_slides_along_an_edge_is_no_limit(arrays: Arrays, rules: str, until: float) -> None:
+    scene, start = whole(pushed_back(arrays)[0]), (0.3, -0.2, 0.0)
+    path = outline_rule_path(scene, "ellipse", start, until)
     assert EventKind.SLIDE in {event.kind for event in path.events}
-    assert outline_mass_study(whole(scene), (), (0.3, -0.2, 0.0), until).limits is None
+    before = next(event.t for event in path.events if event.kind is EventKind.SLIDE)
+
+    def of_rule(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
+        if rule != "ellipse" and rules != "all":
+            raise ValueError("left out")
+        return outline_rule_path(scene, rule, start, until)
+
+    assert mass_study(scene, (), start, until, of_rule).limits is None
+    assert mass_study(scene, (), start, float(before) / 2, of_rule).limits is not None
