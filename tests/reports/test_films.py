@@ -45,16 +45,16 @@ def test_frames_are_at_a_constant_pace_and_few(duration: float) -> None:
         assert seconds == pytest.approx(duration, abs=0.5 / RATE)  # real time
 
 
-@pytest.mark.parametrize("until", keep(1, [1, 3, 4]))
+@pytest.mark.parametrize("until", keep(1, [0.4, 1, 3, 4]))
 def test_a_gif_has_its_frames_and_is_small(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, until: int
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, until: float
 ) -> None:
     monkeypatch.setattr(film_module, "SHORTEST", min(until, film_module.SHORTEST))  # no slow motion of the short one
     file = tmp_path / "path.gif"
     assert run(app, ("simulate", "four-wheel", *START, "--feedback", "--until", str(until), "-o", str(file))) == 0
     assert capsys.readouterr().err == ""
     with Image.open(file) as film:
-        assert film.n_frames == until * RATE + 1  # type: ignore[attr-defined]
+        assert film.n_frames == round(until * RATE) + 1  # type: ignore[attr-defined]
         assert film.info["duration"] == 1000 // RATE
         assert (film.width % 2, film.height % 2) == (0, 0)
     assert file.stat().st_size < LARGEST_GIF
