@@ -38,7 +38,8 @@ STRICT_SEARCHES = (
 def strict_search(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """For systems of which no V is found that falls strictly: without searching it, and in ``make bench`` after that.
 
-    What comes after is decided alike: the long search of a check finds nothing.
+    What comes after is decided alike: the long search of a check finds nothing. That whole checks come to it too is
+    shown by test_a_named_energy_decides_with_its_region and test_the_check_asks_the_named_v_after_its_searches.
     """
     if not request.param:
         for search in STRICT_SEARCHES:

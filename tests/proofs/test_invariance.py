@@ -79,7 +79,6 @@ def test_an_energy_is_found(load: Load, first: str, second: str) -> None:
     assert judged.check()
 
 
-@pytest.mark.usefixtures("strict_search")
 def test_a_named_energy_decides_with_its_region(load: Load) -> None:
     system = with_v(load("y", "-sign(x) - y**3"), "y**2/2 + Abs(x)")
     result = system_check(system)

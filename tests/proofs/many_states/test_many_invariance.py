@@ -27,8 +27,8 @@ ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
 SQUARES = "x**2 + y**2 + z**2"
 
 
-def built(rhs: Any, states: str = "x y z") -> SwitchedSystem:
-    data = {"system": {"states": states.split(), "rhs": list(rhs)}, "check": {"radius": "1/2"}}
+def built(rhs: Any, states: str = "x y z", **check: str) -> SwitchedSystem:
+    data = {"system": {"states": states.split(), "rhs": list(rhs)}, "check": {"radius": "1/2", **check}}
     return build_system(data, "t", Path("t.toml"))
 
 
@@ -65,6 +65,13 @@ def test_a_held_relay_keeps_its_oscillation() -> None:
     left = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
     end = simulate(system_field(left, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
     assert np.linalg.norm(end) < 1e-3
+
+
+def test_the_check_asks_the_named_v_after_its_searches() -> None:
+    result = decide_many(built(["y", "-x**3 - y**3", "-z"], lyapunov="x**4/2 + y**2 + z**2"))
+    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert result.evidence.searched is None
+    assert result.check()
 
 
 @pytest.mark.usefixtures("strict_search")
