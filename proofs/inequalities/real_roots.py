@@ -26,8 +26,7 @@ from nonsmooth.proofs.inequalities.dense_polynomials import (
     value,
     without_zeros,
 )
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 
@@ -41,20 +40,14 @@ class Sturm:
         while following:
             self.chain.append(scaled(following))
             following = [-c for c in divided(self.chain[-2], self.chain[-1])[1]]
-        self._rational = [_over_the_rationals(c) for c in self.chain]
 
     def sign_at(self, t: Fraction) -> int:
         """Sign of the polynomial."""
-        return self._sign(0, t) if self.coefficients else 0
-
-    def _sign(self, k: int, t: Fraction) -> int:
-        """Sign of a polynomial of the chain: over the rationals, which takes a tenth of the time, where it is there."""
-        rational = self._rational[k]
-        return value(self.chain[k], t).sign() if rational is None else sign(rational(as_fmpq(t)))
+        return value(self.coefficients, t).sign() if self.coefficients else 0
 
     def variations(self, t: Fraction | None) -> int:
         """Sign changes along the chain at t; None is plus infinity."""
-        signs = [c[-1].sign() if t is None else self._sign(k, t) for k, c in enumerate(self.chain)]
+        signs = [c[-1].sign() if t is None else value(c, t).sign() for c in self.chain]
         nonzero = [s for s in signs if s]
         return sum(a != b for a, b in pairwise(nonzero))
 
@@ -165,15 +158,6 @@ def _regular_point(sturm: Sturm, low: Fraction, high: Fraction) -> Fraction:
     while not sturm.sign_at(point := low + (high - low) / parts):
         parts += 1
     return point
-
-
-def _over_the_rationals(coefficients: Coefficients) -> fmpq_poly | None:
-    """The same polynomial where all coefficients are rational; None elsewhere, and while the field counts its work."""
-    if not coefficients or coefficients[0].field.meter is not None:
-        return None
-    rationals = [c.as_rational() for c in coefficients]
-    known = [q for q in rationals if q is not None]
-    return fmpq_poly(known) if len(known) == len(rationals) else None
 
 
 def _factors(coefficients: Coefficients) -> list[list[Number]]:
