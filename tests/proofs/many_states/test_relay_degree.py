@@ -17,6 +17,7 @@ from nonsmooth.proofs.many_states.conclusion import Method
 from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many, first_cells
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.verdicts import Translation
+from tests.thorough import keep
 
 Floats = NDArray[np.float64]
 STEP, START, FAR = 1 / 512, 1e-3, 30.0
@@ -61,9 +62,11 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
         ["y", "z", "-x*sgn(x) - y - z"],  # the field does not jump at the point
     ],
 )
-def test_other_relays_are_left_to_others(rhs: list[str]) -> None:
+@pytest.mark.parametrize("whole", keep(1, [False, True]), ids=["relay", "whole check"])
+def test_other_relays_are_left_to_others(rhs: list[str], whole: bool) -> None:
     system = ns.System(list("xyzuvw"[: len(rhs)]), rhs).system
-    assert high_degree_relay(system, first_cells(system)) is None
+    found = decided(rhs).evidence.relay if whole else high_degree_relay(system, first_cells(system))
+    assert found is None
 
 
 def test_forged_evidence_is_refused() -> None:
