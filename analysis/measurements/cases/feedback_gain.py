@@ -90,7 +90,7 @@ def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> Resul
 
 
 def _array_rows(scene: Scene) -> Rows:
-    cells = cells_of(scene)
+    cells = cells_of(scene.recentred())  # the laws lead to the origin, which is to be the checked point
     if isinstance(cells, RefusalError):
         yield refused("feedback gain", f"rule {scene.contact.rule}", cells, expected=True)
     else:

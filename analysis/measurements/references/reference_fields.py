@@ -75,9 +75,17 @@ def array_reference(partition: Partition, kinematics: Kinematics) -> ReferenceFi
 
 
 def gradient_reference(partition: Partition, gain: float, weight: Fraction = Fraction(1)) -> ReferenceField:
-    """The closed loop ``u = -k (c, w theta) . g`` with leading-order kinematics: linear on every cell."""
+    """The closed loop ``u = -k (c, w theta) . g``, linear on every cell.
+
+    Kinematics are of leading order at the checked point, as
+    :func:`nonsmooth.analysis.fields.cellwise_field.feedback_field` has them.
+    """
+    x, y = partition.scene.check.equilibrium
     with precision():
-        laws = [_gradient(list(cell.states[0].control_fields.values()), gain, weight) for cell in partition.cells]
+        centre = (ball(x), ball(y))
+        laws = [
+            _gradient(list(cell.states[0].control_fields.values()), gain, weight, centre) for cell in partition.cells
+        ]
         return ReferenceField(_with_sides(partition, laws))
 
 
@@ -109,13 +117,15 @@ def _pose_rate(twist: Any, kinematics: Kinematics) -> Velocity:
     return lambda x: [x[1] * -turn + vx, x[0] * turn + vy, x[2] * 0 + omega]
 
 
-def _gradient(fields: Sequence[Triple], gain: float, weight: Fraction) -> Velocity:
+def _gradient(fields: Sequence[Triple], gain: float, weight: Fraction, centre: tuple[Any, Any]) -> Velocity:
     balls = [[ball(entry) for entry in field] for field in fields]
     w = arb(fmpq(weight.numerator, weight.denominator))
+    x_of, y_of = centre
+    moved = [(g[0] - g[2] * y_of, g[1] + g[2] * x_of, g[2]) for g in balls]  # velocities at the checked point
 
     def velocity(x: Sequence[Series]) -> list[Series]:
         inputs = [(x[0] * g[0] + x[1] * g[1] + x[2] * (w * g[2])) * -gain for g in balls]
-        return [sum((u * g[k] for u, g in zip(inputs, balls, strict=True)), x[0] * 0) for k in range(3)]
+        return [sum((u * m[k] for u, m in zip(inputs, moved, strict=True)), x[0] * 0) for k in range(3)]
 
     return velocity
 

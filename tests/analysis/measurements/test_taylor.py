@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.measurements.references.reference_fields import (
@@ -20,6 +23,10 @@ from nonsmooth.analysis.measurements.references.taylor import ReferencePiece, fo
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.four_wheel import CORNERS
+
+if TYPE_CHECKING:
+    from tests.conftest import Arrays
 
 LAST_DIGIT = 2.0**-52
 
@@ -54,6 +61,15 @@ def test_arcs_of_an_array() -> None:
     path = follow_series(array_reference(partition, Kinematics.EXACT).pieces, start, 0.3)
     closed = simulate(array_field(partition, Kinematics.EXACT), start, path.time).end.state
     assert path.state == pytest.approx(closed, abs=64 * LAST_DIGIT)
+
+
+def test_a_loop_about_a_point_away_from_the_origin(arrays: Arrays) -> None:
+    partition = build_nearest_partition(arrays.scene(arrays.inward(CORNERS), at=(Fraction(1, 4), Fraction(1, 8))))
+    start = (0.41, 0.27, 0.3)
+    reached = gradient_reference(partition, 1.0).reached(start, 0.7)
+    path = simulate(feedback_field(partition, gradient_law(1.0), Kinematics.LEADING), start, reached.time)
+    assert reached.crossings > 0
+    assert reached.state == pytest.approx(path.end.state, abs=1e-11)
 
 
 def test_sliding_and_corners_end_the_reference() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.measurements.cases import near_collinear, support_edge
+from nonsmooth.analysis.measurements.cases import feedback_gain, near_collinear, support_edge
 from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
 from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
@@ -36,6 +36,7 @@ from nonsmooth.symbolic.files.system_file import load_any, load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.four_wheel import CORNERS
 from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
@@ -93,7 +94,18 @@ def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
     assert measure(scene, (STARTS, HYSTERESIS, SWITCHES)).rows == []
 
 
-@thorough  # the small one: test_other_arrays_hold
+@pytest.mark.parametrize("gains", keep(1, [[1.0, 1e6], list(feedback_gain.GAINS)]))
+def test_loops_about_a_point_away_from_the_origin_hold(
+    arrays: Arrays, monkeypatch: pytest.MonkeyPatch, gains: list[float]
+) -> None:
+    monkeypatch.setattr(feedback_gain, "GAINS", gains)
+    scene = arrays.scene(arrays.inward(CORNERS), at=(Fraction(1, 4), Fraction(1, 8)))
+    rows = list(FEEDBACK.rows(scene))
+    assert failed(iter(rows)) == []
+    assert "1e6" in {row.parameter for row in rows if IMPLICIT in row.outcome}
+
+
+@thorough  # the small one: test_loops_about_a_point_away_from_the_origin_hold
 def test_stiff_loops_say_that_they_are() -> None:
     rows = list(feedback_rows(build_nearest_partition(load_scene("grid-4x4"))))
     assert failed(iter(rows)) == []
