@@ -98,9 +98,10 @@ class ExactPath:
 
 
 def reference_paths(partition: Partition) -> tuple[ConstantField, tuple[ExactPath, ...]]:
-    """The exact field of a partition and its exact solutions from all starts."""
+    """The exact field of a partition and its exact solutions from all starts, without starts of more than one path."""
     field = array_field(partition, Kinematics.LEADING, exact=True)
-    return field, tuple(_reference_path(field, start) for start in _starts(partition))
+    paths = [_reference_path(field, start) for start in _starts(partition)]
+    return field, tuple(path for path in paths if path is not None)
 
 
 def _starts(partition: Partition) -> Iterator[tuple[float, float, float]]:
@@ -110,11 +111,14 @@ def _starts(partition: Partition) -> Iterator[tuple[float, float, float]]:
         yield float(x + check.radius * a * START_UNIT), float(y + check.radius * b * START_UNIT), 0.0
 
 
-def _reference_path(field: ConstantField, start: tuple[float, float, float]) -> ExactPath:
+def _reference_path(field: ConstantField, start: tuple[float, float, float]) -> ExactPath | None:
+    """The path from a start as long as it is the only one; None where it never is."""
     path = simulate(field, start, None)
     branching = next((float(event.t) for event in path.events if event.kind is EventKind.NONUNIQUE), None)
     ends = float(path.end.t)
-    if branching:
+    if branching == 0:
+        return None
+    if branching is not None:
         until = float(BEFORE) * branching
     elif path.end.reason in {EndReason.REST, EndReason.TURNING} and ends > 0:
         until = float(AFTER) * ends

@@ -64,13 +64,15 @@ def build_trajectories(scene: Scene) -> Plan:
     """The plan for the cells of the scene's contact rule.
 
     Raises:
-        LeftOut: where the rule has no cells, hence no exact paths.
+        LeftOut: where the rule has no cells, hence no exact paths, and where no start has only one path.
     """
     try:
         partition = build_partition(scene)
     except RefusalError as error:
         raise LeftOut(f"no exact paths: {error}") from None
     field, paths = reference_paths(partition)
+    if not paths:
+        raise LeftOut("no exact paths: from each start several paths begin")
     trials = tuple(
         Trial(method, partial(_follow_all, follow, paths), partial(_judge, paths, method), parameter, setting)
         for method, follow, parameter, setting in _entrants(field, float(scene.check.radius))

@@ -67,6 +67,17 @@ def test_paths_are_compared_inside_the_square_and_while_they_are_unique(name: st
             assert max(offsets) < radius
 
 
+def test_starts_of_several_paths_are_left_out() -> None:
+    """About (1/4, 1/8) two starts lie on edges of the four-wheel array along which theta is free at once."""
+    scene = load_scene("four-wheel")
+    at = (scene.field(Fraction(1, 4)), scene.field(Fraction(1, 8)))
+    paths = reference_paths(build_partition(replace(scene, check=replace(scene.check, equilibrium=at))))[1]
+    starts = [path.start[:2] for path in paths]
+    assert len(starts) == len(STARTS) - 2
+    assert not {(0.0, -0.28125), (-0.0625, 0.0)} & set(starts)
+    assert all(event.kind is not EventKind.NONUNIQUE for path in paths for event in path.events)
+
+
 @pytest.mark.parametrize("shift", [1e-3, 1e-12, 3e-17])
 def test_a_shifted_path_errs_by_its_shift(shift: float) -> None:
     """Also by less than the rounding of floats, because differences are exact."""
