@@ -115,7 +115,8 @@ def possible_triples(wheel_count: int) -> int:
 
 def triples_with_friction(scene: Scene) -> int:
     """C(m, 3) triples of the m rows with friction: a row without friction holds nothing."""
-    return comb(len(rows_with_friction(scene)), 3)
+    rows = sum(bool(wheel.friction.roll) + bool(wheel.friction.side) for wheel in scene.wheels)
+    return comb(rows, 3)
 
 
 def regular_states(scene: Scene) -> list[ContactState]:

@@ -19,6 +19,8 @@ from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
 
 FEW_UNITS = 150_000  # of exact arithmetic: a fifth of a second or so
+FEW_WHEELS = 1_000  # beyond them loads and support polygons alone, which are not counted in units, take longer
+TAKES_LONG = "not asked: it takes a while"
 NEEDED = ("equilibrium", "translation", "rotation")  # the clauses that position and heading are answered from
 
 
@@ -43,6 +45,8 @@ def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
 
 
 def _under(scene: Scene, name: str) -> OtherRule:
+    if len(scene.wheels) > FEW_WHEELS:
+        return OtherRule(name, (), TAKES_LONG)
     other = replace(scene, contact=replace(scene.contact, rule=name))
     try:
         with work_limit(scene.field, FEW_UNITS):
@@ -50,7 +54,7 @@ def _under(scene: Scene, name: str) -> OtherRule:
     except RefusalError as error:
         return OtherRule(name, (), str(error))
     except WorkLimitError:
-        return OtherRule(name, (), "not asked: it takes a while")
+        return OtherRule(name, (), TAKES_LONG)
     return OtherRule(name, (position_answer(other, results), heading_answer(other, results)))
 
 

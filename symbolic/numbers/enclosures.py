@@ -11,6 +11,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 EXACT_ROOTS = 4  # square roots of a field up to which a lazy quotient is carried out; beyond it may take minutes
+MOST_ROOTS = 256  # of a field in which an exact root is looked for: among thousands that takes seconds
 MOST_BITS = 12_000  # of all coefficients of a number that is written down: some 3,600 digits
 PRECISION = 256  # bits of a ball that stands for a number
 
@@ -31,7 +32,7 @@ def square_root(value: Number | Lazy) -> Number | arb:
             value.sign()  # tightens the ball
             return _rooted(value.ball)
         value = value.exact()
-    if value.size_bits <= MOST_BITS:
+    if value.size_bits <= MOST_BITS and len(value.field.radicands) <= MOST_ROOTS:
         try:
             return value.sqrt()
         except NestingError:

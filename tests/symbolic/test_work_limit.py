@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from flint import arb, ctx
 
 from nonsmooth.analysis.cells import box, nearest
 from nonsmooth.proofs import theorem4
@@ -12,6 +13,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.number_text import real_text
+from nonsmooth.symbolic.numbers import enclosures
 from nonsmooth.symbolic.numbers.enclosures import MOST_BITS, rational_below, square_root
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
@@ -97,6 +99,17 @@ def test_the_root_of_a_long_number_is_a_ball_around_it() -> None:
     assert low > 0
     assert field(low) ** 2 < (field(3) ** 20_000 + 1) / field(7) ** 10_000
     assert square_root(field(8)) == 2 * field.sqrt(2)
+
+
+def test_the_root_in_a_field_of_very_many_roots_is_a_ball_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    field = NumberField()
+    number = 3 + 2 * field.sqrt(2)
+    assert square_root(number) == 1 + field.sqrt(2)
+    monkeypatch.setattr(enclosures, "MOST_ROOTS", 0)
+    found = square_root(number)
+    assert isinstance(found, arb)
+    with ctx.workprec(512):
+        assert found.contains((1 + field.sqrt(2)).ball())
 
 
 def test_the_command_line_says_once_which_angles_are_measured(

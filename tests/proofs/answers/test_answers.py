@@ -19,6 +19,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import GOOD, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import QUESTIONS, answers_of, exit_status, full_answers
+from nonsmooth.proofs.answers.other_rules import TAKES_LONG, other_rules
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.reports.facts import fact_lines
@@ -134,6 +135,13 @@ def test_what_can_be_required_is_what_is_answered() -> None:
 def test_the_other_rules_say_what_their_own_checks_say() -> None:
     for other in full_answers(check_theorem4(load_scene("spiral-30"))).others:
         assert tuple(answer.verdict for answer in other.answers) == verdicts("spiral-30", other.name)[:2]
+
+
+def test_other_rules_are_not_asked_of_large_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load_scene("ring-6")
+    assert not any(other.why_not == TAKES_LONG for other in other_rules(scene))
+    monkeypatch.setattr("nonsmooth.proofs.answers.other_rules.FEW_WHEELS", 5)
+    assert {other.why_not for other in other_rules(scene)} == {TAKES_LONG}
 
 
 def test_a_rule_that_refuses_the_square_says_why() -> None:
