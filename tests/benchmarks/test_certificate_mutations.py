@@ -24,6 +24,7 @@ pytestmark = pytest.mark.benchmark
 Record: TypeAlias = dict[str, Any]
 
 MUTANTS = 10_000
+NONE = (("omni-3", "nearest"), ("mecanum-4", "nearest"))  # rows without friction: no certificate is written
 SLOW = (("grid-4x4", "box"), ("elliptic", "box"), ("ring-8", "box"), ("ring-5", "box"), ("ring-6", "box"))
 
 
@@ -45,8 +46,8 @@ def fast() -> ModuleType:
 
 @pytest.fixture(scope="module")
 def certificates(fast: ModuleType) -> dict[tuple[str, str], Record]:
-    subjects = [(name, rule) for name in builtin_scenes() for rule in ("nearest", "box")]
-    return {subject: fast.certificate_of(*subject) for subject in subjects}
+    subjects = {(name, rule) for name in builtin_scenes() for rule in ("nearest", "box")}
+    return {subject: fast.certificate_of(*subject) for subject in sorted(subjects.difference(NONE))}
 
 
 def test_sizes_and_times(certificates: dict[tuple[str, str], Record], stopwatch: Stopwatch, tmp_path: Path) -> None:

@@ -854,8 +854,8 @@ def assert_still_true(certificate: Record) -> None:
     refuted = feedback.obstruction is not None and certificate["feedback"]["evidence"] is not None
     assert certificate["theorem4"] in (concluded(words, refuted=refuted), "undecided")
     squared = certificate["translation"]["squared_radius"]
-    assert (squared is None) == (translation.region_radius is None)
-    if translation.region_radius is not None:
+    if squared is not None:  # None claims no disc
+        assert translation.region_radius is not None
         assert decode.number(squared) <= translation.region_radius * translation.region_radius
     assert_same_cells(certificate, partition, decode)
 
@@ -922,10 +922,12 @@ def rebuilt(certificate: Record, decode: Decoder) -> Scene:
     def pair(data: list[Any]) -> tuple[Number, Number]:
         return decode.number(data[0]), decode.number(data[1])
 
-    wheels = tuple(
-        Wheel(n, pair(w["position"]), pair(w["direction"]), decode.number(w["speed"]), Friction(*pair(w["friction"])))
-        for n, w in enumerate(certificate["wheels"], 1)
-    )
+    def wheel(number: int, data: Record) -> Wheel:
+        friction, axis = Friction(*pair(data["friction"])), pair(data["axis"]) if "axis" in data else None
+        speed = decode.number(data["speed"])
+        return Wheel(number, pair(data["position"]), pair(data["direction"]), speed, friction, axis=axis)
+
+    wheels = tuple(wheel(number, data) for number, data in enumerate(certificate["wheels"], 1))
     loads = None
     if certificate["loads"] not in (None, "elastic"):
         loads = LoadTable(tuple((decode.number(a), *pair([b, c])) for a, b, c in certificate["loads"]))
