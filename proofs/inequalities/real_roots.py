@@ -78,7 +78,8 @@ class RealRoot:
         """The same root between closer bounds."""
         middle = _regular_point(self.sturm, self.low, self.high)
         below = self.sturm.count(self.low, middle)
-        half = RealRoot(self.coefficients, *((self.low, middle) if below else (middle, self.high)))
+        low, high = (self.low, middle) if below else (middle, self.high)
+        half = RealRoot(self.coefficients, low, high)
         vars(half)["sturm"] = self.sturm  # the same polynomial
         return half
 

@@ -51,7 +51,7 @@ def single_units(a: fmpq, b: fmpq) -> int:
 
 
 def base_inverse(coefficient: Coefficient, modulus: fmpq_poly | None) -> Coefficient:
-    """``1/c`` in the base field of this minimal polynomial; None for the rationals."""
+    """``1/c`` in the base field, which is given by its minimal polynomial, or over the rationals where that is None."""
     if modulus is None:
         return 1 / coefficient
     divisor, cofactor, _ = coefficient.xgcd(modulus)
