@@ -158,6 +158,11 @@ def added(a: Triple, b: Triple) -> Triple:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
+def subtracted(a: Triple, b: Triple) -> Triple:
+    """``a - b``."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
 def scaled(vector: Triple, factor: Number | int) -> Triple:
     """``factor * vector``."""
     return vector[0] * factor, vector[1] * factor, vector[2] * factor

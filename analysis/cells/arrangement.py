@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, scaled, scene_rows
+from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, outer, scaled, scene_rows, subtracted
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import is_clear
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -97,6 +97,7 @@ class Arrangement:
         self.corners = float_corners(region.polygon)
         self.corner_weights = self.float_weights @ self.corners.T
         self._vertices: dict[Twist, Vertex] = {}
+        self._edges: dict[tuple[int, int], Triple] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
 
     def vertex(self, twist: Twist) -> Vertex:
@@ -104,6 +105,13 @@ class Arrangement:
         if twist not in self._vertices:
             self._vertices[twist] = Vertex(twist, self._residual_signs(twist))
         return self._vertices[twist]
+
+    def edge(self, pair: NDArray[np.int_]) -> Triple:
+        """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
+        first, second = pair.tolist()
+        if (first, second) not in self._edges:
+            self._edges[first, second] = outer(self.rows[first].normal, self.rows[second].normal)
+        return self._edges[first, second]
 
     def float_dissipation(self, twist: Twist, point: Point) -> float:
         """D at a centre of mass, rounded."""
@@ -130,9 +138,10 @@ class Arrangement:
             if reach:
                 kept = added(kept, scaled(self.weights[k], reach))
         for entry, part in zip(direction, self._pull(signs), strict=True):
-            along = added(along, scaled(part, entry))
+            if entry:
+                along = added(along, scaled(part, entry))
         back = (-direction[0], -direction[1], -direction[2])
-        return SlopeOfD(direction, added(kept, along)), SlopeOfD(back, added(kept, scaled(along, -1)))
+        return SlopeOfD(direction, added(kept, along)), SlopeOfD(back, subtracted(kept, along))
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
@@ -140,8 +149,9 @@ class Arrangement:
         if np.count_nonzero(signs - last) > np.count_nonzero(signs):
             last, pull = np.zeros_like(signs), [_zero_form(self.scene) for _ in range(3)]
         for k in np.flatnonzero(signs - last):
-            change = int(signs[k] - last[k])
-            pull = [added(form, scaled(part, change)) for form, part in zip(pull, self.moments[k], strict=True)]
+            change = added if signs[k] > last[k] else subtracted
+            for _ in range(abs(int(signs[k] - last[k]))):  # once, or twice where the sign turns
+                pull = [change(form, part) for form, part in zip(pull, self.moments[k], strict=True)]
         self._last_pull = signs, pull
         return pull
 

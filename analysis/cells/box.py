@@ -11,11 +11,20 @@ domain's: that checks the walk, and it is Theorem 1 of Murphey & Burdick made ch
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, SlopeOfD, Vertex, float_corners, order
+from nonsmooth.analysis.cells.arrangement import (
+    Arrangement,
+    Beside,
+    SlopeOfD,
+    Vertex,
+    float_corners,
+    is_multiple,
+    order,
+)
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
@@ -107,8 +116,13 @@ class _Walk:
         return None if polygon is None else (tuple(self._state(v) for v in self._face(vertex)), polygon)
 
     def cells(self) -> Iterator[tuple[tuple[ContactState, ...], Polygon]]:
-        """Cells (tied states, polygon) of the region, each once."""
+        """Cells (tied states, polygon) of the region, each once.
+
+        The least value of D is the least of affine functions of c, one for each vertex, so cells meet in whole sides:
+        beyond a side on a line across which the walk came lies the cell from which it came.
+        """
         done: set[Twist] = set()
+        crossed: defaultdict[Twist, list[Affine]] = defaultdict(list)
         waiting = [self._first()]
         while waiting:
             vertex = waiting.pop()
@@ -120,11 +134,14 @@ class _Walk:
             if polygon is None:
                 continue
             yield tuple(self._state(v) for v in face), polygon
+            explored = [line for v in face for line in crossed[v.twist]]
             for k, side in enumerate(polygon.sides):
                 slope = origins.get(side.label)
-                if slope is not None:
-                    place = Beside(_midpoint(polygon, k), side.normal, slope.form)
-                    waiting.append(self._neighbour(vertex, slope, place))
+                if slope is None or any(is_multiple(slope.form, line) for line in explored):
+                    continue
+                neighbour = self._neighbour(vertex, slope, Beside(_midpoint(polygon, k), side.normal, slope.form))
+                crossed[neighbour.twist].append(slope.form)
+                waiting.append(neighbour)
 
     def _first(self) -> Vertex:
         """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""

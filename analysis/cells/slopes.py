@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.arrangement import FLOAT_DOUBT, Arrangement, SlopeOfD, tight_rows
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.symbolic.constraints import Triple, inner, outer
+from nonsmooth.symbolic.constraints import Triple, inner
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
@@ -81,8 +81,8 @@ class Slopes:
     def __getitem__(self, number: int) -> SlopeOfD:
         """The exact slope, built once."""
         if number not in self._exact:
-            a, b = (self._arrangement.rows[k].normal for k in self._pairs[number // 2])
-            both = self._arrangement.slopes_along(outer(a, b), self._signs)
+            direction = self._arrangement.edge(self._pairs[number // 2])
+            both = self._arrangement.slopes_along(direction, self._signs)
             for k, slope in enumerate(both, number - number % 2):
                 self._exact[k] = slope
                 self._forms.values[k] = [float(x) for x in slope.form]
@@ -130,7 +130,7 @@ class _PairTable:
     """All pairs of tight rows in floats: directions of edges, and the slopes along them and back."""
 
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
-        self.rows = arrangement.rows
+        self.arrangement, self.rows = arrangement, arrangement.rows
         tight = np.array(tight_rows(signs), dtype=int)
         self.tight = len(tight)
         self.pairs = _pairs(tight)
@@ -174,8 +174,7 @@ class _PairTable:
                 bucket = [pair for pair in bucket if not all(orthogonal[int(row)] for row in self.pairs[pair])]
 
     def _direction(self, pair: int) -> Triple:
-        a, b = (self.rows[k].normal for k in self.pairs[pair])
-        return outer(a, b)
+        return self.arrangement.edge(self.pairs[pair])
 
 
 def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) -> list[Corner]:

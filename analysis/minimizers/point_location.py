@@ -2,9 +2,15 @@
 
 The half-planes of all cells become arrays; a point belongs to the first cell none of whose sides it violates.
 Points within rounding of a side may land on either side of it, which is as exact as a float point can be.
+
+Many points are looked up in a grid of buckets first. Cells are convex, so a bucket whose four corners lie in one cell
+lies in it as a whole; only points of buckets that a side crosses are compared with half-planes.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +28,9 @@ OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.
 SIDE_SLACK = 1e-12
 _BLOCK = 4096  # points per block: keeps the slack matrix within the processor's cache
+_BUCKETS = 128  # along each axis
+_MANY = _BUCKETS**2  # points for which the table of buckets is worth building
+_MIXED = -2  # of a bucket that a side crosses
 
 
 class PointLocator:
@@ -37,17 +46,32 @@ class PointLocator:
             lengths = np.hypot(*normals.T)
             self._normals.append(normals / lengths[:, None])
             self._offsets.append(np.array([float(side.offset) for side in cell.polygon.sides]) / lengths)
-        self._twists = np.array([[float(x) for x in cell.twists[0]] for cell in partition.cells])
+        # the last row belongs to OUTSIDE
+        self._twists = np.array([[float(x) for x in cell.twists[0]] for cell in partition.cells] + [[np.nan] * 3])
 
     def locate(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
         """Position in ``partition.cells`` for points (m, 2); :data:`OUTSIDE` where no cell holds the point."""
+        if len(points) < _MANY:
+            return self._search(points)
+        found = self._buckets.cells_of(points)
+        mixed = np.flatnonzero(found == _MIXED)
+        found[mixed] = self._search(points[mixed])
+        return found
+
+    @cached_property
+    def _buckets(self) -> _Buckets:
+        vertices = np.array([[float(x), float(y)] for x, y in self.partition.domain.vertices])
+        return _Buckets(vertices.min(axis=0), vertices.max(axis=0), self._search)
+
+    def _search(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+        """The first cell of each point none of whose sides it violates."""
         found = np.full(len(points), OUTSIDE)
         for start in range(0, len(points), _BLOCK):
             block = slice(start, start + _BLOCK)
-            found[block] = self._locate_block(points[block])
+            found[block] = self._search_block(points[block])
         return found
 
-    def _locate_block(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+    def _search_block(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
         found = np.full(len(points), OUTSIDE)
         waiting = np.arange(len(points))
         for k, (normals, offsets) in enumerate(zip(self._normals, self._offsets, strict=True)):
@@ -61,8 +85,7 @@ class PointLocator:
 
     def twists(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Twist (vx, vy, omega) of each point's cell, NaN outside the square."""
-        found = self.locate(points)
-        return np.where((found != OUTSIDE)[:, None], self._twists[found], np.nan)
+        return self._twists[self.locate(points)]
 
     def minima(self, points: NDArray[np.float64]) -> Minima:
         """The explicit minimizer of rule ``box`` at points (m, 2), with the forces that prove it.
@@ -77,3 +100,37 @@ class PointLocator:
         loads = loads_at(model, points)
         forces = np.array([forces_at(model, load, twist) for load, twist in zip(loads, twists, strict=True)])
         return Minima(Functional.BOX, model, loads, twists, balance_forces(Functional.BOX, model, loads, forces))
+
+
+class _Buckets:
+    """Rectangles of equal size, each with the cell that holds all of it, :data:`_MIXED` where none does.
+
+    Args:
+        low, high: corners of the rectangle that is divided.
+        search: the cells of points (m, 2).
+    """
+
+    def __init__(
+        self,
+        low: NDArray[np.float64],
+        high: NDArray[np.float64],
+        search: Callable[[NDArray[np.float64]], NDArray[np.int_]],
+    ) -> None:
+        self._low, self._per_unit = low, _BUCKETS / (high - low)
+        lines = low + (high - low) * np.linspace(0, 1, _BUCKETS + 1)[:, None]
+        corners = np.stack(np.meshgrid(*lines.T, indexing="ij"), axis=-1).reshape(-1, 2)
+        at = search(corners).reshape(_BUCKETS + 1, _BUCKETS + 1)
+        one = (at[:-1, :-1] == at[1:, :-1]) & (at[:-1, :-1] == at[:-1, 1:]) & (at[:-1, :-1] == at[1:, 1:])
+        # Around the buckets one layer of mixed ones: a point outside the rectangle is searched for, as any in doubt.
+        self._table = np.full((_BUCKETS + 2, _BUCKETS + 2), _MIXED)
+        self._table[1:-1, 1:-1] = np.where(one & (at[:-1, :-1] != OUTSIDE), at[:-1, :-1], _MIXED)
+
+    def cells_of(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+        """The cell of each point (m, 2) whose bucket lies in one, :data:`_MIXED` for the others."""
+        column, row = (self._numbers(points[:, axis], axis) for axis in (0, 1))
+        return self._table[column, row]
+
+    def _numbers(self, coordinates: NDArray[np.float64], axis: int) -> NDArray[np.int_]:
+        """Numbers of buckets along one axis, counted with the layer around them, in which NaN lies too."""
+        places = (coordinates - self._low[axis]) * self._per_unit[axis] + 1
+        return np.fmax(np.fmin(places, _BUCKETS + 1), 0).astype(int)

@@ -62,10 +62,12 @@ def rational_quotient(dividend: Terms, divisor: Terms) -> fmpq | None:
     """The quotient of two numbers where it is rational, term by term; None elsewhere, and for a divisor of zero."""
     if not divisor or (dividend and dividend.keys() != divisor.keys()):
         return None
+    if not dividend:
+        return fmpq(0)
     mask, c = next(iter(divisor.items()))
-    top, bottom = (x if isinstance(x, fmpq) else x.coeffs()[-1] for x in (dividend.get(mask, c * 0), c))
+    top, bottom = (x if isinstance(x, fmpq) else x.coeffs()[-1] for x in (dividend[mask], c))
     quotient = top / bottom
-    return quotient if all(dividend.get(m, d * 0) == quotient * d for m, d in divisor.items()) else None
+    return quotient if all(dividend[m] == quotient * d for m, d in divisor.items()) else None
 
 
 def is_rational(terms: Terms) -> bool:

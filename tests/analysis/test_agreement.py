@@ -49,6 +49,20 @@ def test_points_are_located_in_the_cell_that_holds_them(arrays: Arrays) -> None:
     assert np.isnan(PointLocator(partition).twists(np.array([[9.0, 9.0]]))).all()
 
 
+@pytest.mark.parametrize("name", ["four-wheel", "grid-4x4"])
+def test_points_in_buckets_are_located_as_points_one_by_one(name: str) -> None:
+    locator = PointLocator(build_box_partition(load_scene(name, rule="box")))
+    reach = float(locator.partition.scene.check.radius)
+    many = np.random.default_rng(0).uniform(-1.2 * reach, 1.2 * reach, (20_000, 2))
+    many[:4] = [(reach, reach), (-reach, -reach), (np.nan, 0), (1e9, -1e9)]
+    few = np.concatenate([locator.locate(points) for points in np.array_split(many, 20)])
+    found = locator.locate(many)
+    assert found.tolist() == few.tolist()
+    inside = np.abs(many).max(axis=1) <= reach
+    assert (found[inside] != OUTSIDE).all()
+    assert (found[~inside] == OUTSIDE).all()
+
+
 def test_disjoint_polygons_have_no_intersection(arrays: Arrays) -> None:
     cells = build_nearest_partition(arrays.four_wheel()).cells
     assert intersect(cells[0].polygon, cells[1].polygon) is None

@@ -23,6 +23,14 @@ class Stopwatch:
             times.append(time.perf_counter() - start)
         return min(times)
 
+    def ratio(self, slow: Callable[[], object], fast: Callable[[], object], rounds: int = 5) -> tuple[float, float]:
+        """Shortest runs of slow and of fast work, done in turn, since a machine's speed changes within seconds.
+
+        Fast work is done several times in each round: one short run may fall into a slow moment.
+        """
+        times = [(self.best(slow, runs=1), self.best(fast, runs=10)) for _ in range(rounds)]
+        return min(first for first, _ in times), min(second for _, second in times)
+
     def report(self, line: str) -> None:
         """Print a result past pytest's capture."""
         with self._capsys.disabled():

@@ -59,23 +59,25 @@ def parametric_program(model: ContactModel, radius: float) -> object:
 
 
 @pytest.mark.filterwarnings("ignore")  # the other package's own warnings are not ours to mend
-def test_partition_against_parametric_programming(arrays: Arrays, stopwatch: Stopwatch) -> None:
+@pytest.mark.parametrize("name", ["combinatorial", "graph"])
+def test_partition_against_parametric_programming(arrays: Arrays, stopwatch: Stopwatch, name: str) -> None:
     """PPOPT splits the square into many more regions than there are twists, because its vertices are dual ones."""
     pytest.importorskip("ppopt", reason="PPOPT is a dependency of the benchmarks only: pip install '.[bench]'")
     from ppopt.mp_solvers.solve_mpqp import mpqp_algorithm, solve_mpqp
 
-    scene = four_wheel(arrays)
-    ours = stopwatch.best(lambda: build_box_partition(four_wheel(arrays)))
-    cells = len(build_box_partition(scene).cells)
-    for name in ("combinatorial", "graph"):
-        start = time.perf_counter()
-        solution = solve_mpqp(parametric_program(contact_model(scene), 0.5), getattr(mpqp_algorithm, name))
-        theirs = time.perf_counter() - start
-        stopwatch.report(
-            f"four-wheel partition: {ours * 1e3:.1f} ms exactly ({cells} cells), PPOPT {name} {theirs * 1e3:.0f} ms "
-            f"({len(solution.critical_regions)} regions), {theirs / ours:.0f}x (required {REQUIRED_OVER_PPOPT}x)"
-        )
-        assert theirs >= REQUIRED_OVER_PPOPT * ours
+    model = contact_model(four_wheel(arrays))
+    cells = len(build_box_partition(four_wheel(arrays)).cells)
+    algorithm = getattr(mpqp_algorithm, name)
+    regions = len(solve_mpqp(parametric_program(model, 0.5), algorithm).critical_regions)
+    theirs, ours = stopwatch.ratio(
+        lambda: solve_mpqp(parametric_program(model, 0.5), algorithm),
+        lambda: build_box_partition(four_wheel(arrays)),
+    )
+    stopwatch.report(
+        f"four-wheel partition: {ours * 1e3:.1f} ms exactly ({cells} cells), PPOPT {name} {theirs * 1e3:.0f} ms "
+        f"({regions} regions), {theirs / ours:.0f}x (required {REQUIRED_OVER_PPOPT}x)"
+    )
+    assert theirs >= REQUIRED_OVER_PPOPT * ours
 
 
 @pytest.mark.parametrize("name", ["four-wheel", "grid-4x4"])
@@ -83,10 +85,12 @@ def test_point_location_against_linear_programs(stopwatch: Stopwatch, name: str)
     scene = load_scene(name, rule="box")
     locator, model = PointLocator(build_box_partition(scene)), contact_model(scene)
     points = np.random.default_rng(0).uniform(-0.5, 0.5, (100_000, 2))
-    located = stopwatch.best(lambda: locator.twists(points), runs=3) / len(points)
     few = points[:100]
     loads = loads_at(model, few)
-    solved = stopwatch.best(lambda: BoxHighs().minimize(model, loads), runs=2) / len(few)
+    solving, locating = stopwatch.ratio(
+        lambda: BoxHighs().minimize(model, loads), lambda: locator.twists(points), rounds=3
+    )
+    solved, located = solving / len(few), locating / len(points)
     stopwatch.report(
         f"{name}: {located * 1e6:.2f} us per located point, {solved * 1e6:.0f} us per linear program, "
         f"{solved / located:.0f}x (required {REQUIRED_OVER_HIGHS}x)"

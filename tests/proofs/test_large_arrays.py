@@ -117,3 +117,12 @@ def test_multiples_of_a_line() -> None:
     assert not is_multiple((one, root, root), (field.zero, one, one))
     assert rational_quotient((root * 3).terms, (root * 2).terms) == fmpq(3, 2)
     assert rational_quotient(root.terms, one.terms) is None
+
+
+def test_a_zero_form_is_a_multiple_over_a_base_of_higher_degree() -> None:
+    field = NumberField(5)  # its coefficients are polynomials in the base
+    zero, base = field.zero, field.two_cos(1)
+    line = (base, field.one, base + 1)
+    assert is_multiple((zero, zero, zero), line)
+    assert not is_multiple((zero, zero, base), line)
+    assert is_multiple((base * 3, field.rational(3), base * 3 + 3), line)
