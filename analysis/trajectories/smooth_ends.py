@@ -1,7 +1,8 @@
 """Where bodies end under a rule without cells: paths of many starts at once, in floats.
 
 The field ``c' = v(c) + omega(c) J c`` is continuous, so all paths are integrated together (Bogacki and Shampine's pair
-of orders 2 and 3) until each has left the square or stands still; Newton's method then finds where the field vanishes.
+of orders 2 and 3, then backward differentiation formulas where the field is stiff) until each has left the square or
+stands still; Newton's method then finds where the field vanishes.
 Where twists jump, as under rule ``roller``, bodies may slide to a point at full speed and stay there, in steps to and
 fro: one that gets nowhere for a while is taken to stand.
 Along the paths D is slightly smoothed, and each minimizer begins at the last one of its path; at the starts and where
@@ -30,6 +31,7 @@ CROSSINGS = 8.0  # of the square at the largest speed of the starts: how long th
 STRETCHES = 5  # of time, each twice as long as the one before
 TOLERANCE = 1e-3  # of the half side, for each step: enough to tell places apart
 STILL = 1e-3  # of the largest speed of the starts: slower bodies stand still
+EXPLICIT_STEPS, IMPLICIT_STEPS = 50, 2_000  # in one stretch of time; what still moves then goes on from there
 NEWTON_STEPS = 8
 STEP = 1e-6  # of the half side: over which the field is differentiated
 PIECES = 24  # of a stretch, where twists jump; a body that gets nowhere in two of them stands
@@ -186,8 +188,13 @@ def _follow_all(
 
 
 def _followed(field: _Field, starts: Floats, paths: NDArray[np.int_], until: float, radius: float) -> Floats:
-    """Where the bodies are after a time; one that leaves the square stops a little outside."""
-    from scipy.integrate import solve_ivp
+    """Where the bodies are after a time; one that leaves the square stops a little outside.
+
+    Where some directions decay much faster than bodies move, explicit steps stay short: after many of them the rest of
+    the time is left to backward differentiation formulas.
+    """
+    from scipy.integrate import BDF, RK23
+    from scipy.sparse import block_diag
 
     def rates(t: float, flat: Floats) -> Any:
         points = flat.reshape(-1, 2)
@@ -197,9 +204,22 @@ def _followed(field: _Field, starts: Floats, paths: NDArray[np.int_], until: flo
             found[inside] = field.along(points[inside], paths[inside])
         return found.ravel()
 
-    step = TOLERANCE * radius
-    done = solve_ivp(rates, (0.0, until), starts.ravel(), method="RK23", rtol=TOLERANCE, atol=step, t_eval=[until])
-    return np.asarray(done.y[:, -1].reshape(-1, 2))
+    within = {"rtol": TOLERANCE, "atol": TOLERANCE * radius}
+    solver = RK23(rates, 0.0, starts.ravel(), until, **within)
+    _take_steps(solver, EXPLICIT_STEPS)
+    if solver.status == "running":
+        one_by_one = block_diag([np.ones((2, 2))] * len(starts))  # no body knows of another
+        solver = BDF(rates, solver.t, solver.y, until, jac_sparsity=one_by_one, **within)
+        _take_steps(solver, IMPLICIT_STEPS)
+    return np.asarray(solver.y.reshape(-1, 2))
+
+
+def _take_steps(solver: Any, most: int) -> None:
+    """Let an integrator of SciPy go on for some steps, or to its end."""
+    for _ in range(most):
+        if solver.status != "running":
+            return
+        solver.step()
 
 
 def _where_it_stands(field: _Field, place: Floats, radius: float) -> Floats:

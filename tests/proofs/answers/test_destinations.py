@@ -191,3 +191,13 @@ def test_auto_without_cells_proves_the_point_that_floats_propose(tmp_path: Path)
 
 # Four wheels at the corners of a square about (0.3, 0.1), rims to its middle.
 SHIFTED = [(1.3, 1.1, -1, -1), (-0.7, 1.1, 1, -1), (-0.7, -0.9, 1, 1), (1.3, -0.9, -1, 1)]
+
+
+@pytest.mark.parametrize("name", ["ring-6", "rectangle"])
+def test_bodies_stand_still_where_the_field_is_stiff(name: str) -> None:
+    """Explicit steps alone go on to and fro beside the point, faster than what counts as standing still."""
+    scene = load_scene(name, rule="ellipse")
+    side = np.linspace(-0.9, 0.9, 5) * float(scene.check.radius)
+    ends = smooth_ends(scene, np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2))
+    assert ends.places.tolist() == [[0.0, 0.0]]
+    assert ends.reached.tolist() == [0] * 25
