@@ -23,11 +23,13 @@ from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law,
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface, smooth_surface
+from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_file import load_system
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:
@@ -406,3 +408,11 @@ def test_paths_of_rule_box_are_exact_where_numbers_are_evaluated_late() -> None:
     exact = simulate(array_field(partition, Kinematics.LEADING, exact=True), start, 1)
     near = simulate(array_field(partition, Kinematics.LEADING), floats(start), 1)
     assert floats(exact.end.state) == pytest.approx(near.end.state, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("start", [(9.553e-13, 2.955e-13), (1e-11, 2e-12), (-3e-12, 8e-12)])
+def test_a_start_that_counts_as_at_a_corner_is_moved_onto_it(start: tuple[float, float]) -> None:
+    """All fields of the flower vanish where its lines meet, and nowhere beside."""
+    path = simulate(system_field(load_system("flower")), start, 1.0)
+    assert path.end.state == (0.0, 0.0)
+    assert path.events[-1].kind is EventKind.REST
