@@ -12,6 +12,7 @@ The partition must be centred: ``c* = 0`` (:meth:`nonsmooth.symbolic.scene.Scene
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 from flint import arb, ctx
@@ -84,6 +85,11 @@ class RelativeRate:
     def sign(self) -> int:
         """Certified sign: -1, 0 or 1."""
         return self._product.sign()
+
+    def scaled(self, factor: Fraction) -> RelativeRate:
+        """A multiple of the number."""
+        x, y = self.velocity
+        return RelativeRate((x * factor, y * factor), self.direction)
 
     def is_at_most(self, bound: Number) -> bool:
         """Whether the number is not above a bound, without taking its root."""

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
+from nonsmooth.analysis.cells.filippov import RelativeRate
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
 from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, nearly_in_line
@@ -33,7 +34,7 @@ class ArrayVerdict:
     """The verdict on an array, or its refusal, with what is compared."""
 
     def __init__(self, scene: Scene) -> None:
-        self.genuine, self.clauses, self.numbers = True, (), ()
+        self.genuine, self.clauses, self.worst, self.drift = True, (), None, ()
         try:
             result = check_theorem4(scene)
         except RefusalError as refusal:
@@ -45,16 +46,24 @@ class ArrayVerdict:
         self.clauses = (str(result.verdict), *(str(part.verdict) for part in parts))
         self.genuine = result.check()
         self.clauses += ("certified" if _is_certified(result) else "no certificate",)
-        self.numbers = _numbers(result)
+        if isinstance(result, CellCheck) and result.translation.lemma is None:
+            self.worst = result.translation.worst
+            self.drift = () if result.rotation.drift is None else result.rotation.drift.interval
 
     clauses: tuple[str, ...]
-    numbers: tuple[Number, ...]
+    worst: RelativeRate | None  # the largest V*/|c|, a speed
+    drift: tuple[Number, ...]  # rates of rotation
 
     def row(self, case: str, parameter: str, other: ArrayVerdict, factors: Sequence[Fraction], name: str) -> ResultRow:
         """Compared with another verdict, whose numbers are multiplied by factors first."""
-        pairs = list(zip(self.numbers, other.numbers, factors, strict=False))
-        error = max((_relative(own, reference, factor) for own, reference, factor in pairs), default=0.0)
-        same = self.clauses == other.clauses and len(self.numbers) == len(other.numbers)
+        errors = [0.0]
+        if self.worst is not None and other.worst is not None:
+            errors.append(_rates_apart(self.worst, other.worst.scaled(factors[0])))
+        for own, reference, factor in zip(self.drift, other.drift, factors[1:], strict=False):
+            errors.append(_numbers_apart(own, reference * factor))
+        error = max(errors)
+        alike = (self.worst is None) == (other.worst is None) and len(self.drift) == len(other.drift)
+        same = self.clauses == other.clauses and alike
         ok = self.genuine and same and not error
         return asserted(case, parameter, self.text, SAME.format(name), ok=ok, error=error)
 
@@ -93,20 +102,18 @@ def _is_certified(result: CellCheck | SmoothCheck) -> bool:
     return True
 
 
-def _numbers(result: CellCheck | SmoothCheck) -> tuple[Number, ...]:
-    """Largest ``V*/|c|`` (a speed) and the drift (rates of rotation), where they are known."""
-    if isinstance(result, SmoothCheck) or result.translation.lemma is not None:
-        return ()
-    drift = () if result.rotation.drift is None else result.rotation.drift.interval
-    return (result.translation.worst_rate, *drift)
+def _rates_apart(own: RelativeRate, wanted: RelativeRate) -> float:
+    """Zero iff equal exactly; compared without their roots, which may be out of reach."""
+    return _difference(float(own.value), float(wanted.value)) if own < wanted or wanted < own else 0.0
 
 
-def _relative(own: Number, reference: Number, factor: Fraction) -> float:
-    """Zero iff the numbers agree exactly (extreme scenes share the field of their scene)."""
-    wanted = reference * factor
-    if own == wanted:
-        return 0.0
-    return abs(float(own - wanted)) / (abs(float(wanted)) or 1.0)
+def _numbers_apart(own: Number, wanted: Number) -> float:
+    """Zero iff equal exactly (extreme scenes share the field of their scene)."""
+    return 0.0 if own == wanted else _difference(float(own), float(wanted))
+
+
+def _difference(own: float, wanted: float) -> float:
+    return abs(own - wanted) / (abs(wanted) or 1.0)
 
 
 ARRAY_VERDICTS = Case("verdicts", array=array_verdict_rows)

@@ -17,7 +17,9 @@ Group: TypeAlias = tuple[arb_mat, arb_mat]  # A (m, 3) and b (m, 1)
 def slip_size(group: Group, twist: arb_mat, delta: arb) -> tuple[arb_mat, arb]:
     """``w = A xi - b`` and its smoothed length."""
     w = group[0] * twist - group[1]
-    return w, sum((entry * entry for entry in w.entries()), delta * delta).sqrt()
+    squared = sum((entry * entry for entry in w.entries()), delta * delta)
+    # the ball of a slip that vanishes holds zero, so that of its square may reach below
+    return w, squared.nonnegative_part().sqrt()
 
 
 def value(groups: Sequence[Group], twist: arb_mat, delta: arb) -> arb:

@@ -33,3 +33,11 @@ def test_every_minimizer_reaches_it_and_none_falls_below(minimizer: Minimizer, s
     least = problem.least()
     excess = float(((problem.at(minimizer.minimize(model, loads[None]).twists[0]) - least) / least).mid())
     assert -1e-24 <= excess <= (SOLVERS if "Cvxpy" in type(minimizer).__name__ else EXACT)
+
+
+@pytest.mark.parametrize("functional", list(Functional))
+def test_a_slip_that_vanishes_adds_nothing(functional: Functional) -> None:
+    """The body turns about the origin, and the first wheel with it: its slip is a ball about zero."""
+    model = ContactModel.build([(0.5, 0), (0.7, 0)], [(0, 1), (0, 1)], (-1.5, 0), (1, 1))
+    dissipation = LeastDissipation(functional, model, np.ones(2)).at(np.array([0.0, 0.0, -3.0]))
+    assert float(dissipation.mid()) == pytest.approx(2.1, abs=1e-14)

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from flint import arb
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.measurements.cases import feedback_gain, near_collinear, support_edge
 from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
-from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
+from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS, TINY
 from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
 from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, collinear_rows
-from nonsmooth.analysis.measurements.cases.scales import POWERS, SCALES, array_scale_rows, system_scale_rows
+from nonsmooth.analysis.measurements.cases.scales import OFFSETS, POWERS, SCALES, array_scale_rows, system_scale_rows
 from nonsmooth.analysis.measurements.cases.starts import STARTS
 from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, support_rows
 from nonsmooth.analysis.measurements.cases.switches import SWITCHES
@@ -29,12 +31,15 @@ from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
 from nonsmooth.proofs.measurements import array_verdicts
 from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS
 from nonsmooth.proofs.measurements.registry import CASES
+from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Row, Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system
+from nonsmooth.symbolic.numbers import enclosures
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import scaled, with_wheels
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.four_wheel import CORNERS
 from tests.thorough import keep, thorough
@@ -83,6 +88,31 @@ def test_other_arrays_hold(arrays: Arrays, monkeypatch: pytest.MonkeyPatch, ever
     rows = measure(arrays.random(4, 4), CASES).rows
     assert len(rows) >= LEAST_ROWS
     assert [row for row in rows if not row.ok] == []
+
+
+@pytest.mark.parametrize("every", keep(1, [6, 1]))
+def test_rates_whose_roots_are_out_of_reach_are_compared(monkeypatch: pytest.MonkeyPatch, every: int) -> None:
+    monkeypatch.setattr(array_verdicts, "RATIOS", {})
+    monkeypatch.setattr(array_verdicts, "POWERS", POWERS[::every])
+    monkeypatch.setattr(array_verdicts, "OFFSETS", OFFSETS[::every])
+    monkeypatch.setattr(array_verdicts, "DETERMINANTS", ())
+    monkeypatch.setattr(enclosures, "MOST_BITS", 0)
+    scene = load_scene("off-center", rule="box")
+    assert isinstance(check_cells(scene).translation.worst_rate, arb)
+    rows = list(ARRAY_VERDICTS.rows(scene))
+    assert [(row.ok, row.error) for row in rows] == [(True, 0.0)] * len(rows)
+    assert rows
+
+
+def test_rates_that_differ_a_little_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    def a_little_faster(scene: Scene, factor: Fraction) -> Scene:
+        return with_wheels(scaled(scene, factor), lambda wheel: replace(wheel, given_speed=wheel.speed * (1 + TINY)))
+
+    monkeypatch.setattr(array_verdicts, "scaled", a_little_faster)
+    monkeypatch.setattr(array_verdicts, "RATIOS", {})
+    row = next(ARRAY_VERDICTS.rows(load_scene("off-center", rule="box")))
+    assert not row.ok
+    assert row.error == pytest.approx(float(TINY), rel=1e-3)
 
 
 def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
