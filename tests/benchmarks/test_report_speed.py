@@ -1,4 +1,8 @@
-"""How long the HTML report of the paper's array takes from a cold start, and how large it is."""
+"""How long the HTML report of the paper's array takes from a cold start, and how large it is.
+
+The measure is what a process takes that only loads the libraries which every report needs: no machine is as fast as
+another, and the same one is not always as fast.
+"""
 
 from __future__ import annotations
 
@@ -11,26 +15,30 @@ import pytest
 
 pytestmark = pytest.mark.benchmark
 
-RUNS = 3  # the fastest counts
+ROUNDS = 3  # the fastest of each counts
 MOST_BYTES = 2_000_000
+LIBRARIES = "import sympy, matplotlib.figure, scipy.optimize, scipy.spatial"
+REPORT = ("-m", "nonsmooth.reports.cli", "derive", "four-wheel")
 
 
-def seconds(target: Path, *options: str) -> float:
-    """Processor time of the fastest of some runs in a process of its own: on an idle machine, what a user waits."""
-    line = [sys.executable, "-m", "nonsmooth.reports.cli", "derive", "four-wheel", "-o", str(target), *options]
-    times = []
-    for _ in range(RUNS):
-        before = os.times()
-        subprocess.run(line, check=True, capture_output=True)
-        after = os.times()
-        times.append(after.children_user + after.children_system - before.children_user - before.children_system)
-    return min(times)
+def seconds(*arguments: str) -> float:
+    """Processor time of a process of its own: on an idle machine, what a user waits."""
+    before = os.times()
+    subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
 
 
-@pytest.mark.parametrize(("options", "most"), [((), 15.0), (("--without", "trajectories,precision"), 3.0)])
-def test_the_report_is_written_in_time(tmp_path: Path, options: tuple[str, ...], most: float) -> None:
+@pytest.mark.parametrize(("options", "most"), [((), 5), (("--without", "trajectories,precision"), 3)])
+def test_the_report_takes_a_few_times_as_long_as_its_libraries(
+    tmp_path: Path, options: tuple[str, ...], most: float
+) -> None:
     target = tmp_path / "r.html"
-    taken = seconds(target, *options)
-    print(f"\nderive four-wheel {' '.join(options)}: {taken:.2f} s, {target.stat().st_size / 1000:.0f} kB")
-    assert taken <= most
+    times = [(seconds("-c", LIBRARIES), seconds(*REPORT, "-o", str(target), *options)) for _ in range(ROUNDS)]
+    libraries, report = (min(of) for of in zip(*times, strict=True))
+    print(
+        f"\nderive four-wheel {' '.join(options)}: {report:.2f} s, {report / libraries:.1f} times as long as its "
+        f"libraries (allowed {most}), {target.stat().st_size / 1000:.0f} kB"
+    )
+    assert report <= most * libraries
     assert target.stat().st_size <= MOST_BYTES

@@ -14,7 +14,6 @@ from functools import partial
 from typing import TypeAlias
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Vector, Velocity
@@ -134,6 +133,7 @@ def _without_events(
     field: SignField, method: str, tolerance: float, radius: float, start: tuple[float, ...], until: float, clock: Clock
 ) -> tuple[State, int]:
     """SciPy's ``solve_ivp`` on the field as it stands, jumps and all."""
+    from scipy.integrate import solve_ivp  # half a second that most commands need not wait
 
     def velocity(t: float, x: Vector) -> Vector:
         clock.check()

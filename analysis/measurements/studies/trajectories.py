@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -167,6 +166,7 @@ def follow_without_events(
     Raises:
         RuntimeError: where the method gives up.
     """
+    from scipy.integrate import solve_ivp  # half a second that most commands need not wait
 
     def velocity(t: float, x: Vector) -> Vector:
         clock.check()
