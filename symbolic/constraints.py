@@ -15,7 +15,7 @@ root, and only the right side does.  Scaling changes neither rank nor solution.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
@@ -109,9 +109,9 @@ def scene_rows(scene: Scene) -> tuple[Row, ...]:
     return tuple(row for wheel in scene.wheels for row in wheel_rows(wheel))
 
 
-def rows_with_friction(scene: Scene) -> list[Row]:
-    """The rows that can hold at all: without friction a row limits nothing."""
-    return [row for row in scene_rows(scene) if row.friction]
+def rows_with_friction(scene: Scene) -> Iterator[Row]:
+    """The rows that can hold at all, one after the other: without friction a row limits nothing."""
+    return (row for wheel in scene.wheels for row in wheel_rows(wheel) if row.friction)
 
 
 def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
@@ -204,19 +204,27 @@ def independent(vectors: Iterable[Triple]) -> tuple[int, ...]:
 
     No more vectors are looked at than it takes.
     """
-    found: list[int] = []
+    return tuple(k for k, _ in _first_independent(vectors))
+
+
+def basis_of(vectors: Iterable[Triple]) -> tuple[Triple, ...]:
+    """The first linearly independent vectors themselves."""
+    return tuple(vector for _, vector in _first_independent(vectors))
+
+
+def _first_independent(vectors: Iterable[Triple]) -> Iterator[tuple[int, Triple]]:
     first: Triple | None = None
     normal: Triple | None = None
     for k, vector in enumerate(vectors):
         if first is None:
             if any(vector):
                 first = vector
-                found.append(k)
+                yield k, vector
         elif normal is None:
             crossed = outer(first, vector)
             if any(crossed):
                 normal = crossed
-                found.append(k)
+                yield k, vector
         elif inner(normal, vector):
-            return (*found, k)
-    return tuple(found)
+            yield k, vector
+            return

@@ -121,7 +121,7 @@ def triples_with_friction(scene: Scene) -> int:
 
 def regular_states(scene: Scene) -> list[ContactState]:
     """Every regular triple of rows with friction, in lexicographic order."""
-    rows = rows_with_friction(scene)
+    rows = list(rows_with_friction(scene))
     crosses = {(i, j): outer(rows[i].normal, rows[j].normal) for i, j in combinations(range(len(rows)), 2)}
     states: list[ContactState] = []
     for i, j, k in combinations(range(len(rows)), 3):

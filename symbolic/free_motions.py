@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from nonsmooth.symbolic.constraints import Row, Triple, complement, independent, rows_with_friction
+from nonsmooth.symbolic.constraints import Row, Triple, basis_of, complement, rows_with_friction
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.scene import Scene
 
@@ -21,8 +21,7 @@ def free_twists(scene: Scene) -> tuple[Triple, ...]:
 
 def kernel(rows: Iterable[Row]) -> tuple[Triple, ...]:
     """A basis of the twists that satisfy ``a_k . xi = 0`` for rows of which at least one is there."""
-    normals = [row.normal for row in rows]
-    return complement([normals[k] for k in independent(normals)])
+    return complement(basis_of(row.normal for row in rows))
 
 
 def free_text(twists: Sequence[Triple]) -> str:

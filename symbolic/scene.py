@@ -220,6 +220,10 @@ class Scene(ShortRepr):
 
         ``V = |c - c*|^2`` and the leading-order kinematics are then those of the origin.
         """
+        return self._recentred
+
+    @cached_property
+    def _recentred(self) -> Scene:
         x, y = self.check.equilibrium
         if not x and not y:
             return self

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import tee
 
 from flint import arb
 
@@ -158,10 +159,10 @@ def require_rank(rows: Iterable[Row], required: str) -> None:
     Raises:
         RefusalError: saying what was required, how many independent rows there are, and which motions are free.
     """
-    known = list(rows)
-    rank = len(independent([row.normal for row in known]))
+    rows, again = tee(rows)  # most often three or four of them tell
+    rank = len(independent(row.normal for row in rows))
     if rank < 3:
-        free = f": {free_text(kernel(known))}" if rank else ""
+        free = f": {free_text(kernel(again))}" if rank else ""
         raise RefusalError(
             f"{required} with friction in three independent directions, received {rank}: "
             f"the motion is not determined{free}"

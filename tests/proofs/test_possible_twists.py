@@ -28,7 +28,7 @@ def is_possible(scene: Scene, twist: PossibleTwist, place: Floats) -> bool:
     """Whether loads and friction forces balance: a linear program over loads and forces, row by row."""
     from scipy.optimize import linprog
 
-    rows, count = rows_with_friction(scene), len(scene.wheels)
+    rows, count = list(rows_with_friction(scene)), len(scene.wheels)
     moments = np.array([[1.0, *map(float, wheel.position)] for wheel in scene.wheels])
     normals = np.array([[float(x) / float(row.wheel.length) for x in row.normal] for row in rows])
     balance = np.block([[moments.T, np.zeros((3, len(rows)))], [np.zeros((3, count)), normals.T]])
