@@ -42,9 +42,12 @@ class FaceMotion:
 
     def __call__(self, t: float, x: Vector) -> Vector:
         """``sum l_k f_k``."""
+        return self._single(t, x) if self._single is not None else self.mixed(x, self.fields(t, x))
+
+    def mixed(self, x: Vector, fields: Vector) -> Vector:
+        """The same from the fields of the members at a state."""
         if self._single is not None:
-            return self._single(t, x)
-        fields = self.fields(t, x)
+            return np.asarray(fields[0])
         return np.asarray(self.mix(fields, self.normal_speeds(x, fields)) @ fields)
 
     def fields(self, t: float, x: Vector) -> Vector:

@@ -61,7 +61,12 @@ class _Trial:
     @cached_property
     def velocity(self) -> Vector:
         """The motion's velocity."""
-        return self.motion(self.t, self.x)
+        return self.motion.mixed(self.x, self.fields)
+
+    @cached_property
+    def speeds(self) -> Vector:
+        """Normal speeds of the members, (members, surfaces)."""
+        return self.motion.normal_speeds(self.x, self.fields)
 
     @cached_property
     def ahead(self) -> float:
@@ -89,7 +94,7 @@ class _Trial:
 
     def pair_orders(self) -> tuple[int, int]:
         """Signs of the two members' normal speeds just ahead."""
-        now = self.motion.normal_speeds(self.x, self.fields)[:, 0]
+        now = self.speeds[:, 0]
         signs = [self.clear(float(speed)) for speed in now]
         if 0 in signs:
             later = self.motion.normal_speeds(self.later[1], self.fields_later)[:, 0]
@@ -99,9 +104,7 @@ class _Trial:
     @property
     def only_rounding(self) -> bool:
         """Whether it is rounding alone that leaves the weights of a slide open."""
-        return self.motion.weights_open and any(
-            self.clear(float(speed)) for speed in self.motion.normal_speeds(self.x, self.fields)[:, 0]
-        )
+        return self.motion.weights_open and any(self.clear(float(speed)) for speed in self.speeds[:, 0])
 
     def exists(self) -> bool:
         """Whether the surfaces held leave a motion here and just ahead: by its least weight, or where that is zero by
@@ -133,8 +136,8 @@ class _Trial:
 def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
     """Continuations at a state among the faces there, those that hold most surfaces first; sure ones where any is."""
     found: list[FaceChoice] = []
-    for motion in (motion for face in faces for motion in _motions(field, face, t, x)):
-        trial, orders = _Trial(field, motion, t, x), None
+    for trial in (trial for face in faces for trial in _trials(field, face, t, x)):
+        motion, orders = trial.motion, None
         if motion.is_pair:
             orders = trial.pair_orders()
             if orders[0] * orders[1] > 0:
@@ -147,13 +150,15 @@ def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) 
     return [choice for choice in found if choice.sure] or found
 
 
-def _motions(field: FacedField, face: Face, t: float, x: Vector) -> list[FaceMotion]:
+def _trials(field: FacedField, face: Face, t: float, x: Vector) -> list[_Trial]:
     """The motion on a face; where both speeds of a slide vanish, those that keep to the surface."""
-    motion = FaceMotion(face)
-    if not motion.is_pair or tangency(motion, t, x, field.size) > IS_TANGENT:
-        return [motion]
+    trial = _Trial(field, FaceMotion(face), t, x)
+    motion = trial.motion
+    if not motion.is_pair or tangency(motion, t, x, field.size, trial.fields, trial.speeds) > IS_TANGENT:
+        return [trial]
     weights = passing_weights(field, motion, t, x)
-    return [FaceMotion(face, open=True)] if weights is None else [FaceMotion(face, held) for held in weights[:1]]
+    kept = [FaceMotion(face, open=True)] if weights is None else [FaceMotion(face, held) for held in weights[:1]]
+    return [_Trial(field, motion, t, x) for motion in kept]
 
 
 def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:

@@ -124,7 +124,8 @@ def _tangent(field: FacedField, motion: FaceMotion) -> Guard:
     """
 
     def value(t: float, x: Vector) -> float:
-        here = tangency(motion, t, x, field.size)
+        fields = motion.fields(t, x)
+        here = tangency(motion, t, x, field.size, fields, motion.normal_speeds(x, fields))
         return CLEAR_OF_TANGENCY - here if motion.weights_open else here - BECOMES_TANGENT
 
     return Guard(value, GUARD_SLACK, lambda t, x, velocity: 0.0)
@@ -154,6 +155,8 @@ def first_event(
 
 def _first_fall(guard: Guard, first: float, last: float, step: Step) -> float | None:
     """Earliest time in a step at which one guard falls below zero."""
+    if not step.easy:  # by far the most
+        return _first_fall_between(guard, first, last, step)
     inner = [(t, guard.value(t, x)) for t, x in step.samples]
     known = [(float(step.before[0]), first), *inner, (float(step.after[0]), last)]
     for k, (before, after) in enumerate(pairwise(known)):
@@ -163,8 +166,16 @@ def _first_fall(guard: Guard, first: float, last: float, step: Step) -> float | 
             time = _dip(guard, known[k - 1], after[0], step)
             if time is not None:
                 return time
-    falls_then_rises = not inner and guard.slope(*step.before) < 0 < guard.slope(*step.after)
-    return _dip(guard, known[0], known[-1][0], step) if falls_then_rises else None
+    return None
+
+
+def _first_fall_between(guard: Guard, first: float, last: float, step: Step) -> float | None:
+    """The same where the guard falls once at most, or falls and rises again."""
+    before, after = (float(step.before[0]), first), (float(step.after[0]), last)
+    if last < -guard.slack:
+        return _fall(guard, before, after, step)
+    falls_then_rises = guard.slope(*step.before) < 0 < guard.slope(*step.after)
+    return _dip(guard, before, after[0], step) if falls_then_rises else None
 
 
 def _fall(guard: Guard, before: tuple[float, float], after: tuple[float, float], step: Step) -> float:

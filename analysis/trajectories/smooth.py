@@ -41,7 +41,7 @@ MAX_EVENTS = 2_000
 MAX_STALLED = 20  # switches that may follow each other at one moment: more than there are faces at a point
 REST_SPEED = 1e-9  # relative to the fields around a point: a slower motion is called rest
 NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach rounding
-CANCELLED = 2.0**-46  # of a coordinate: what a move leaves of it is rounding then, and zero is as good
+CANCELLED = 2.0**-46  # of a coordinate: what moves leave of it is rounding then, and zero is as good
 RULE = "the path drawn keeps to the surfaces if it can, with the velocity of least norm"
 
 
@@ -289,6 +289,7 @@ def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
 
     A coordinate that vanishes there is exactly zero: at a corner all fields may vanish, beside it they do not.
     """
+    start = x
     for _ in range(NEWTON_STEPS if surfaces else 0):
         values = np.array([surface.value(x) for surface in surfaces])
         if not values.any():
@@ -300,6 +301,5 @@ def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
             move = np.linalg.lstsq(gradients, values, rcond=SURFACE_SLACK)[0]
         if largest(move) > size:
             break
-        moved = x - move
-        x = np.where(np.abs(moved) <= CANCELLED * np.abs(x), 0.0, moved)
-    return x
+        x = x - move
+    return x if x is start else np.where(np.abs(x) <= CANCELLED * np.abs(start), 0.0, x)

@@ -34,10 +34,17 @@ BECOMES_TANGENT, IS_TANGENT, CLEAR_OF_TANGENCY = 1.0, 2.0, 100.0
 WEIGHT_DOUBT = 1e-6  # outside 0 ... 1: weights are roots of differences, which err by LOOK_AHEAD
 
 
-def tangency(motion: FaceMotion, t: float, x: Vector, size: float) -> float:
-    """How far the normal speeds of a slide are from vanishing both, in units of what counts as zero."""
-    fields = motion.fields(t, x)
-    speeds = motion.normal_speeds(x, fields)
+def tangency(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector, speeds: Vector) -> float:
+    """How far the normal speeds of a slide are from vanishing both, in units of what counts as zero.
+
+    Args:
+        motion: the slide.
+        t: a time.
+        x: a state on its surface.
+        size: of the states.
+        fields: of the two members there, one per row.
+        speeds: their normal speeds, (2, 1).
+    """
     nothing = max(TANGENT_SLACK * largest(fields), _doubt(motion, t, x, size, fields))
     return float(np.abs(speeds).sum()) / nothing if nothing else 0.0
 
