@@ -29,7 +29,7 @@ from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, outer, scaled, scene_rows, subtracted
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import is_clear
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import HUGE, TINY, Number, sign
 from nonsmooth.symbolic.scene import Scene
 
 # Relative to the sum of absolute terms, whose rounding error stays below 2^-39 for up to a thousand terms:
@@ -213,11 +213,27 @@ def order(form: Affine, place: Beside) -> Lexicographic:
 
 
 def is_multiple(form: Affine, line: Affine) -> bool:
-    """Whether one affine form is a multiple of another that is not zero: a rational one, else by minors."""
+    """Whether one affine form is a multiple of another that is not zero: a rational one, else by minors.
+
+    Products of long numbers are many: where floats show that a minor does not vanish, there are none.
+    """
+    minors = [(form[i], form[j], line[i], line[j]) for i, j in ((1, 2), (0, 1), (0, 2))]
+    if any(_clearly_differ(*minor) for minor in minors):
+        return False
     factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
     if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
         return True
-    return not any(form[i] * line[j] - form[j] * line[i] for i, j in ((1, 2), (0, 1), (0, 2)))
+    return not any(a * d - b * c for a, b, c, d in minors)
+
+
+def _clearly_differ(a: Number, b: Number, c: Number, d: Number) -> bool:
+    """Whether floats show that ``a d`` is not ``b c``."""
+    factors = [float(x) for x in (a, b, c, d)]
+    if any(x and not TINY < abs(factor) < HUGE for x, factor in zip((a, b, c, d), factors, strict=True)):
+        return False
+    first, second = factors[0] * factors[3], factors[1] * factors[2]
+    size = abs(first) + abs(second)
+    return TINY < size < HUGE and abs(first - second) > size * FLOAT_DOUBT
 
 
 def float_corners(polygon: Polygon) -> NDArray[np.float64]:

@@ -27,6 +27,8 @@ mu_side = "1/2"
 [grid]
 rows = {rows}
 columns = {columns}
+[check]
+radius = "1/2"
 """
 
 

@@ -119,6 +119,17 @@ def test_multiples_of_a_line() -> None:
     assert rational_quotient(root.terms, one.terms) is None
 
 
+@pytest.mark.parametrize("size", [Fraction(10) ** 400, Fraction(1, 10**400), Fraction(1, 10**200)])
+def test_multiples_beyond_floats_are_told_exactly(size: Fraction) -> None:
+    field = NumberField()
+    one, root, far = field.one, field.sqrt(2), field(size)
+    line = (one, root * far, far)
+    assert is_multiple((root, 2 * far, root * far), line)
+    assert not is_multiple((root, 2 * far, root * far * (1 + Fraction(1, 10**30))), line)
+    near = one + Fraction(1, 10**30)  # not to be told by floats
+    assert not is_multiple((one, root * far * near, far), line)
+
+
 def test_a_zero_form_is_a_multiple_over_a_base_of_higher_degree() -> None:
     field = NumberField(5)  # its coefficients are polynomials in the base
     zero, base = field.zero, field.two_cos(1)
