@@ -11,7 +11,7 @@ where no other is left, and the path is not called unique then.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -146,7 +146,7 @@ def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) 
             continue
         verdict = trial.inward()
         if verdict >= 0:
-            found.append(replace(_choice(field, trial, orders), sure=verdict > 0))
+            found.append(_choice(field, trial, orders, sure=verdict > 0))
     return [choice for choice in found if choice.sure] or found
 
 
@@ -161,17 +161,17 @@ def _trials(field: FacedField, face: Face, t: float, x: Vector) -> list[_Trial]:
     return [_Trial(field, motion, t, x) for motion in kept]
 
 
-def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None) -> FaceChoice:
+def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None, *, sure: bool) -> FaceChoice:
     """The choice with the range of its motions."""
     face, motion = trial.motion.face, trial.motion
     if len(face.members) == 1:
-        return FaceChoice(motion)
+        return FaceChoice(motion, sure=sure)
     extremes = motion.extremes(trial.t, trial.x)
     if not len(extremes):
-        return FaceChoice(motion, orders=orders)
+        return FaceChoice(motion, orders=orders, sure=sure)
     free = bool(np.ptp(extremes, axis=0).max() > TANGENT_SLACK * trial.scale) and not trial.only_rounding
     rates = None
     if field.heading is not None and len(face.keep) > 1:
         drift = extremes[:, field.heading]
         rates = (float(drift.min()), float(drift.max()))
-    return FaceChoice(motion, free, rates, orders)
+    return FaceChoice(motion, free, rates, orders, sure)

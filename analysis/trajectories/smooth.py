@@ -291,14 +291,15 @@ def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
     """
     start = x
     for _ in range(NEWTON_STEPS if surfaces else 0):
-        values = np.array([surface.value(x) for surface in surfaces])
-        if not values.any():
+        values = [surface.value(x) for surface in surfaces]
+        if not any(values):
             break
-        gradients = np.array([surface.gradient(x) for surface in surfaces])
         if len(surfaces) == 1:
-            move = gradients[0] * (values[0] / float(gradients[0] @ gradients[0]))
+            gradient = surfaces[0].gradient(x)
+            move = gradient * (values[0] / float(gradient @ gradient))
         else:
-            move = np.linalg.lstsq(gradients, values, rcond=SURFACE_SLACK)[0]
+            gradients = np.array([surface.gradient(x) for surface in surfaces])
+            move = np.linalg.lstsq(gradients, np.array(values), rcond=SURFACE_SLACK)[0]
         if largest(move) > size:
             break
         x = x - move

@@ -5,6 +5,7 @@ Where the stretch turns out stiff (:mod:`nonsmooth.analysis.trajectories.stiffne
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import dataclass, replace
 from typing import Any
@@ -103,6 +104,7 @@ class _LateInterpolant:
         return np.asarray(self._made(t))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a trial beyond floats is refused, and a shorter one made
 def follow_face(
     field: FacedField,
     choice: FaceChoice,
@@ -115,7 +117,7 @@ def follow_face(
     """Integrate a face's motion to its first event, or to ``until``.
 
     Raises:
-        TrajectoryError: where the integrator gives up.
+        TrajectoryError: where the integrator gives up, or what tells events is not a number.
     """
     from scipy.integrate import DOP853
 
@@ -132,11 +134,12 @@ def follow_face(
             stiff = True
             solver = _implicit(velocity, solver, until, (rtol, atol), field.size)
         before = (solver.t, solver.y, solver.f)
-        with np.errstate(over="ignore", invalid="ignore"):  # a trial beyond floats is refused, and a shorter one made
-            message = solver.step()
+        message = solver.step()
         if solver.status == "failed":
             raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
         following = [guard.value(solver.t, solver.y) for guard in guards]
+        if any(map(math.isnan, following)):
+            raise TrajectoryError(f"required numbers, received none at t = {solver.t:.6g}, {solver.y.tolist()}")
         size = float(solver.t - before[0])
         easy = stiff or solver.h_abs >= EASY_GROWTH * size
         taken = Step(before, (solver.t, solver.y, solver.f), solver.dense_output, easy)

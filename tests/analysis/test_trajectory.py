@@ -25,7 +25,7 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface, smooth_surface
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -416,3 +416,10 @@ def test_a_start_that_counts_as_at_a_corner_is_moved_onto_it(start: tuple[float,
     path = simulate(system_field(load_system("flower")), start, 1.0)
     assert path.end.state == (0.0, 0.0)
     assert path.events[-1].kind is EventKind.REST
+
+
+def test_a_surface_without_a_value_is_a_fault_and_no_event_that_is_missed() -> None:
+    surface = Surface("h", lambda x: math.nan if x[0] > 0.5 else 1.0 + x[0], lambda x: np.array([1.0, 0.0]))
+    field = SignField(("x", "y"), (surface,), lambda signs: constant(1.0, 0.0))
+    with pytest.raises(TrajectoryError, match="required numbers, received none"):
+        simulate(field, (0.0, 0.0), 1.0)
