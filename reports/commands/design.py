@@ -18,53 +18,63 @@ if TYPE_CHECKING:
 MEASUREMENTS = "precision,stress"  # sections of a report that take minutes
 
 
+Free = Annotated[
+    str,
+    typer.Option(
+        "--free", metavar="NAMES", help="What may change: headings,speeds,positions; or which wheels there are."
+    ),
+]
+Require = Annotated[
+    str, typer.Option("--require", metavar="NAMES", help="Answers that must be good: position,heading,pose.")
+]
+Maximize = Annotated[
+    str,
+    typer.Option(
+        "--maximize",
+        metavar="NAME",
+        help="rate (at which bodies come home), gain or margin (of feedback), basin (whence they come home), or "
+        "tolerance.",
+    ),
+]
+Move = Annotated[
+    str | None,
+    typer.Option("--move", metavar="D", help="How far a wheel may move in x and y; a quarter of the square's side."),
+]
+Symmetry = Annotated[
+    int | None,
+    typer.Option("--symmetry", metavar="1|2|4", help="Turns that leave the array as it is; the most it has."),
+]
+Checks = Annotated[int, typer.Option("--checks", metavar="N", help="How many arrays are checked at most.")]
+Seed = Annotated[int, typer.Option("--seed", metavar="S", help="Of the search, which is repeatable.")]
+SceneFile = Annotated[
+    str | None, typer.Option("-o", "--output", metavar="FILE", help="Write the scene that was found: .toml.")
+]
+ReportFile = Annotated[
+    str | None,
+    typer.Option("--report", metavar="FILE", help="Write the derivation report of what was found: .html, .md, ..."),
+]
+Front = Annotated[
+    str | None,
+    typer.Option(
+        "--front",
+        metavar="FILE",
+        help="Instead of one array the Pareto front of rate against tolerance: .svg, .png, .pdf, .csv or .json.",
+    ),
+]
+
+
 def design(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     scene: SceneText,
-    free: Annotated[
-        str,
-        typer.Option(
-            "--free", metavar="NAMES", help="What may change: headings,speeds,positions; or which wheels there are."
-        ),
-    ] = "headings",
-    require: Annotated[
-        str, typer.Option("--require", metavar="NAMES", help="Answers that must be good: position,heading,pose.")
-    ] = "position",
-    maximize: Annotated[
-        str,
-        typer.Option(
-            "--maximize",
-            metavar="NAME",
-            help="rate (at which bodies come home), gain or margin (of feedback), basin (whence they come home), or "
-            "tolerance.",
-        ),
-    ] = "rate",
-    move: Annotated[
-        str | None,
-        typer.Option(
-            "--move", metavar="D", help="How far a wheel may move in x and y; a quarter of the square's side."
-        ),
-    ] = None,
-    symmetry: Annotated[
-        int | None,
-        typer.Option("--symmetry", metavar="1|2|4", help="Turns that leave the array as it is; the most it has."),
-    ] = None,
-    checks: Annotated[int, typer.Option("--checks", metavar="N", help="How many arrays are checked at most.")] = 300,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Of the search, which is repeatable.")] = 1,
-    output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="FILE", help="Write the scene that was found: .toml.")
-    ] = None,
-    report: Annotated[
-        str | None,
-        typer.Option("--report", metavar="FILE", help="Write the derivation report of what was found: .html, .md, ..."),
-    ] = None,
-    front: Annotated[
-        str | None,
-        typer.Option(
-            "--front",
-            metavar="FILE",
-            help="Instead of one array the Pareto front of rate against tolerance: .svg, .png, .pdf, .csv or .json.",
-        ),
-    ] = None,
+    free: Free = "headings",
+    require: Require = "position",
+    maximize: Maximize = "rate",
+    move: Move = None,
+    symmetry: Symmetry = None,
+    checks: Checks = 300,
+    seed: Seed = 1,
+    output: SceneFile = None,
+    report: ReportFile = None,
+    front: Front = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,

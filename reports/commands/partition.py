@@ -16,6 +16,13 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 
+Show = Annotated[
+    Drawing,
+    typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
+]
+Compare = Annotated[bool, typer.Option("--compare", help="Compare all contact rules on the square instead.")]
+
+
 def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
     context: typer.Context,
     scene: SceneText,
@@ -24,13 +31,8 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     radius: Radius = None,
     at: At = None,
     allow_outside: AllowOutside = False,
-    show: Annotated[
-        Drawing,
-        typer.Option("--show", help="What -o draws: the cells, the array of wheels, or V* over the cells (rates)."),
-    ] = Drawing.CELLS,
-    compare: Annotated[
-        bool, typer.Option("--compare", help="Compare all contact rules on the square instead.")
-    ] = False,
+    show: Show = Drawing.CELLS,
+    compare: Compare = False,
     json: Json = False,
 ) -> int:
     """List or draw the cells of the plane, each with its contact state and twist, or a sampled field.

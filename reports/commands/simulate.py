@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,13 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import LawName, Method
 from nonsmooth.reports.console import refuse_given
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from nonsmooth.reports.simulation_modes import Options, SimulationMode
+    from nonsmooth.symbolic.scene import Scene
 
 # Headings of the help: what an option belongs to.
 PATH = "One path"
@@ -165,14 +172,11 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.reports.animation.output import FILMS, require_film
-    from nonsmooth.reports.files import PICTURES, output_path
+    from nonsmooth.reports.animation.output import require_film
     from nonsmooth.reports.shown import show
-    from nonsmooth.reports.simulation_modes import Options, SimulationMode, array_mode
-    from nonsmooth.reports.system_simulations import ModesPathMode, system_mode
-    from nonsmooth.symbolic.files.mode_file import holds_modes, load_modes
+    from nonsmooth.reports.simulation_modes import Options
     from nonsmooth.symbolic.files.scene_file import load_scene
-    from nonsmooth.symbolic.files.system_file import holds_system, load_system
+    from nonsmooth.symbolic.files.system_file import holds_system
 
     options = Options(
         start=start,
@@ -191,19 +195,34 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         mode=mode,
         refuse=partial(refuse_given, context),
     )
-    films = () if grid is not None or compare_masses else FILMS
-    path = None if output is None else output_path(output, (".csv", ".json", *PICTURES, *films))
+    path = None if output is None else _path(output, films=grid is None and not compare_masses)
     options.check()
     plain = holds_system(scene)
-    run: SimulationMode
-    if holds_modes(scene):
-        run = ModesPathMode(partial(load_modes, scene))
-    elif plain:
-        run = system_mode(options, partial(load_system, scene))
-    else:
-        load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
-        run = array_mode(options, load)
+    load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    run = _mode(scene, options, load, plain=plain)
     run.refuse_others(options)
     require_film(path, is_array=not plain)
     show(run.shown(options), path, json=json)
     return 0
+
+
+def _path(output: str, *, films: bool) -> Path:
+    """Where samples, a picture or a film are written."""
+    from nonsmooth.reports.animation.output import FILMS
+    from nonsmooth.reports.files import PICTURES, output_path
+
+    return output_path(output, (".csv", ".json", *PICTURES, *(FILMS if films else ())))
+
+
+def _mode(scene: str, options: Options, load: Callable[[], Scene], *, plain: bool) -> SimulationMode:
+    """What runs, for an array, a plain system, or a system with modes."""
+    from nonsmooth.reports.simulation_modes import array_mode
+    from nonsmooth.reports.system_simulations import ModesPathMode, system_mode
+    from nonsmooth.symbolic.files.mode_file import holds_modes, load_modes
+    from nonsmooth.symbolic.files.system_file import load_system
+
+    if holds_modes(scene):
+        return ModesPathMode(partial(load_modes, scene))
+    if plain:
+        return system_mode(options, partial(load_system, scene))
+    return array_mode(options, load)
