@@ -200,7 +200,6 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     plain = holds_system(scene)
     load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     run = _mode(scene, options, load, plain=plain)
-    run.refuse_others(options)
     require_film(path, is_array=not plain)
     show(run.shown(options), path, json=json)
     return 0
@@ -215,14 +214,18 @@ def _path(output: str, *, films: bool) -> Path:
 
 
 def _mode(scene: str, options: Options, load: Callable[[], Scene], *, plain: bool) -> SimulationMode:
-    """What runs, for an array, a plain system, or a system with modes."""
+    """What runs, for an array, a plain system, or a system with modes; options of others are refused."""
     from nonsmooth.reports.simulation_modes import array_mode
     from nonsmooth.reports.system_simulations import ModesPathMode, system_mode
     from nonsmooth.symbolic.files.mode_file import holds_modes, load_modes
     from nonsmooth.symbolic.files.system_file import load_system
 
+    run: SimulationMode
     if holds_modes(scene):
-        return ModesPathMode(partial(load_modes, scene))
-    if plain:
-        return system_mode(options, partial(load_system, scene))
-    return array_mode(options, load)
+        run = ModesPathMode(partial(load_modes, scene))
+    elif plain:
+        run = system_mode(options, partial(load_system, scene))
+    else:
+        run = array_mode(options, load)
+    run.refuse_others(options)
+    return run
