@@ -9,12 +9,14 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 Json = dict[str, Any]
+REPLACED = 20.0  # seconds after which a worker that is replaced must have ended
 ANSWERS = 120.0  # seconds in which it must answer: the machine of a test may be busy
 
 
@@ -106,6 +108,13 @@ class Workbench:
     def workers(self) -> list[int]:
         """Processes that compute: the children of the server's children."""
         return [grandchild for child in _children(self.process.pid) for grandchild in _children(child)]
+
+    def workers_left(self, count: int) -> list[int]:
+        """The workers, once there are no more than a count of them: one that is replaced ends a little later."""
+        deadline = time.monotonic() + REPLACED
+        while len(self.workers()) > count and time.monotonic() < deadline:
+            time.sleep(0.05)
+        return self.workers()
 
     def kill(self) -> None:
         """As when the machine kills it."""
