@@ -159,8 +159,8 @@ def require_rank(rows: Iterable[Row], required: str) -> None:
     Raises:
         RefusalError: saying what was required, how many independent rows there are, and which motions are free.
     """
-    rows, again = tee(rows)  # most often three or four of them tell
-    rank = len(independent(row.normal for row in rows))
+    first, again = tee(rows)  # most often three or four of them tell
+    rank = len(independent(row.normal for row in first))
     if rank < 3:
         free = f": {free_text(kernel(again))}" if rank else ""
         raise RefusalError(

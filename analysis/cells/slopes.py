@@ -130,7 +130,7 @@ class _PairTable:
     """All pairs of tight rows in floats: directions of edges, and the slopes along them and back."""
 
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
-        self.arrangement, self.rows = arrangement, arrangement.rows
+        self.arrangement = arrangement
         tight = np.array(tight_rows(signs), dtype=int)
         self.tight = len(tight)
         self.pairs = _pairs(tight)
@@ -168,7 +168,7 @@ class _PairTable:
             if any(direction):
                 yield first
                 orthogonal = {
-                    k: not inner(self.rows[k].normal, direction)
+                    k: not inner(self.arrangement.rows[k].normal, direction)
                     for k in {int(row) for pair in bucket for row in self.pairs[pair]}
                 }
                 bucket = [pair for pair in bucket if not all(orthogonal[int(row)] for row in self.pairs[pair])]

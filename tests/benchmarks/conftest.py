@@ -23,7 +23,7 @@ class Stopwatch:
             times.append(time.perf_counter() - start)
         return min(times)
 
-    def ratio(self, slow: Callable[[], object], fast: Callable[[], object], rounds: int = 5) -> tuple[float, float]:
+    def in_turn(self, slow: Callable[[], object], fast: Callable[[], object], rounds: int = 5) -> tuple[float, float]:
         """Shortest runs of slow and of fast work, done in turn, since a machine's speed changes within seconds.
 
         Fast work is done several times in each round: one short run may fall into a slow moment.

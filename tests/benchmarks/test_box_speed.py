@@ -69,7 +69,7 @@ def test_partition_against_parametric_programming(arrays: Arrays, stopwatch: Sto
     cells = len(build_box_partition(four_wheel(arrays)).cells)
     algorithm = getattr(mpqp_algorithm, name)
     regions = len(solve_mpqp(parametric_program(model, 0.5), algorithm).critical_regions)
-    theirs, ours = stopwatch.ratio(
+    theirs, ours = stopwatch.in_turn(
         lambda: solve_mpqp(parametric_program(model, 0.5), algorithm),
         lambda: build_box_partition(four_wheel(arrays)),
     )
@@ -87,7 +87,7 @@ def test_point_location_against_linear_programs(stopwatch: Stopwatch, name: str)
     points = np.random.default_rng(0).uniform(-0.5, 0.5, (100_000, 2))
     few = points[:100]
     loads = loads_at(model, few)
-    solving, locating = stopwatch.ratio(
+    solving, locating = stopwatch.in_turn(
         lambda: BoxHighs().minimize(model, loads), lambda: locator.twists(points), rounds=3
     )
     solved, located = solving / len(few), locating / len(points)
