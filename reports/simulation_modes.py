@@ -26,7 +26,6 @@ UNTIL = 2.0  # last time of a single path, where none is given
 
 # Parameters of the command by the mode they belong to.
 OF_LOOPS = ("feedback", "law", "gain")
-OF_MAPS = ("grid", "heading")
 OF_BODIES = ("mass", "inertia", "compare_masses")
 OF_SCENES = ("rule", "radius", "at")
 

@@ -95,7 +95,6 @@ class Arrangement:
         self.rhs = np.array([float(row.rhs) for row in self.rows])
         self.float_weights = np.array([[float(x) for x in weight] for weight in self.weights])
         self.corners = float_corners(region.polygon)
-        self.corner_weights = self.float_weights @ self.corners.T
         self._vertices: dict[Twist, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]

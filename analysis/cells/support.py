@@ -15,9 +15,9 @@ from itertools import pairwise
 from flint import arb
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.cells.polygon import Point, square
+from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.contact_rule import contact_rule
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import Vector, cross, dot, minus
 from nonsmooth.symbolic.scene import Scene
@@ -47,11 +47,6 @@ class Support:
     def stands(self) -> bool:
         """Whether the checked point lies strictly inside; elsewhere the body tips."""
         return bool(self.sides) and all(cross(p, q).sign() > 0 for p, q in self.sides)
-
-    def stands_at(self, point: Point) -> bool:
-        """Whether another point, measured from the checked one, lies strictly inside."""
-        x, y = point
-        return bool(self.sides) and all(sign(cross(minus(q, p), minus((x, y), p))) > 0 for p, q in self.sides)
 
     @cached_property
     def squared_distance(self) -> Number:

@@ -12,12 +12,9 @@ from nonsmooth.symbolic.scene import Scene
 Start: TypeAlias = tuple[float, float, float]  # x, y, theta
 
 STARTS = 24
-USUAL = (0.4, 0.8)  # of the square's half-width from the checked point: (0.2, 0.4) for the paper's array
-
-
-def usual_start(partition: Partition) -> Start:
-    """``(x, y, 0)`` off the axes and diagonals, so that symmetric arrays have no tie there."""
-    return starts(partition)[0]
+# Off the axes and diagonals, so that symmetric arrays have no tie there, in half-widths of the square from the
+# checked point: (0.2, 0.4) for the paper's array.
+USUAL = (0.4, 0.8)
 
 
 def starts(partition: Partition) -> list[Start]:
